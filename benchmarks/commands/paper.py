@@ -12,19 +12,14 @@ from nipper_pin.extras import require
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Define the arguments of the command."""
     parser.add_argument(
-        "model",
-        nargs="?",
-        metavar="MODEL",
+        "model", nargs="?", metavar="MODEL",
         help="the E62, another set of numbers for it, or another comber, on which the same is "
         "done without a comparison: a model's name, or a folder (default e62)",
-    )
+    )  # fmt: skip
     parser.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="PATH=VALUE",
+        "--set", action="append", default=[], metavar="PATH=VALUE",
         help="change a number of the model; may be repeated",
-    )
+    )  # fmt: skip
     parser.add_argument("--json", metavar="FILE", help="write the result as JSON; - for stdout")
     parser.add_argument("--out", metavar="DIR", help="write JSON, table and plots into a folder")
     parser.set_defaults(run=_run)

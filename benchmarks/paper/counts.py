@@ -8,7 +8,6 @@ that threshold as about the machine.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -31,20 +30,14 @@ class Counts:
     """Numbers of collisions against the threshold.
 
     A count stops at the first collision after which the jaw separates slower than the threshold;
-    that collision is counted, its rebound is not. All intervals of thresholds are (low, high], in
-    rad/s, inside LOWEST to HIGHEST.
+    that collision is counted, its rebound is not.
 
     Attributes:
-        thresholds: Separation rates at which the count stops [rad/s], shape (K,).
-        restitution: Collisions by threshold and restitution, shape (K, n).
-        stiffness: By threshold and spring rate, shape (K, m).
-        speed: By threshold and speed, shape (K, l).
-        collisions_match: Where the collisions grow with the restitution as published.
-        rebounds_match: Where the rebounds, one less than the collisions, do; these and the next
-            are empty if nothing was published for the machine.
-        times_match: Where the collisions grow *to* the published number of times, which is
-            another reading of the words, if not of the other numbers beside them.
-        same_with_stiffness: Where no spring rate changes the number.
+        thresholds: Separation rates at which the count stops [rad/s], shape (K,); by them and by
+            restitution, stiffness or speed the numbers of collisions.
+        matches: Intervals of thresholds, (low, high], for which a published statement comes out.
+            That collisions grow *to* the published number of times is another reading of the words,
+            if not of the other numbers beside them; rebounds are one less than the collisions.
         time_increase: Increase of the transition time with the restitution if the transition ends
             at the last collision that is counted, shape (K,) [-].
         largest_increase: Largest increase of the collisions with the restitution.
@@ -54,19 +47,9 @@ class Counts:
     restitution: NDArray[np.int64]
     stiffness: NDArray[np.int64]
     speed: NDArray[np.int64]
-    collisions_match: tuple[Interval, ...]
-    rebounds_match: tuple[Interval, ...]
-    times_match: tuple[Interval, ...]
-    same_with_stiffness: tuple[Interval, ...]
+    matches: dict[str, tuple[Interval, ...]]
     time_increase: FloatArray
     largest_increase: float
-
-    @property
-    def both_match(self) -> tuple[Interval, ...]:
-        """Thresholds for which the rebounds grow as published and no spring rate matters."""
-        pairs = product(self.rebounds_match, self.same_with_stiffness)
-        found = ((max(a[0], b[0]), min(a[1], b[1])) for a, b in pairs)
-        return tuple((low, high) for low, high in found if low < high)
 
     def record(self) -> dict[str, Any]:
         """Return the answers as plain data."""
@@ -77,15 +60,9 @@ class Counts:
             "by_restitution": self.restitution[places].tolist(),
             "by_stiffness": self.stiffness[places].tolist(),
             "by_speed": self.speed[places].tolist(),
-            "collisions_grow_as_published": [list(item) for item in self.collisions_match],
-            "rebounds_grow_as_published": [list(item) for item in self.rebounds_match],
-            "collisions_grow_to_the_published_multiple": [list(item) for item in self.times_match],
-            "unchanged_by_stiffness": [list(item) for item in self.same_with_stiffness],
+            **{key: [list(item) for item in found] for key, found in self.matches.items()},
             "transition_time_increase": [
                 None if np.isnan(value) else float(value) for value in self.time_increase[places]
-            ],
-            "rebounds_as_published_and_unchanged_by_stiffness": [
-                list(item) for item in self.both_match
             ],
             "largest_increase_of_collisions": self.largest_increase,
         }
@@ -95,23 +72,30 @@ def collision_counts(studies: Studies, conditions: Published) -> Counts:
     """Count collisions for all thresholds, and find those with the published increase."""
     decades = np.log10(HIGHEST / LOWEST)
     thresholds = np.logspace(np.log10(LOWEST), np.log10(HIGHEST), round(decades * _PER_DECADE) + 1)
-    edges = _edges(studies.restitution.rates, studies.stiffness.rates)
+    rates = np.concatenate([studies.restitution.rates.ravel(), studies.stiffness.rates.ravel()])
+    # Thresholds at which a count changes, and the ends of the range.
+    edges = np.unique([LOWEST, *rates[(rates > LOWEST) & (rates < HIGHEST)], HIGHEST])
     middles = np.sqrt(edges[:-1] * edges[1:])
     by_restitution = counted(studies.restitution.rates, middles)
-    by_stiffness = counted(studies.stiffness.rates, middles)
     few, many = by_restitution[:, 0], by_restitution[:, -1]
     increase = np.nan if conditions.count_increase is None else conditions.count_increase
+    rebounds = (few > 1) & (many - 1 == (1.0 + increase) * (few - 1))
+    same = np.ptp(counted(studies.stiffness.rates, middles), axis=1) == 0
+    right = {
+        "collisions_grow_as_published": many == (1.0 + increase) * few,
+        "rebounds_grow_as_published": rebounds,
+        "collisions_grow_to_the_published_multiple": many == increase * few,
+        "unchanged_by_stiffness": same,
+        "rebounds_as_published_and_unchanged_by_stiffness": rebounds & same,
+    }
     return Counts(
-        thresholds=thresholds,
-        restitution=counted(studies.restitution.rates, thresholds),
-        stiffness=counted(studies.stiffness.rates, thresholds),
-        speed=counted(studies.speed.rates, thresholds),
-        collisions_match=_intervals(edges, many == (1.0 + increase) * few),
-        rebounds_match=_intervals(edges, (few > 1) & (many - 1 == (1.0 + increase) * (few - 1))),
-        times_match=_intervals(edges, many == increase * few),
-        same_with_stiffness=_intervals(edges, np.ptp(by_stiffness, axis=1) == 0),
-        time_increase=_time_increase(studies.restitution, thresholds),
-        largest_increase=float((many / few).max() - 1.0),
+        thresholds,
+        counted(studies.restitution.rates, thresholds),
+        counted(studies.stiffness.rates, thresholds),
+        counted(studies.speed.rates, thresholds),
+        {key: _intervals(edges, places) for key, places in right.items()},
+        _time_increase(studies.restitution, thresholds),
+        float((many / few).max() - 1.0),
     )
 
 
@@ -135,13 +119,6 @@ def _time_increase(study: Study, thresholds: FloatArray) -> FloatArray:
     moved = first_case > 0.0
     increase[moved] = last_case[moved] / first_case[moved] - 1.0
     return increase
-
-
-def _edges(*rates: FloatArray) -> FloatArray:
-    """Thresholds at which a count changes, and the ends of the range."""
-    found = np.concatenate([item[np.isfinite(item)] for item in rates])
-    inside = found[(found > LOWEST) & (found < HIGHEST)]
-    return np.unique(np.concatenate([[LOWEST], inside, [HIGHEST]]))
 
 
 def _intervals(edges: FloatArray, right: NDArray[np.bool_]) -> tuple[Interval, ...]:

@@ -26,16 +26,9 @@ FACTORS = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 100.0)
 
 @dataclass(frozen=True)
 class DriveEffect:
-    """A transition with inertial shafts beside the same with held ones.
+    """Relative changes of a transition by shafts with so many times the model's inertias [-].
 
-    Attributes:
-        factor: Reflected inertias by those of the model [-].
-        speed_rpm: Cylinder speed [r/min].
-        first_impulse: Relative change of the first impulse [-].
-        first_amplitude: Relative change of the first rebound amplitude [-].
-        second_amplitude: Relative change of the second [-].
-        transition_time: Relative change of the transition time [-].
-        shaft_jump: Largest change of a shaft's rate in the first collision by its rate [-].
+    ``shaft_jump`` is the largest change of a shaft's rate in the first collision, by its rate.
     """
 
     factor: float
@@ -71,9 +64,8 @@ def compare_drives(mechanism: Mechanism, conditions: Published) -> DriveComparis
         held = _numbers(mechanism, speed, DriveMode.HELD)
         for factor in FACTORS:
             numbers = _numbers(_scaled(mechanism, factor), speed, DriveMode.INERTIAL)
-            impulse, first, second, duration = (numbers[:4] / held[:4] - 1.0).tolist()
-            jump = float(numbers[4])
-            effects.append(DriveEffect(factor, speed, impulse, first, second, duration, jump))
+            changes = [*(numbers[:4] / held[:4] - 1.0), numbers[4]]
+            effects.append(DriveEffect(factor, speed, *map(float, changes)))
     return DriveComparison(
         {drive.name: drive.reflected_inertia for drive in mechanism.drives},
         tuple(effects),
@@ -82,11 +74,9 @@ def compare_drives(mechanism: Mechanism, conditions: Published) -> DriveComparis
 
 
 def _scaled(mechanism: Mechanism, factor: float) -> Mechanism:
-    drives = tuple(
-        replace(drive, reflected_inertia=factor * drive.reflected_inertia)
-        for drive in mechanism.drives
-    )
-    return replace(mechanism, drives=drives)
+    inertias = (factor * drive.reflected_inertia for drive in mechanism.drives)
+    pairs = zip(mechanism.drives, inertias, strict=True)
+    return replace(mechanism, drives=tuple(replace(d, reflected_inertia=i) for d, i in pairs))
 
 
 def _numbers(mechanism: Mechanism, speed: float, drive: DriveMode) -> FloatArray:

@@ -21,10 +21,10 @@ from nipper_pin.view.style import LINES, MARKERS, SMALL, TEXT, TITLE, WIDTH_IN, 
 
 from .counts import counted
 from .drives import FACTORS
+from .report import spring_unit
 from .shares import MAP_RESTITUTIONS
 from .studies import Study
 from .study import PaperStudy
-from .words import preload_unit, rate_unit
 
 _E62 = "estimate of the E62 class identified from the published ratios; not the maker's data"
 _OTHER = "numbers of the model; those of the package's combers are estimates, no maker's data"
@@ -44,7 +44,7 @@ def _figure_11(study: PaperStudy) -> Figure:
     jaw = study.mechanism.stop(study.mechanism.transition_stop).index
     noun = coordinate_shown(study.mechanism, jaw).words
     angle = shown(study.mechanism, "rebound_amplitude")
-    ends = MS_PER_S * study.studies.speed.durations
+    ends = MS_PER_S * study.studies.speed.table.duration
     for axes, run, end in zip(panels, study.motions, ends, strict=True):
         t, q = sample_coordinates(run, *run.trajectory.span)
         axes.plot(MS_PER_S * t, angle.value(q[:, jaw]), color=LINES[0], linewidth=1.3,
@@ -71,24 +71,24 @@ def _figure_12(study: PaperStudy) -> Figure:
 def _figure_13(study: PaperStudy) -> Figure:
     data, name = study.studies.restitution, "restitution e [-]"
     figure, (time, number) = _panels(study, "Transition over the restitution")
-    _draw(time, name, _REST, data.values, {"ours": MS_PER_S * data.durations}, marked=True)
-    _cross(time, study, "restitution.transition_time_increase", data.values, data.durations)
+    _draw(time, name, _REST, data.values, {"ours": MS_PER_S * data.table.duration}, marked=True)
+    _cross(time, study, "restitution.transition_time_increase", data.values, data.table.duration)
     _draw_counts(number, name, data, data.values)
     return figure
 
 
 def _figure_14(study: PaperStudy) -> Figure:
-    data, (unit, factor) = study.studies.stiffness, rate_unit(study.mechanism)
+    data, (unit, factor) = study.studies.stiffness, spring_unit(study.mechanism, "stiffness")
     figure, (time, number) = _panels(study, "Transition over the spring rate, the preload kept")
     name, rates = f"spring rate [{unit}]", factor * data.values
-    series = {"time to rest": data.durations, "first rebound": data.times[:, 0],
+    series = {"time to rest": data.table.duration, "first rebound": data.times[:, 0],
               "second rebound": data.times[:, 1]}  # fmt: skip
     times = {label: MS_PER_S * values for label, values in series.items()}
     _draw(time, name, "time [ms]", rates, times, marked=True)
     for which in ("first", "second"):
         _cross(time, study, f"stiffness.{which}_rebound_time_change", rates,
                series[f"{which} rebound"])  # fmt: skip
-    time.set_ylim(0.0, 1.25e3 * float(data.durations.max()))
+    time.set_ylim(0.0, 1.25e3 * float(data.table.duration.max()))
     _draw_counts(number, name, data, rates)
     return figure
 
@@ -98,11 +98,11 @@ def _thresholds(study: PaperStudy) -> Figure:
     figure, (number, time) = _panels(study, "Collisions and time to rest over the threshold")
     series = {f"e = {data.values[i]:g}": counts.restitution[:, i] for i in (0, 2, 4)}
     _draw(number, "threshold [rad/s]", "collisions", counts.thresholds, series)
-    for low, high in counts.rebounds_match:
+    for low, high in counts.matches["rebounds_grow_as_published"]:
         number.axvspan(low, high, facecolor="0.85", zorder=0, label="rebounds +300 %")
     _draw(time, "threshold [rad/s]", "increase of the time to rest [-]", counts.thresholds,
           {"stop at the threshold": counts.time_increase})  # fmt: skip
-    limit = float(data.durations[-1] / data.durations[0] - 1.0)
+    limit = float(data.table.duration[-1] / data.table.duration[0] - 1.0)
     lines = {"limit of the series": limit}
     if study.compared:
         lines["published"] = study.published.ratios["restitution.transition_time_increase"]
@@ -129,7 +129,7 @@ def _drives(study: PaperStudy) -> Figure:
 
 
 def _stop_force(study: PaperStudy) -> Figure:
-    stop, (unit, factor) = study.phase_one, preload_unit(study.mechanism)
+    stop, (unit, factor) = study.phase_one, spring_unit(study.mechanism, "preload")
     figure, (curve, chart) = _panels(study, f"Force on the stop of the {stop.stop} in phase 1", 3.6)
     forces = [stop.force(stop.preload, speed) for speed in study.published.speeds_rpm]
     _draw(curve, "index (40 to a turn)", "stop force with the jaw open [N]", stop.index,
@@ -157,7 +157,7 @@ def _fixed_step(study: PaperStudy) -> Figure | None:
     figure, panels = _panels(study, "Error of fixed steps: forward, and semi-implicit", 3.6)
     labels = ("first rebound time", "second rebound time", "first amplitude", "time to rest")
     for axes, rule in zip(panels, study.fixed_step.rules, strict=True):
-        series = dict(zip(labels, np.abs(rule.errors).T, strict=True))
+        series = dict(zip(labels, np.abs(rule.relative_errors).T, strict=True))
         _draw(axes, "step [s]", f"relative error, {rule.name}", rule.steps_s, series, marked=True)
         axes.set_xscale("log")
         axes.set_yscale("log")
@@ -184,7 +184,7 @@ def _shares(study: PaperStudy) -> Figure:
 
 
 def _designs(study: PaperStudy) -> Figure:
-    data, (unit, factor) = study.durations, rate_unit(study.mechanism)
+    data, (unit, factor) = study.durations, spring_unit(study.mechanism, "stiffness")
     title = "Time to rest in ms (full lines) and in units of the index (dashed), the preload kept"
     figure, panels = _panels(study, title, 3.2, 1, len(data.stiffnesses))
     times = MS_PER_S * data.durations

@@ -29,34 +29,27 @@ _READ = {
 
 @dataclass(frozen=True)
 class Rule:
-    """Errors of one explicit rule.
+    """Errors of one explicit rule, "forward" (Euler) or "semi-implicit".
 
     Attributes:
-        name: "forward" (Euler) or "semi-implicit".
-        steps_s: Steps, falling [s], shape (K,).
-        errors: Relative errors, shape (K, quantities).
+        relative_errors: By step and quantity.
         order: Slope of the transition time's error over the step, by least squares on logarithms.
-        extrapolated: Relative errors of what the two smallest steps extrapolate to with order one,
-            shape (quantities,): that the limit is ours.
+        extrapolated_errors: By quantity, of what the two smallest steps extrapolate to with order
+            one: that the limit is ours.
     """
 
     name: str
     steps_s: FloatArray
-    errors: FloatArray
+    relative_errors: FloatArray
     order: float
-    extrapolated: FloatArray
+    extrapolated_errors: FloatArray
 
 
 @dataclass(frozen=True)
 class FixedStep:
-    """The published scheme beside ours.
+    """The published scheme beside ours: its steps at the published step, our evaluations.
 
-    Attributes:
-        speed_rpm: Cylinder speed [r/min].
-        steps_taken: Steps of one transition at the published step.
-        our_evaluations: Evaluations of ours.
-        our_error_s: Stated error of our transition time [s].
-        rules: The explicit rules that the study may have used; which one is not stated.
+    Which of the two explicit rules the study uses is not stated.
     """
 
     speed_rpm: float
@@ -72,11 +65,8 @@ class FixedStep:
             "quantities": list(_READ),
             "rules": [
                 {
-                    "name": rule.name,
-                    "steps_s": rule.steps_s.tolist(),
-                    "relative_errors": rule.errors.tolist(),
-                    "order": rule.order,
-                    "extrapolated_errors": rule.extrapolated.tolist(),
+                    key: value.tolist() if isinstance(value, np.ndarray) else value
+                    for key, value in asdict(rule).items()
                 }
                 for rule in self.rules
             ],
@@ -97,9 +87,8 @@ def fixed_step(mechanism: Mechanism, conditions: Published) -> FixedStep:
         taken = runs[-1].evaluations
         values = np.array([[getattr(item, key) for key in _READ.values()] for item in runs])
         rules.append(_rule(name, np.array(STEPS_S), values, exact))
-    return FixedStep(
-        speed, taken, solution.evaluations, float(solution.errors[-1].time), tuple(rules)
-    )
+    error = float(solution.errors[-1].time)
+    return FixedStep(speed, taken, solution.evaluations, error, tuple(rules))
 
 
 def _rule(name: str, steps: FloatArray, values: FloatArray, exact: FloatArray) -> Rule:

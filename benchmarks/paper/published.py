@@ -17,15 +17,8 @@ from ..peers.planar_model import e62_laws
 class Published:
     """Conditions and results of the published study, or conditions of the same for another machine.
 
-    Attributes:
-        source: Where it was published.
-        speeds_rpm: Speeds of the first study [r/min].
-        restitutions: Restitutions of the second.
-        stiffnesses: Spring rates of the third [N/m or N m/rad].
-        common_speed_rpm: Speed of the second and third [r/min].
-        common_restitution: Restitution of the first and third; inferred, not printed.
-        ratios: The ratios that are compared, by name; none for another machine.
-        count_increase: Increase of the number of collisions with the restitution, likewise.
+    The common speed is that of the studies of restitutions and spring rates [N/m or N m/rad], the
+    common restitution, which is inferred and not printed, that of speeds and spring rates.
     """
 
     source: str

@@ -54,8 +54,8 @@ def agreement(items: Sequence[Ratio]) -> dict[str, int]:
 
 def ratio_values(studies: Studies) -> dict[str, float]:
     """Ratios of our transitions by name: last case by the first one, minus one; and shares."""
-    speed, durations = studies.speed, studies.restitution.durations
-    shares = zip(speed.values, speed.shares, strict=True)
+    speed, durations = studies.speed, studies.restitution.table.duration
+    shares = zip(speed.values, speed.table.first_two_share, strict=True)
     return {
         **_changes(speed, "amplitude_increase", speed.amplitudes),
         **{f"speed.first_two_share_{value:g}": float(share) for value, share in shares},

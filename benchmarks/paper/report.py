@@ -8,16 +8,43 @@ from pathlib import Path
 
 from rich.console import Console
 
+from nipper_pin.hybrid.result.quantities import coordinate_unit
+from nipper_pin.mechanism import Mechanism
 from nipper_pin.outputs import complete_folder
-from nipper_pin.terms import digits
+from nipper_pin.terms import digits, shown_in
 from nipper_pin.view.console import say
 
 from ..views.sheet import Sheet
 from .ratios import Ratio, agreement, ratio_values
 from .study import IDENTIFIED, PaperStudy
-from .words import ratio_words
 
 _TEXTS = ("paper.json", "ratios.md")
+
+
+def spring_unit(mechanism: Mechanism, quantity: str) -> tuple[str, float]:
+    """Unit in which people read a spring's "stiffness" or "preload", and its factor."""
+    turns = coordinate_unit(mechanism, mechanism.springs[0].index) == "rad"
+    units = {"stiffness": ("N/m", "N m/rad"), "preload": ("m", "rad")}
+    return shown_in(units[quantity][turns])
+
+
+def ratio_words(study: PaperStudy) -> dict[str, str]:
+    """All ratios by name in words: what changes, and between which two cases."""
+    unit, factor = spring_unit(study.mechanism, "stiffness")
+    speeds, e, rates = (each.values[[0, -1]] for each in study.studies)
+    ends = {
+        "speed": "{:g} to {:g} r/min".format(*speeds),
+        "restitution": "e = {:g} to {:g}".format(*e),
+        "stiffness": "{:.3g} to {:.3g} ".format(*(factor * rates)) + unit,
+    }
+    found = {}
+    for name in ratio_values(study.studies):
+        over, _, quantity = name.partition(".")
+        what, _, last = quantity.rpartition("_")
+        share = what == "first_two_share"
+        words = "share of the first two rebounds" if share else what.replace("_", " ")
+        found[name] = f"{words}, {f'{last} r/min' if share else ends[over]}"
+    return found
 
 
 def sheet(study: PaperStudy) -> Sheet:

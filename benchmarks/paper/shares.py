@@ -31,11 +31,9 @@ _RATES = (0, 2, 4)
 
 @dataclass(frozen=True)
 class Shares:
-    """Shares of the first two rebounds over the restitution.
+    """Shares of the first two rebounds over speeds (n) and restitutions (m).
 
     Attributes:
-        speeds_rpm: Speeds [r/min], shape (n,).
-        restitutions: Shape (m,).
         shares: Shape (n, m); NaN where the jaw does not come to rest.
         ballistic: 1 - e^2, shape (m,).
         ballistic_ratios: Published ratios that a constant force would give, by name.
@@ -88,13 +86,7 @@ def shares(mechanism: Mechanism, conditions: Published) -> Shares:
 
 @dataclass(frozen=True)
 class DurationMap:
-    """Transition times.
-
-    Attributes:
-        stiffnesses: Spring rates [N/m or N m/rad], shape (n,).
-        speeds_rpm: Speeds [r/min], shape (l,).
-        durations: Transition times over MAP_RESTITUTIONS and speeds [s], shape (n, m, l).
-    """
+    """Transition times [s] over spring rates (n), MAP_RESTITUTIONS (m) and speeds (l)."""
 
     stiffnesses: FloatArray
     speeds_rpm: FloatArray

@@ -21,14 +21,10 @@ from .published import Published
 
 @dataclass(frozen=True)
 class Study:
-    """Transitions over one quantity.
+    """Transitions over n values of one quantity: "speed", "restitution" or "stiffness".
 
-    Attributes:
-        name: "speed", "restitution" or "stiffness".
-        values: Values of the quantity [r/min, - or N/m], shape (n,).
-        table: Their transitions, rest as the limit of the series.
-        bounces: The same, rest as the first rebound slower than 1e-6 rad/s: all collisions that
-            any threshold of interest counts.
+    Rest is the limit of the series in ``table``; in ``bounces``, which has all collisions that any
+    threshold of interest counts, the first rebound slower than 1e-6 rad/s.
     """
 
     name: str
@@ -51,30 +47,20 @@ class Study:
         """Times of the first two rebounds [s], shape (n, 2)."""
         return self.table.rebound_time[:, :2]
 
-    @property
-    def durations(self) -> FloatArray:
-        """Transition times [s], shape (n,)."""
-        return self.table.duration
-
-    @property
-    def shares(self) -> FloatArray:
-        """Shares of the first two rebounds in the transition times, shape (n,)."""
-        return self.table.first_two_share
-
     def record(self) -> list[dict[str, Any]]:
         """Return one row a case as plain data, SI units."""
+        columns = {
+            self.name: self.values,
+            "rebound_amplitude_1": self.amplitudes[:, 0],
+            "rebound_amplitude_2": self.amplitudes[:, 1],
+            "rebound_time_s_1": self.times[:, 0],
+            "rebound_time_s_2": self.times[:, 1],
+            "duration_s": self.table.duration,
+            "first_two_share": self.table.first_two_share,
+        }
         return [
-            {
-                self.name: float(value),
-                "rebound_amplitude_1": float(self.amplitudes[i, 0]),
-                "rebound_amplitude_2": float(self.amplitudes[i, 1]),
-                "rebound_time_s_1": float(self.times[i, 0]),
-                "rebound_time_s_2": float(self.times[i, 1]),
-                "duration_s": float(self.durations[i]),
-                "first_two_share": float(self.shares[i]),
-                "premise_holds": self.table.premise_holds[i],
-            }
-            for i, value in enumerate(self.values)
+            {**{key: float(column[i]) for key, column in columns.items()}, "premise_holds": holds}
+            for i, holds in enumerate(self.table.premise_holds)
         ]
 
 
@@ -111,33 +97,22 @@ def run_studies(
         "restitution": conditions.common_restitution,
         "stiffness": mechanism.springs[0].stiffness,
     }
+    over = (conditions.speeds_rpm, conditions.restitutions, conditions.stiffnesses)
     return Studies(
-        _study(mechanism, "speed", usual, "speed_rpm", conditions.speeds_rpm, drive),
-        _study(mechanism, "restitution", usual, "restitution", conditions.restitutions, drive),
-        _study(mechanism, "stiffness", usual, "stiffness", conditions.stiffnesses, drive),
-    )
-
-
-def _study(
-    mechanism: Mechanism,
-    name: str,
-    usual: dict[str, Any],
-    key: str,
-    values: tuple[float, ...],
-    drive: DriveMode,
-) -> Study:
-    cases = cases_of(mechanism, **{**usual, key: values})
-    table, bounces = (
-        table_of(
-            mechanism,
-            cases,
-            rest_rate=rate,
-            tolerance=DIRECT_DEFAULT,
-            drive=drive,
-            engine="direct",
+        *(
+            _study(mechanism, {**usual, key: values}, key, drive)
+            for key, values in zip(usual, over, strict=True)
         )
-        for rate in (None, SLOWEST_REBOUND)
     )
+
+
+def _study(mechanism: Mechanism, given: dict[str, Any], key: str, drive: DriveMode) -> Study:
+    name, values, cases = key.removesuffix("_rpm"), given[key], cases_of(mechanism, **given)
+    table, bounces = (
+        table_of(mechanism, cases, rest_rate=rate, tolerance=DIRECT_DEFAULT, drive=drive,
+                 engine="direct")
+        for rate in (None, SLOWEST_REBOUND)
+    )  # fmt: skip
     for found in (table, bounces):
         for i, outcome in enumerate(found.outcome):
             if outcome != "at_rest" or found.collisions[i] < 3:

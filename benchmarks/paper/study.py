@@ -14,15 +14,13 @@ from nipper_pin.mechanism import Mechanism, load
 from .counts import Counts, collision_counts
 from .drives import DriveComparison, compare_drives
 from .fixed_step import FixedStep, fixed_step
-from .kinematics import Kinematics, kinematics
-from .phase_one import PhaseOne, phase_one
+from .phases import PhaseOne, kinematics, phase_one
 from .published import Published, conditions
 from .ratios import Ratio, agreement, ratio_values, ratios
 from .shares import DurationMap, Shares, duration_map, shares
 from .studies import Studies, run_studies
 
 IDENTIFIED = "e62_identified"
-"""Model whose numbers were identified from the same ratios; shown beside every other one."""
 _ESTIMATE = (
     "Numbers of the model are an estimate of the E62 class identified from the published "
     "ratios, never the maker's data; that they agree with these ratios validates nothing."
@@ -37,20 +35,8 @@ _ANY = (
 class PaperStudy:
     """The published study done again, and the questions that it leaves open.
 
-    Attributes:
-        mechanism: The mechanism.
-        published: What was published; for a machine that is no E62 its own conditions.
-        studies: Transitions over speed, restitution and spring rate.
-        ratios: Published ratios beside ours; empty for a machine that is no E62.
-        identified: The same of the identified model; empty if that is the mechanism.
-        motions: Transitions at the published speeds, with their motion.
-        kinematics: Phases 1 and 2 over a turn.
-        counts: Numbers of collisions against the threshold.
-        drives: Held and inertial shafts.
-        phase_one: Whether the steeve stays on its stop.
-        fixed_step: The published scheme against ours; None without a hand-derived equation.
-        shares: Shares of the first two rebounds over the restitution.
-        durations: Map of the transition time.
+    Without published ratios, for a machine that is no E62, ``ratios`` and ``identified``, those of
+    the identified model, are empty, and there is no scheme of fixed steps.
     """
 
     mechanism: Mechanism
@@ -59,7 +45,7 @@ class PaperStudy:
     ratios: tuple[Ratio, ...]
     identified: tuple[Ratio, ...]
     motions: tuple[Solution, ...]
-    kinematics: Kinematics
+    kinematics: dict[str, float]
     counts: Counts
     drives: DriveComparison
     phase_one: PhaseOne
@@ -94,7 +80,7 @@ class PaperStudy:
             },
             "studies": {study.name: study.record() for study in self.studies},
             "collision_counts": self.counts.record(),
-            "kinematics": self.kinematics.record(),
+            "kinematics": self.kinematics,
             "drives": self.drives.record(),
             "phase_1": self.phase_one.record(),
             "fixed_step": None if self.fixed_step is None else self.fixed_step.record(),
@@ -104,12 +90,7 @@ class PaperStudy:
 
 
 def paper_study(mechanism: Mechanism, say: Callable[[str], None]) -> PaperStudy:
-    """Do the published study again and answer what it leaves open.
-
-    Args:
-        mechanism: The E62 or another set of numbers for it; or another comber, on which the same
-            is done without a comparison.
-        say: Told what is being done.
+    """Do the published study again and answer what it leaves open, telling what is being done.
 
     Raises:
         InputError: The mechanism has not one spring and, closed in its initial phase, one stop.
@@ -131,17 +112,17 @@ def paper_study(mechanism: Mechanism, say: Callable[[str], None]) -> PaperStudy:
         steps = fixed_step(mechanism, given)
     say("maps")
     return PaperStudy(
-        mechanism=mechanism,
-        published=given,
-        studies=studies,
-        ratios=ratios(studies, given),
-        identified=beside,
-        motions=tuple(simulate(mechanism, Case(speed_rpm=speed)) for speed in given.speeds_rpm),
-        kinematics=turn,
-        counts=collision_counts(studies, given),
-        drives=drives,
-        phase_one=stop,
-        fixed_step=steps,
-        shares=shares(mechanism, given),
-        durations=duration_map(mechanism, given),
+        mechanism,
+        given,
+        studies,
+        ratios(studies, given),
+        beside,
+        tuple(simulate(mechanism, Case(speed_rpm=speed)) for speed in given.speeds_rpm),
+        turn,
+        collision_counts(studies, given),
+        drives,
+        stop,
+        steps,
+        shares(mechanism, given),
+        duration_map(mechanism, given),
     )

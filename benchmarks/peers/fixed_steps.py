@@ -61,12 +61,7 @@ def transition(
 
 
 def prepare(mechanism: Mechanism, speed_rpm: float) -> Run:
-    """Read the numbers and compile.
-
-    Args:
-        mechanism: The E62, or another set of numbers for it.
-        speed_rpm: Cylinder speed [r/min].
-    """
+    """Read the numbers and compile."""
     p = planar_model(mechanism, speed_rpm)
     rate = first_rebound_rate(p)
     transition(p, rate, 1e-5, True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+import cmath
 
 from nipper_pin.arrays import FloatArray
 from nipper_pin.errors import InputError
@@ -23,11 +23,7 @@ def _point(vector: FloatArray) -> complex:
 
 
 def e62_laws(mechanism: Mechanism) -> tuple[OscillatingGuide, Geared] | None:
-    """Drive laws of pendulum and tension shaft, if the mechanism is an E62 in all but its numbers.
-
-    Args:
-        mechanism: Any mechanism.
-    """
+    """Drive laws of both shafts, if the mechanism is an E62 in all but its numbers."""
     names = tuple(joint.name for joint in mechanism.joints)
     laws = {drive.name: drive.law for drive in mechanism.drives}
     pendulum, gears = laws.get("pendulum"), laws.get("tension")
@@ -41,18 +37,6 @@ def e62_laws(mechanism: Mechanism) -> tuple[OscillatingGuide, Geared] | None:
     ):
         return None
     return pendulum, gears
-
-
-def _laws(mechanism: Mechanism) -> tuple[OscillatingGuide, Geared]:
-    laws = e62_laws(mechanism)
-    if laws is None:
-        message = (
-            f"the hand-derived equation is that of the E62; {mechanism.name!r} has other joints, "
-            "drives or springs"
-        )
-        joints = [joint.name for joint in mechanism.joints]
-        raise InputError(message, joints=joints, drives=[item.name for item in mechanism.drives])
-    return laws
 
 
 def _points(mechanism: Mechanism) -> dict[str, complex]:
@@ -76,22 +60,25 @@ def _body(mechanism: Mechanism, joint: str) -> tuple[float, complex, float]:
 def planar_model(mechanism: Mechanism, speed_rpm: float) -> Planar:
     """Read the numbers of the equation.
 
-    Args:
-        mechanism: An eight-bar with the joints and drives of the E62.
-        speed_rpm: Cylinder speed [r/min].
-
     Raises:
-        InputError: The mechanism is not of this kind.
+        InputError: The mechanism has not the joints and drives of the E62.
     """
-    cylinder = mechanism.cylinder
-    pendulum, gears = _laws(mechanism)
+    laws = e62_laws(mechanism)
+    if laws is None:
+        message = (
+            f"the hand-derived equation is that of the E62; {mechanism.name!r} has other joints, "
+            "drives or springs"
+        )
+        joints = [joint.name for joint in mechanism.joints]
+        raise InputError(message, joints=joints, drives=[item.name for item in mechanism.drives])
+    (pendulum, gears), cylinder = laws, mechanism.cylinder
     shaft, E, R, J, H, _, S, rocker_axis, X = _points(mechanism).values()
     (m4, c4, I4), (m6, c6, I6), (m5, c5, I5) = (
         _body(mechanism, name) for name in ("jaw", "rod_pin", "steeve")
     )
     crank_axis, guide_axis = complex(*pendulum.crank_axis), complex(*pendulum.guide_axis)
     psi = cylinder.angle_at_touch_rad
-    pin = crank_axis + pendulum.crank_radius_m * _unit(psi) - guide_axis
+    pin = crank_axis + pendulum.crank_radius_m * cmath.exp(1j * psi) - guide_axis
     u = (X - H) / abs(X - H)
     spring = mechanism.springs[0]
     return Planar(
@@ -127,11 +114,6 @@ def planar_model(mechanism: Mechanism, speed_rpm: float) -> Planar:
         gravity=mechanism.gravity_m_s2,
         restitution=mechanism.stop(mechanism.transition_stop).restitution,
     )
-
-
-def _unit(angle: float) -> complex:
-    """Complex number of modulus one at an angle [rad]."""
-    return complex(math.cos(angle), math.sin(angle))
 
 
 def first_rebound_rate(p: Planar) -> float:

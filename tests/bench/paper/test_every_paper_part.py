@@ -10,7 +10,7 @@ import pytest
 from made_up_studies import STUDIES
 from scipy.interpolate import CubicSpline
 
-from benchmarks.paper import branches, kinematics, published, ratios, study
+from benchmarks.paper import phases, published, ratios, study
 from benchmarks.paper.ratios import Ratio
 from benchmarks.paper.study import PaperStudy
 from nipper_pin.mechanism import Mechanism, load
@@ -23,9 +23,9 @@ def part(name: str) -> Any:
 def test_the_whole_record(e62: Mechanism) -> None:
     given = published.published()
     ours = tuple(Ratio(str(k), 1.0, 1.0 + off) for k, off in enumerate((0.03, -0.039, 0.09, 0.2)))
-    names = ("counts", "kinematics", "drives", "phase_one", "fixed_step", "shares", "durations")
+    names = ("counts", "drives", "phase_one", "fixed_step", "shares", "durations")
     made = PaperStudy(mechanism=e62, published=given, studies=STUDIES, ratios=ours,
-                      identified=ours[:3], motions=(),
+                      identified=ours[:3], motions=(), kinematics={"of": 1.0},
                       **{name: part(name) for name in names})  # fmt: skip
     record = made.record()
     assert record == {
@@ -38,7 +38,7 @@ def test_the_whole_record(e62: Mechanism) -> None:
                                      "within_10_percent": 3}},
         "studies": {name: getattr(STUDIES, name).record()
                     for name in ("speed", "restitution", "stiffness")},
-        "collision_counts": {"of": "counts"}, "kinematics": {"of": "kinematics"},
+        "collision_counts": {"of": "counts"}, "kinematics": {"of": 1.0},
         "drives": {"of": "drives"}, "phase_1": {"of": "phase_one"},
         "fixed_step": {"of": "fixed_step"}, "shares": {"of": "shares"},
         "duration_map": {"of": "durations"},
@@ -118,17 +118,17 @@ def test_marks_of_a_turn(e62: Mechanism) -> None:
     Zeros of a cubic spline through the samples, 1e-3 of the index; where it opens and closes are
     13 of 40 apart, and taken for one another they would be found out.
     """
-    turn = kinematics.kinematics(e62, 650.0)
-    index = branches.touch_index(e62) + np.linspace(0.0, 40.0, 1001)
-    opened = branches.branch(e62, frozenset({"steeve"}), 650.0, index)
-    angle = CubicSpline(index, opened.q[:, e62.stop("jaw").index])
+    turn = phases.kinematics(e62, 650.0)
+    index = phases.touch_index(e62) + np.linspace(0.0, 40.0, 1001)
+    opened, _ = phases.branch(e62, frozenset({"steeve"}), 650.0, index)
+    angle = CubicSpline(index, opened[:, e62.stop("jaw").index])
     inside = [x for x in angle.roots(extrapolate=False) if index[1] < x < index[-2]]
     opens = [x for x in inside if angle(x, 1) > 0.0]
     assert len(opens) == 1
-    assert turn.opening_index == pytest.approx(opens[0] % 40.0, abs=1e-3)
-    assert turn.closing_index == pytest.approx(index[0] % 40.0, abs=1e-9)
-    assert turn.largest_jaw_angle_rad == pytest.approx(angle(index).max(), rel=1e-5)
-    closed = branches.branch(e62, frozenset({"jaw"}), 650.0, index)
-    stroke = closed.q[:, e62.stop("steeve").index].max()
-    assert turn.largest_stroke == pytest.approx(stroke, rel=1e-5)
-    assert turn.record()["speed_rpm"] == 650.0
+    assert turn["opening_index"] == pytest.approx(opens[0] % 40.0, abs=1e-3)
+    assert turn["closing_index"] == pytest.approx(index[0] % 40.0, abs=1e-9)
+    assert turn["largest_jaw_angle_rad"] == pytest.approx(angle(index).max(), rel=1e-5)
+    closed, _ = phases.branch(e62, frozenset({"jaw"}), 650.0, index)
+    stroke = closed[:, e62.stop("steeve").index].max()
+    assert turn["largest_stroke"] == pytest.approx(stroke, rel=1e-5)
+    assert turn["speed_rpm"] == 650.0

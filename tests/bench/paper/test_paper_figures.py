@@ -23,7 +23,7 @@ from benchmarks.paper import figures
 from benchmarks.paper.counts import Counts, collision_counts
 from benchmarks.paper.drives import FACTORS, DriveComparison, DriveEffect
 from benchmarks.paper.fixed_step import FixedStep, Rule
-from benchmarks.paper.phase_one import PhaseOne, Release
+from benchmarks.paper.phases import PhaseOne, Release
 from benchmarks.paper.published import published
 from benchmarks.paper.ratios import Ratio
 from benchmarks.paper.report import print_paper, sheet
@@ -55,9 +55,9 @@ def bounces(name: str, values: Any, cases: list[tuple[float, float]]) -> Any:
     count = len(cases)
     return SimpleNamespace(
         name=name, values=np.array(values), rates=fill[0], bounces=SimpleNamespace(time=fill[1]),
-        durations=1e-3 * (2.0 + np.arange(count) + len(name)),
+        table=SimpleNamespace(duration=1e-3 * (2.0 + np.arange(count) + len(name)),
+                              first_two_share=0.9 + 0.011 * np.arange(count)),
         amplitudes=np.ones((count, 2)), times=np.ones((count, 2)),
-        shares=0.9 + 0.011 * np.arange(count),
     )  # fmt: skip
 
 
@@ -213,12 +213,14 @@ def test_figure_of_thresholds(study: PaperStudy) -> None:
         for x, y in list(zip(*line.get_data(), strict=True))[::53]:
             assert y == number(RESTITUTION[place], float(x) * (1.0 - 1e-12))
     spans = [(p.get_x(), p.get_x() + p.get_width()) for p in steps.patches]
-    assert spans == [pytest.approx(item) for item in study.counts.rebounds_match]
+    assert spans == [
+        pytest.approx(item) for item in study.counts.matches["rebounds_grow_as_published"]
+    ]
     curve, limit, given = time.lines
     for x, y in list(zip(*curve.get_data(), strict=True))[:-120:53]:
         first, last = (lasting(RESTITUTION[k], float(x) * (1.0 - 1e-12)) for k in (0, -1))
         assert y == pytest.approx(last / first - 1.0, rel=1e-9) if first else math.isnan(y)
-    durations = study.studies.restitution.durations
+    durations = study.studies.restitution.table.duration
     assert limit.get_ydata()[0] == pytest.approx(durations[-1] / durations[0] - 1.0)
     key = "restitution.transition_time_increase"
     assert given.get_ydata()[0] == GIVEN.ratios[key]
