@@ -1,11 +1,10 @@
-"""The examples of docs/extending*.md, run as they stand and compared with closed forms."""
+"""The programs of scripts/extend, run as they stand and compared with closed forms."""
 
 from __future__ import annotations
 
 import copy
 import importlib.metadata
 import math
-import re
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -38,27 +37,26 @@ from nipper_pin.mechanism.restitution import Falling
 from nipper_pin.mechanism.stops.screw import ScrewStop
 from nipper_pin.reduced.sampling import unfit
 
-DOCS = Path(__file__).parents[1] / "docs"
+PROGRAMS = Path(__file__).parents[1] / "scripts/extend"
 EPS = float(np.finfo(float).eps)
 GRAVITY = 9.81
 
 
 def ran(page: str, monkeypatch: pytest.MonkeyPatch) -> Any:
-    """A module with the names of the page's program, after it has run."""
+    """A module with the names of a program, after it has run."""
     for register in (DRIVES, FORCES, RESTITUTIONS, STOPS):
-        # What a page adds is gone after its test.
+        # What a program adds is gone after its test.
         monkeypatch.setattr(register, "_added", {})
     module = ModuleType(f"page_{page}")
     monkeypatch.setitem(sys.modules, module.__name__, module)
-    text = (DOCS / f"{page}.md").read_text(encoding="utf-8")
-    (code,) = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    code = (PROGRAMS / f"{page}.py").read_text(encoding="utf-8")
     exec(compile(code, page, "exec"), module.__dict__)
     return module
 
 
 def test_a_force_element(monkeypatch: pytest.MonkeyPatch) -> None:
     """m v^2 / 2 = k x^2 / 2 + h x^4 / 4; without the cubic part the rate would be 0.8."""
-    page = ran("extending_force", monkeypatch)
+    page = ran("a_force_element", monkeypatch)
     k, h, m, x = 800.0, 2e6, 0.5, 0.02
     struck = page.solution.collisions[0]
     assert struck.approach_rate == pytest.approx(
@@ -75,7 +73,7 @@ def test_a_force_element(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_a_drive_law(monkeypatch: pytest.MonkeyPatch) -> None:
     """The gap of the flight is a cubic in each piece; its root is found by another program."""
-    page = ran("extending_drive", monkeypatch)
+    page = ran("a_drive_law", monkeypatch)
     turn = 0.1
     roots = np.roots([2.0, -2.0, -1.0 / 3.0, 5.0 / 54.0])
     (z,) = [root.real for root in roots if abs(root.imag) < 1e-9 and 0.0 < root.real < 0.5]
@@ -94,7 +92,7 @@ def test_a_restitution_law(monkeypatch: pytest.MonkeyPatch, tolerance: float) ->
 
     With the constant e_0 the second rate would be 0.50 instead of 0.22.
     """
-    page = ran("extending_restitution", monkeypatch)
+    page = ran("a_restitution_law", monkeypatch)
     resolution = nip.Resolution(tolerance=tolerance)
     case = nip.Case(speed_rpm=60.0, window=nip.Window.CYCLE, resolution=resolution)
     solution = nip.simulate(drawn_mechanism(page.FALL), case)
@@ -121,7 +119,7 @@ def test_a_restitution_law(monkeypatch: pytest.MonkeyPatch, tolerance: float) ->
 
 def test_what_is_stated_follows_the_slope_of_a_law(monkeypatch: pytest.MonkeyPatch) -> None:
     """d(rate after)/d(rate before) = -e_0 / (1 + v / v_1)^2, half of -e at v = v_1."""
-    page = ran("extending_restitution", monkeypatch)
+    page = ran("a_restitution_law", monkeypatch)
     solution = page.solution
     stop = solution.mechanism.stop("gap")
     q, v = np.zeros(2), np.zeros(2)
@@ -159,7 +157,7 @@ def test_the_reduced_engine_is_not_used_with_a_law() -> None:
 
 def test_a_stop(monkeypatch: pytest.MonkeyPatch) -> None:
     """A free fall of h = 20 mm - e (1 - cos phi); at coordinate zero it would take 63.9 ms."""
-    page = ran("extending_stop", monkeypatch)
+    page = ran("a_stop", monkeypatch)
     h = 0.020 - 0.005 * (1.0 - math.cos(math.radians(120.0)))
     struck = page.solution.collisions[0]
     assert struck.t == pytest.approx(math.sqrt(2.0 * h / GRAVITY), rel=16 * EPS)
@@ -171,7 +169,7 @@ def test_a_stop(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_a_stop_on_a_screw(monkeypatch: pytest.MonkeyPatch) -> None:
     """At zero_mm + pitch_mm * turns of a slide; a second place, or a hinge, is refused."""
-    page = ran("extending_stop", monkeypatch)
+    page = ran("a_stop", monkeypatch)
     urdf, data = drawn_sources(page.FALL)
     screw = {"law": "screw", "pitch_mm": 1.5, "turns": 4.0, "zero_mm": 1.0}
     data["stops"]["height"]["adjusted"] = screw
@@ -192,7 +190,7 @@ def test_commands_print_what_is_added(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """`check` and `simulate` name force elements with law and joint, and a law of a stop."""
-    page = ran("extending_restitution", monkeypatch)
+    page = ran("a_restitution_law", monkeypatch)
     parts = (*page.FALL.parts, Force("gap", "orifice", {"c_N_s2_per_m2": 0.125}))
     folder = tmp_path / "fall"
     write_drawing(replace(page.FALL, parts=parts), folder)
@@ -205,7 +203,7 @@ def test_commands_print_what_is_added(
 
 def test_added_laws_are_checked_like_built_in_ones(monkeypatch: pytest.MonkeyPatch) -> None:
     """Misspelt keys, other joints and unknown laws are refused with what is known."""
-    page = ran("extending_force", monkeypatch)
+    page = ran("a_force_element", monkeypatch)
     urdf, data = drawn_sources(page.BUFFER)
     force = data["forces"]["gap"]
     for change, words in (
@@ -222,7 +220,7 @@ def test_an_installed_extension_is_imported_when_its_law_is_met(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Once, and only for a law that is not known; one that fails names itself."""
-    page = ran("extending_force", monkeypatch)
+    page = ran("a_force_element", monkeypatch)
     urdf, data = drawn_sources(page.BUFFER)
     loaded: list[str] = []
 
