@@ -102,9 +102,7 @@ def collision_counts(studies: Studies, conditions: Published) -> Counts:
 def counted(rates: FloatArray, thresholds: FloatArray) -> NDArray[np.int64]:
     """Collisions until the first separation slower than a threshold, shape (K, n).
 
-    Args:
-        rates: Separation rates of n cases, falling, NaN beyond the last, shape (n, most) [rad/s].
-        thresholds: Shape (K,) [rad/s].
+    The rates of n cases fall, and are NaN beyond the last, shape (n, most) [rad/s].
     """
     faster = rates[None] >= thresholds[:, None, None]
     return np.asarray(1 + faster.sum(axis=2), dtype=np.int64)
@@ -123,10 +121,5 @@ def _time_increase(study: Study, thresholds: FloatArray) -> FloatArray:
 
 def _intervals(edges: FloatArray, right: NDArray[np.bool_]) -> tuple[Interval, ...]:
     """Adjoining stretches between edges in which something is right, joined."""
-    found: list[Interval] = []
-    for low, high in zip(edges[:-1][right], edges[1:][right], strict=True):
-        if found and found[-1][1] == low:
-            found[-1] = (found[-1][0], float(high))
-        else:
-            found.append((float(low), float(high)))
-    return tuple(found)
+    changes = np.flatnonzero(np.diff([False, *right, False]))
+    return tuple((float(low), float(high)) for low, high in edges[changes].reshape(-1, 2))

@@ -74,9 +74,8 @@ def compare_drives(mechanism: Mechanism, conditions: Published) -> DriveComparis
 
 
 def _scaled(mechanism: Mechanism, factor: float) -> Mechanism:
-    inertias = (factor * drive.reflected_inertia for drive in mechanism.drives)
-    pairs = zip(mechanism.drives, inertias, strict=True)
-    return replace(mechanism, drives=tuple(replace(d, reflected_inertia=i) for d, i in pairs))
+    drives = (replace(d, reflected_inertia=factor * d.reflected_inertia) for d in mechanism.drives)
+    return replace(mechanism, drives=tuple(drives))
 
 
 def _numbers(mechanism: Mechanism, speed: float, drive: DriveMode) -> FloatArray:

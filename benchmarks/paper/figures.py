@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
@@ -17,7 +16,7 @@ from nipper_pin.hybrid.result.quantities import force_unit
 from nipper_pin.units import MS_PER_S
 from nipper_pin.view.naming import coordinate_shown, shown
 from nipper_pin.view.run.sampling import sample_coordinates
-from nipper_pin.view.style import LINES, MARKERS, SMALL, TEXT, TITLE, WIDTH_IN, tidy
+from nipper_pin.view.style import LINES, MARKERS, SMALL, TITLE, WIDTH_IN, tidy
 
 from .counts import counted
 from .drives import FACTORS
@@ -81,13 +80,12 @@ def _figure_14(study: PaperStudy) -> Figure:
     data, (unit, factor) = study.studies.stiffness, spring_unit(study.mechanism, "stiffness")
     figure, (time, number) = _panels(study, "Transition over the spring rate, the preload kept")
     name, rates = f"spring rate [{unit}]", factor * data.values
-    series = {"time to rest": data.table.duration, "first rebound": data.times[:, 0],
-              "second rebound": data.times[:, 1]}  # fmt: skip
+    first, second = data.times.T
+    series = {"time to rest": data.table.duration, "first rebound": first, "second rebound": second}
     times = {label: MS_PER_S * values for label, values in series.items()}
     _draw(time, name, "time [ms]", rates, times, marked=True)
-    for which in ("first", "second"):
-        _cross(time, study, f"stiffness.{which}_rebound_time_change", rates,
-               series[f"{which} rebound"])  # fmt: skip
+    _cross(time, study, "stiffness.first_rebound_time_change", rates, first)
+    _cross(time, study, "stiffness.second_rebound_time_change", rates, second)
     time.set_ylim(0.0, 1.25e3 * float(data.table.duration.max()))
     _draw_counts(number, name, data, rates)
     return figure
@@ -123,8 +121,7 @@ def _drives(study: PaperStudy) -> Figure:
         _draw(axes, "shaft inertia by that of the model [-]", f"change of the {text} [%]",
               np.array(FACTORS), _by_speed(study, rows), marked=True)  # fmt: skip
         axes.axvline(1.0, color="0.5", linewidth=0.8, linestyle=":")
-        axes.set_xscale("log")
-        axes.set_yscale("log")
+        axes.set(xscale="log", yscale="log")
     return figure
 
 
@@ -139,7 +136,7 @@ def _stop_force(study: PaperStudy) -> Figure:
     most = np.abs(smallest).max()
     filled = chart.contourf(stop.speeds_rpm, preloads, smallest, levels=12, cmap="RdBu",
                             vmin=-most, vmax=most)  # fmt: skip
-    _bar(figure, filled, [chart], "smallest stop force [N]")
+    figure.colorbar(filled, ax=chart, label="smallest stop force [N]")
     limit = [stop.threshold_rpm(float(p)) for p in stop.preloads]
     chart.plot(limit, preloads, color="black", linewidth=1.6, label="lets go beyond")
     for item in stop.releases:
@@ -159,8 +156,7 @@ def _fixed_step(study: PaperStudy) -> Figure | None:
     for axes, rule in zip(panels, study.fixed_step.rules, strict=True):
         series = dict(zip(labels, np.abs(rule.relative_errors).T, strict=True))
         _draw(axes, "step [s]", f"relative error, {rule.name}", rule.steps_s, series, marked=True)
-        axes.set_xscale("log")
-        axes.set_yscale("log")
+        axes.set(xscale="log", yscale="log")
     return figure
 
 
@@ -200,7 +196,7 @@ def _designs(study: PaperStudy) -> Figure:
             lines.clabel(fmt="%g", fontsize=SMALL - 1.0)
         axes.set_title(f"{factor * rate:.3g} {unit}", fontsize=SMALL)
         tidy(axes, "speed [r/min]", "restitution e [-]")
-    _bar(figure, filled, panels, _REST)
+    figure.colorbar(filled, ax=panels, label=_REST)
     return figure
 
 
@@ -245,9 +241,8 @@ def _cross(axes: Axes, study: PaperStudy, name: str, x: FloatArray, seconds: Flo
     """The published ratio applied to our value of the first case."""
     if study.compared:
         last = MS_PER_S * seconds[0] * (1.0 + study.published.ratios[name])
-        first = "x" not in (line.get_marker() for line in axes.lines)
-        axes.plot(x[-1], last, "x", color="black", zorder=5,
-                  label="published ratio" if first else None)  # fmt: skip
+        label = None if "x" in (line.get_marker() for line in axes.lines) else "published ratio"
+        axes.plot(x[-1], last, "x", color="black", zorder=5, label=label)
         axes.legend(fontsize=SMALL, frameon=False)
 
 
@@ -257,9 +252,3 @@ def _draw_counts(axes: Axes, name: str, data: Study, x: FloatArray) -> None:
     _draw(axes, name, "collisions", x, series, marked=True)
     axes.set_ylim(0.0, 1.45 * numbers.max())
     axes.yaxis.set_major_locator(MaxNLocator(integer=True))
-
-
-def _bar(figure: Figure, filled: ContourSet, panels: list[Axes], text: str) -> None:
-    bar = figure.colorbar(filled, ax=panels)
-    bar.set_label(text, fontsize=TEXT)
-    bar.ax.tick_params(labelsize=SMALL)

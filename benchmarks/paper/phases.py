@@ -39,12 +39,8 @@ def branch(
 ) -> tuple[FloatArray, FloatArray]:
     """Follow a set of closed stops through places of the turn, as if they could pull as well.
 
-    Args:
-        mechanism: The mechanism, with held drives.
-        closed: Closed stops; with them no freedom is left.
-        speed_rpm: Cylinder speed [r/min].
-        index: Places, shape (K,), in one direction and in steps short enough for the mechanism to
-            stay on its branch; the first one is that of the touch configuration.
+    The drives are held, and no freedom is left. The places, shape (K,), begin at the touch
+    configuration and go in one direction, in steps so short that no other branch is reached.
 
     Returns:
         Configurations, shape (K, nv) [rad or m], and forces of the closed stops along their

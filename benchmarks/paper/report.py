@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from pathlib import Path
 
 from rich.console import Console
@@ -70,18 +69,10 @@ def _percent(item: Ratio) -> str:
 
 def sentences(study: PaperStudy) -> list[str]:
     """What has to be said below the table."""
-    found = []
-    if study.ratios:
-        found.append(_agreement(study.mechanism.name, study.ratios))
-    if study.identified:
-        found.append(_agreement(IDENTIFIED, study.identified))
-    return [*found, study.note]
-
-
-def _agreement(name: str, items: Sequence[Ratio]) -> str:
-    counted = agreement(items)
-    near, far = counted["within_4_percent"], counted["within_10_percent"]
-    return f"{name}: {near} of {counted['of']} within 4 %, {far} within 10 %"
+    models = {study.mechanism.name: study.ratios, IDENTIFIED: study.identified or study.ratios}
+    counted = {name: agreement(items).values() for name, items in models.items() if items}
+    text = "{}: {} of {} within 4 %, {} within 10 %"
+    return [*(text.format(k, n, of, far) for k, (of, n, far) in counted.items()), study.note]
 
 
 def print_paper(study: PaperStudy, console: Console) -> None:

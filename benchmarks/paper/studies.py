@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -64,17 +63,12 @@ class Study:
         ]
 
 
-@dataclass(frozen=True)
-class Studies:
+class Studies(NamedTuple):
     """Over the speed, and at the common speed over restitution and spring rate (preload kept)."""
 
     speed: Study
     restitution: Study
     stiffness: Study
-
-    def __iter__(self) -> Iterator[Study]:
-        """The studies in the paper's order."""
-        return iter((self.speed, self.restitution, self.stiffness))
 
 
 def run_studies(
@@ -98,12 +92,8 @@ def run_studies(
         "stiffness": mechanism.springs[0].stiffness,
     }
     over = (conditions.speeds_rpm, conditions.restitutions, conditions.stiffnesses)
-    return Studies(
-        *(
-            _study(mechanism, {**usual, key: values}, key, drive)
-            for key, values in zip(usual, over, strict=True)
-        )
-    )
+    given = zip(usual, over, strict=True)
+    return Studies(*(_study(mechanism, {**usual, key: v}, key, drive) for key, v in given))
 
 
 def _study(mechanism: Mechanism, given: dict[str, Any], key: str, drive: DriveMode) -> Study:

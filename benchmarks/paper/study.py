@@ -111,18 +111,9 @@ def paper_study(mechanism: Mechanism, say: Callable[[str], None]) -> PaperStudy:
         say("fixed steps as published")
         steps = fixed_step(mechanism, given)
     say("maps")
+    motions = tuple(simulate(mechanism, Case(speed_rpm=speed)) for speed in given.speeds_rpm)
     return PaperStudy(
-        mechanism,
-        given,
-        studies,
-        ratios(studies, given),
-        beside,
-        tuple(simulate(mechanism, Case(speed_rpm=speed)) for speed in given.speeds_rpm),
-        turn,
-        collision_counts(studies, given),
-        drives,
-        stop,
-        steps,
-        shares(mechanism, given),
+        mechanism, given, studies, ratios(studies, given), beside, motions, turn,
+        collision_counts(studies, given), drives, stop, steps, shares(mechanism, given),
         duration_map(mechanism, given),
-    )
+    )  # fmt: skip

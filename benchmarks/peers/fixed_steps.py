@@ -12,9 +12,8 @@ import math
 from nipper_pin.errors import SimulationError
 from nipper_pin.mechanism import Mechanism
 
-from .planar import Planar, compiled, frame
+from .planar import Planar, acceleration, compiled, frame
 from .planar_model import first_rebound_rate, planar_model
-from .planar_motion import acceleration
 from .protocol import Four, Run, Setting
 
 NAME = "fixed small steps as published (numba, hand-derived equation)"

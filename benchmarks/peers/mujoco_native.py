@@ -15,8 +15,8 @@ from nipper_pin.errors import SimulationError
 from nipper_pin.mechanism import Mechanism
 
 from .mujoco_model import SHAFT_INERTIA, compile_model, mjcf, touch_rates
+from .planar import jaw_equation, shaft_accelerations
 from .planar_model import planar_model
-from .planar_motion import jaw_equation, shaft_accelerations
 from .protocol import Four, Run, Setting
 
 NAME = "MuJoCo, own joint limit as contact"

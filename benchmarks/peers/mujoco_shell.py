@@ -11,8 +11,8 @@ import mujoco
 from nipper_pin.mechanism import Mechanism
 
 from .mujoco_model import SHAFT_INERTIA, compile_model, mjcf, rates, touch_rates
+from .planar import shaft_accelerations
 from .planar_model import planar_model
-from .planar_motion import shaft_accelerations
 from .protocol import Bounces, Four, Run, Setting
 from .rk4 import closing
 

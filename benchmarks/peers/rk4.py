@@ -11,9 +11,8 @@ import math
 from nipper_pin.errors import SimulationError
 from nipper_pin.mechanism import Mechanism
 
-from .planar import Frame, Planar, compiled, frame
+from .planar import Frame, Planar, acceleration, compiled, frame
 from .planar_model import first_rebound_rate, planar_model
-from .planar_motion import acceleration
 from .protocol import MOST_COLLISIONS, Four, Run, Setting
 
 NAME = "fixed-step RK4, located impacts (numba, hand-derived equation)"

@@ -7,8 +7,8 @@ import numpy as np
 from nipper_pin.arrays import FloatArray
 from nipper_pin.mechanism import Mechanism
 
+from .planar import jaw_equation
 from .planar_model import first_rebound_rate, planar_model
-from .planar_motion import jaw_equation
 from .protocol import Bounces, Four, Run, Setting
 from .scipy_flight import SETTINGS, Flight, Start
 

@@ -18,8 +18,8 @@ from nipper_pin.dynamics.system import System
 from nipper_pin.hybrid.run.start import initial_state
 from nipper_pin.mechanism import Mechanism, rad_s_from_rpm
 
+from .planar import shaft_accelerations
 from .planar_model import planar_model
-from .planar_motion import shaft_accelerations
 from .protocol import Bounces, Four, Run, Setting
 from .scipy_flight import SETTINGS, Flight, Start
 

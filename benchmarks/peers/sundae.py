@@ -12,8 +12,8 @@ from sksundae.cvode import CVODE
 from nipper_pin.arrays import FloatArray
 from nipper_pin.mechanism import Mechanism
 
+from .planar import jaw_equation
 from .planar_model import first_rebound_rate, planar_model
-from .planar_motion import jaw_equation
 from .protocol import Bounces, Four, Run, Setting
 
 NAME = "scikit-sundae CVODE, root finding (hand-derived equation)"

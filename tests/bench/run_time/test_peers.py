@@ -127,7 +127,7 @@ def test_the_equation_is_that_of_the_engine(e62: Mechanism) -> None:
     """
     _peer("rk4", "numba")
     planar = import_module(f"{ROOM}.planar_model")
-    bound = import_module(f"{ROOM}.planar_motion")
+    bound = import_module(f"{ROOM}.planar")
     equation = bound.jaw_equation(planar.planar_model(e62, SPEED_RPM))
     solution = simulate(e62, Case(speed_rpm=SPEED_RPM))
     system = System(e62, solution.shaft)
