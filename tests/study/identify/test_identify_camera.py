@@ -55,7 +55,7 @@ def test_the_numbers_of_the_filmed_machine_come_back(problem: Problem) -> None:
         away = abs(item.start - example.TRUTH[item.path])
         assert away > 10.0 * stated[item.path] * (item.high - item.low)
     # The page that explains it shows these numbers.
-    page = (SCRIPTS.parent / "docs" / "identification_camera.md").read_text(encoding="utf-8")
+    page = (SCRIPTS.parent / "docs" / "identification.md").read_text(encoding="utf-8")
     for item in problem.parameters:
         deviation = stated[item.path] * (item.high - item.low)
         row = f"| `{item.path}` | {example.TRUTH[item.path]:g} | {item.start:g} |"
