@@ -40,7 +40,7 @@ def test_a_machine_is_complete_and_runs_a_turn(name: str) -> None:
 
 def test_the_pages_show_every_machine() -> None:
     docs = Path(__file__).parents[2] / "docs"
-    front = (docs / "gallery.md").read_text(encoding="utf-8")
+    front = (docs / "models.md").read_text(encoding="utf-8")
     assert f"\n{len(GALLERY)} textbook linkages" in front
     for name, draw in GALLERY.items():
         (page,) = re.findall(rf"\[{name}\]\((\w+\.md)#{name}\)", front)
@@ -55,7 +55,7 @@ def test_the_pages_show_every_machine() -> None:
 def test_the_listing_of_the_page_writes_a_machine_that_runs(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    page = (Path(__file__).parents[2] / "docs" / "gallery.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[2] / "docs" / "models.md").read_text(encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     exec(page.split("```python\n")[1].split("```")[0], {})
     solution = simulate(load(tmp_path / "press"), Case(speed_rpm=120.0, window=Window.CYCLE))

@@ -32,7 +32,30 @@ _SIZE_IN = 3.6  # of the longer side
 _ROOM = 0.05  # around the machine, by its size
 _SLOW_RPM = 1.0  # so slow that springs hold everything on its stop
 _STIFFER = 1e3
-_PAGE = """# Gallery
+_PAGE = """# Models
+
+How a model is written is described in the [model format](model_format.md).
+
+## Models that come with the package
+
+| model | what it is |
+| --- | --- |
+| `e62` | E62-class nipper, estimated from published ratios |
+| `e62_identified` | the same, identified again by `nipper-pin identify` |
+| `e62_offset_guide` | guide bar 12 mm beside the pendulum axis, other numbers; an estimate |
+| `hanging_pendulum` | older layout with a loop more; an estimate |
+
+None holds a maker's numbers. The last two are plausible machines of their kind and no more: no
+drawing or measurement stands behind them.
+
+**Where the numbers of the E62 come from.** The maker's drawings and the parameter tables of the
+paper are not public. The model is an estimate of the E62 class, identified from the ratios that the
+paper publishes and from the usual timing (nipper foremost at index 24, jaw closing at 33 to 35 and
+opening at 8 to 11). It must never be presented as the maker's data, and what it was fitted to does
+not validate it. Masses and inertias of links 1, 2, 3 and 7 are estimates without influence on the
+jaw while the drives are held; reflected inertias are orders of magnitude.
+
+## Gallery
 
 {count} textbook linkages, each with one or two stops somewhere along its motion. A machine whose
 motion the drive determines completely cannot bounce; each of these therefore has a part with a
@@ -120,7 +143,7 @@ def pages() -> dict[str, str]:
         contents.append(f"- **{kind}**: {links}")
         parts[name] += [f"## {kind}\n", *map(_shown, group)]
     front = _PAGE.format(count=len(GALLERY), contents="\n".join(contents))
-    return {"gallery": front, **{name: "\n".join(lines) for name, lines in parts.items()}}
+    return {"models": front, **{name: "\n".join(lines) for name, lines in parts.items()}}
 
 
 def _shown(draw: Callable[[], Drawing]) -> str:

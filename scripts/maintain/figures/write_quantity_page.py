@@ -26,7 +26,7 @@ many, go around the turn: a comparison tells the short way, figures of sweeps co
 
 Of collision K of a transition the name is `NAME_K`, as in `rebound_amplitude_1`; of a stop or a
 drive in a turn `NAME_STOP`, as in `collisions_jaw`. Numbers of a model are named by their paths
-([numbers](model_numbers.md)), which end with the unit of the file."""
+([numbers](model_elements.md#numbers-by-path)), which end with the unit of the file."""
 _TABLE = """| name | what it is | unit in files | read in |
 | --- | --- | --- | --- |"""
 _SIDES = ("rad", "m")
