@@ -18,23 +18,6 @@ from ..texts import MOST_TEXT, read_text
 
 TableT = TypeVar("TableT", bound=msgspec.Struct)
 
-# Earlier words of study files, and what is written now; those of the second table at the top only.
-_EARLIER = {
-    "lower": "low",
-    "upper": "high",
-    "stiffness": "stiffness_N_per_m, or stiffness_N_m_per_rad for a spring on a hinge",
-    "least_stop_force_N": "stop_force_N = { low = ... }",
-    "least_opening_deg": "jaw_opening_deg = { low = ... }",
-}
-_EARLIER_AT_TOP = {
-    "free": "[parameters.NAME]",
-    "constraints": "[limits]",
-    "optimise": "the same without it: [parameters.NAME], [limits], [case] and [set] at the top",
-    "speed_rpm": "speed_rpm in [case]",
-    "rest_rate": "rest_rate in [case]",
-    "tolerance": "tolerance in [case]",
-}
-
 
 class Table(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A TOML table whose keys are all known."""
@@ -75,11 +58,10 @@ def read_table(file: Path, kind: type[TableT]) -> TableT:
 
 
 def _reason(refusal: Refusal) -> str:
-    """Error message, with the replacement of an earlier key or form."""
-    word = refusal.unknown
-    if word is not None:
-        known = _EARLIER if refusal.path else {**_EARLIER, **_EARLIER_AT_TOP}
-        return f"unknown key `{word}`" + (f"; write {known[word]}" if word in known else "")
+    """Error message, with what may stand there."""
+    if refusal.unknown is not None:
+        known = ", ".join(field.encode_name for field in msgspec.structs.fields(refusal.kind))
+        return f"unknown key `{refusal.unknown}`; known here: {known}"
     if refusal.missing is not None:
         return f"the key `{refusal.missing}` is missing"
     if isinstance(refusal.value, list) and may_be_table(refusal.kind):

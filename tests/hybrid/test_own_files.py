@@ -1,7 +1,7 @@
 """Saved runs and cases: no file of the reader's disk is used but the meshes they were saved with.
 
-Also the promise for old files: one file of each format stays in the repository, with its numbers
-written here by hand.
+Also the promise for old files: one of the format stays in the repository, with its numbers written
+here by hand.
 """
 
 from __future__ import annotations
@@ -95,27 +95,14 @@ def test_a_table_of_the_reader_is_not_read(tmp_path: Path) -> None:
     assert "secret" not in refused.value.message
 
 
-def test_format_2_reads_meshes_of_the_package_alone(machine: Path, tmp_path: Path) -> None:
-    def before(document: dict[str, Any]) -> None:
-        document["format"] = 2
-        del document["meshes"]
-
-    ours = save_case(load("e62"), Case(speed_rpm=650.0), tmp_path / "ours.json")
-    load_case(edited(ours, before))
-    theirs = save_case(load(machine), Case(speed_rpm=650.0), tmp_path / "theirs.json")
-    with pytest.raises(NipperError, match="is not the mesh"):
-        load_case(edited(theirs, before))
-
-
-@pytest.mark.parametrize("format_", [2, 3])
-def test_old_files_are_read(format_: int) -> None:
+def test_old_files_are_read() -> None:
     """Every number as it was written."""
-    run = load_solution(SAVED / f"format_{format_}.npz")
+    run = load_solution(SAVED / "format_3.npz")
     assert [event.t for event in run.events] == TIMES
     assert [hit.energy_lost for hit in run.collisions] == [
         0.13213468424623176, 0.00529061240520938,
     ]  # fmt: skip
-    mechanism, case = load_case(SAVED / f"format_{format_}.json")
+    mechanism, case = load_case(SAVED / "format_3.json")
     assert (mechanism.name, case.speed_rpm, case.cycles) == ("hanging_pendulum", 300.0, 2)
     assert [event.t for event in simulate(mechanism, case).events] == pytest.approx(
         TIMES, abs=1e-13

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,14 +11,10 @@ from judge import press
 from nipper_pin import Case, InputError, Mechanism, UnknownNameError, simulate, transition_table
 from nipper_pin.hybrid.result.quantities import (
     COLLISION,
-    RENAMED,
     TRANSITION,
-    of_transition,
-    refuse_unknown,
     transition_value,
 )
 from nipper_pin.study.cases import spring_values
-from nipper_pin.study.identify.problem.measured import read_measured
 from nipper_pin.study.identify.problem.targets import QUANTITIES as IDENTIFIED
 from nipper_pin.study.optimise.problem.quantities import QUANTITIES as OPTIMISED
 from nipper_pin.study.optimise.problem.quantities import units
@@ -72,25 +67,6 @@ def test_what_is_known_by_a_name_is_known_everywhere(e62: Mechanism) -> None:
     assert transition_value(run, "rebound_amplitude_9999") is None
     assert transition_value(run, "rate_error_1") is None
     assert math.isnan(quantity(table, "time_s_9999")[0])
-
-
-@pytest.mark.parametrize(("old", "new"), RENAMED.items())
-def test_an_earlier_name_is_refused_with_the_present_one(
-    old: str, new: str, e62: Mechanism, tmp_path: Path
-) -> None:
-    """In sweeps, identifications and optimisations."""
-    of_transition(new)
-    with pytest.raises(UnknownNameError, match=f"called '{new}'") as caught:
-        check_quantities([old], e62, "study.toml: quantities")
-    assert caught.value.evidence["now"] == new
-    file = tmp_path / "measured.csv"
-    file.write_text(f"speed_rpm,quantity,value,sigma\n650,{old},1,1\n", encoding="utf-8")
-    if new in IDENTIFIED:
-        with pytest.raises(UnknownNameError, match=f"called '{new}'"):
-            read_measured(file)
-    if new in OPTIMISED:
-        with pytest.raises(UnknownNameError, match=f"called '{new}'"):
-            refuse_unknown([old], OPTIMISED, "study.toml: optimise.minimise")
 
 
 def test_a_hinge_has_a_moments_impulse_in_sweeps(e62: Mechanism) -> None:

@@ -38,8 +38,8 @@ from .archive import need_readable, read_archive
 from .own_files import mesh_digests, need_own_files
 
 FORMAT = 3
-READ = frozenset({2, FORMAT})
-"""Formats that are read. The second has no digests of meshes."""
+# Versions that read other formats.
+_READERS = {2: "nipper-pin 0.1.0 of 2026-11-23"}
 _Nodes = tuple[FloatArray, FloatArray, FloatArray]
 # What reading an archive or a document can run into that is not what it should be.
 _DAMAGE = (
@@ -55,11 +55,6 @@ _DAMAGE = (
     zipfile.BadZipFile,
     zlib.error,
 )
-
-
-def formats_read() -> str:
-    """The formats that are read, in words."""
-    return " and ".join(f"format {number}" for number in sorted(READ))
 
 
 def save(solution: Solution, path: str | Path) -> Path:
@@ -182,11 +177,12 @@ def _setting(mechanism: Mechanism, case: Case) -> dict[str, Any]:
 
 def _check_format(text: str, path: str | Path) -> None:
     found = npz_schema.format_of(text)
-    # A list is no member of a set, and no format either.
-    if not isinstance(found, int) or found not in READ:
+    if found != FORMAT:
+        reader = _READERS.get(found) if isinstance(found, int) else None
+        other = f", which {reader} reads" if reader else ""
         message = (
-            f"{path}: this is format {found!r}, and this version reads {formats_read()}; simulate "
-            "the case again"
+            f"{path}: this is format {found!r}{other}, and this version reads format {FORMAT}; "
+            "simulate the case again"
         )
         raise InputError(message, file=str(path), format=found)
 
@@ -288,12 +284,12 @@ def _check_order(run: npz_schema.Run) -> None:
         raise ValueError(message)
 
 
-def _source(source: int | None, own: int) -> int:
+def _source(source: int, own: int) -> int:
     """Number of the original of a segment or an event: an earlier one, or its own."""
-    if source is not None and source > own:
+    if source > own:
         message = f"number {own} is a copy of a later one, {source}"
         raise ValueError(message)
-    return own if source is None else source
+    return source
 
 
 def _numbers(array: Any, *shape: int | None) -> FloatArray:

@@ -64,16 +64,16 @@ class Setting(_Record, frozen=True, kw_only=True):
 
     Attributes:
         format: Of the file.
-        version: Of the package that wrote it; empty in files from before it was kept.
+        version: Of the package that wrote it.
         mechanism: Sources of the mechanism.
-        meshes: SHA-256 of its mesh files by their names in the URDF; None in format 2.
+        meshes: SHA-256 of its mesh files by their names in the URDF.
         case: The case.
     """
 
     format: int
-    version: str = ""
+    version: str
     mechanism: Model
-    meshes: dict[str, str] | None = None
+    meshes: dict[str, str]
     case: CaseRecord
 
 
@@ -107,14 +107,14 @@ class PanelRecord(_Record, frozen=True, array_like=True):
 
 
 class SegmentRecord(_Record, frozen=True):
-    """Fields of ``Segment``; times in [s]. Files from before ``source`` was kept have no copies."""
+    """Fields of ``Segment``; times in [s]."""
 
     t_start: _Number
     t_end: _Number
     closed: _Stops
     kinematic: bool
     panels: Annotated[tuple[PanelRecord, ...], Meta(min_length=1)]
-    source: _Count | None = None
+    source: _Count
 
 
 class EventRecord(_Record, frozen=True):
@@ -131,7 +131,7 @@ class EventRecord(_Record, frozen=True):
     closed_after: _Stops
     series_error: _Number
     state: _Count
-    source: _Count | None = None
+    source: _Count
 
 
 class Run(Setting, frozen=True):

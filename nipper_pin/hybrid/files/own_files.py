@@ -11,11 +11,10 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from ...errors import InputError, ModelError
-from ...mechanism import known_models
 from ...mechanism.files.csv_tables import has_file
 from ...mechanism.files.urdf import parse_xml
 from ...mechanism.files.urdf_shapes import mesh_path, path_inside
-from ...texts import followed, opened
+from ...texts import opened
 
 
 def mesh_digests(name: str, urdf: str, folder: Path) -> dict[str, str]:
@@ -40,7 +39,7 @@ def need_own_files(
     urdf: str,
     description: Mapping[str, object],
     folder: Path,
-    digests: Mapping[str, str] | None,
+    digests: Mapping[str, str],
 ) -> None:
     """Refuse a model whose files are not those that it was saved with.
 
@@ -49,8 +48,7 @@ def need_own_files(
         urdf: The URDF text.
         description: The TOML document as plain data.
         folder: Folder that the meshes are to be read from.
-        digests: What :func:`mesh_digests` gave when it was saved; None in files of format 2, whose
-            meshes are read if they come with the package.
+        digests: What :func:`mesh_digests` gave when it was saved.
 
     Raises:
         InputError: A table is to be read from a file, or a mesh is another one.
@@ -64,10 +62,8 @@ def need_own_files(
                     f"{section}.{key} names a file, and a saved run holds its tables; save it again"
                 )
                 raise InputError(message, table=key)
-    if digests is None and followed(folder) in map(followed, known_models().values()):
-        return
     for mesh, digest in _found(name, urdf, folder):
-        if digest != (digests or {}).get(mesh):
+        if digest != digests.get(mesh):
             message = (
                 f"{mesh} in {folder} is not the mesh that this was saved with; put that one back, "
                 "or simulate the model again"

@@ -136,22 +136,6 @@ TRANSITION: tuple[Quantity[Transition | None], ...] = (
 )
 """Quantities of a transition; without a completed one there are its premise and collisions."""
 
-RENAMED = {
-    "first_amplitude_rad": "rebound_amplitude_1",
-    "first_amplitude_m": "rebound_amplitude_1",
-    "first_rebound_amplitude": "rebound_amplitude_1",
-    "second_rebound_amplitude": "rebound_amplitude_2",
-    "third_rebound_amplitude": "rebound_amplitude_3",
-    "first_rebound_time": "rebound_time_s_1",
-    "first_rebound_time_s": "rebound_time_s_1",
-    "second_rebound_time": "rebound_time_s_2",
-    "third_rebound_time": "rebound_time_s_3",
-    "transition_time": "duration_s",
-    "transition_time_s": "duration_s",
-    "approach_rate": "approach_rate_1",
-}
-"""Names of earlier study files, and what they are called now."""
-
 
 def of_transition(name: str) -> tuple[Quantity[Collision] | Quantity[Transition | None], int]:
     """The quantity that a name such as ``duration_s`` or ``rebound_time_s_2`` stands for.
@@ -196,7 +180,7 @@ def transition_value(solution: Solution, name: str) -> float | None:
 
 
 def refuse_unknown(names: Iterable[str], known: Iterable[str], where: str) -> None:
-    """Refuse names that are no quantity here, with the present name of one that had another.
+    """Refuse names that are no quantity here.
 
     Args:
         names: The names.
@@ -209,11 +193,4 @@ def refuse_unknown(names: Iterable[str], known: Iterable[str], where: str) -> No
     there = tuple(known)
     for name in names:
         if name not in there:
-            now = RENAMED.get(name, "")
-            raise UnknownNameError(
-                kind="quantity",
-                name=name,
-                known=there,
-                where=where,
-                now=now if now in there else "",
-            )
+            raise UnknownNameError(kind="quantity", name=name, known=there, where=where)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...errors import UnknownNameError
-from ...hybrid.result.quantities import COLLISION, RENAMED, TRANSITION, of_transition
+from ...hybrid.result.quantities import COLLISION, TRANSITION, of_transition
 from ...hybrid.result.turns import of_turn, turn_names
 from ...mechanism import Mechanism
 from ..transitions import TransitionTable
@@ -71,7 +71,7 @@ def check_quantities(
     known = [item.name for item in TRANSITION if item.column]
     known += [f"{item.name}_K" for item in each]
     for name in names:
-        now = RENAMED.get(name, "")
+        now = ""
         try:
             item, place = of_transition(name)
         except KeyError:

@@ -331,7 +331,7 @@ WRONG = {
         "minimise",
     ),
     "unknown aim": ('minimise = "beauty"\n' + BOUNCES, "beauty"),
-    "earlier name": ('minimise = "transition_time_s"\n' + BOUNCES, "it is called 'duration_s'"),
+    "unknown name": ('minimise = "transition_time_s"\n' + BOUNCES, "'transition_time_s'; known: "),
     "angle of a slide": ('minimise = "jaw_opening_deg"\n' + BOUNCES, "jaw_opening_deg"),
     "unknown key": ('minimise = "duration_s"\nstart = 1\n' + BOUNCES, "start"),
     "nothing is free": ('minimise = "duration_s"\nparameters = {}\n', "parameters"),
@@ -345,15 +345,27 @@ WRONG = {
         "1.5",
     ),
     "twice": (f'minimise = "duration_s"\nset = {{ "{E_N}" = 0.1 }}\n' + BOUNCES, "gives, too"),
-    "earlier table": ("[optimise]\n", "write the same without it"),
-    "earlier bounds": (AT_LEAST.replace("low = 0.05", "lower = 0.05"), "write low"),
-    "earlier limit": (AT_LEAST + "duration_s = { upper = 1.0 }\n", "write high"),
-    "earlier list": (
+    "key of no table": ("[optimise]\n", "known here: "),
+    "other bounds": (
+        AT_LEAST.replace("low = 0.05", "lower = 0.05"),
+        "`lower`; known here: low, high",
+    ),
+    "other limit": (
+        AT_LEAST + "duration_s = { upper = 1.0 }\n",
+        "`upper`; known here: low, high",
+    ),
+    "list of parameters": (
         f'minimise = "duration_s"\n[[parameters]]\npath = "{E_N}"\n',
         "write [parameters.NAME] with low and high",
     ),
-    "earlier limits": ('minimise = "duration_s"\n[constraints]\n', "write [limits]"),
-    "speed at the top": ('minimise = "duration_s"\nspeed_rpm = 60.0\n', "speed_rpm in [case]"),
+    "other limits": (
+        'minimise = "duration_s"\n[constraints]\n',
+        "`constraints`; known here: ",
+    ),
+    "speed at the top": (
+        'minimise = "duration_s"\nspeed_rpm = 60.0\n',
+        "`speed_rpm`; known here: ",
+    ),
     "unknown limit": (AT_LEAST + "beauty = { low = 1 }\n", "beauty"),
     "no limit": (AT_LEAST + "duration_s = {}\n", "low, high"),
     "limits crossed": (
