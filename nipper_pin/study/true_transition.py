@@ -123,16 +123,32 @@ def transition_of_turns(
     )
     solution = simulate(mechanism, turns)
     begin = (_TURNS - 1.5 + before) * solution.shaft.period
-    later = [hit for hit in solution.collisions if hit.stop == stop and hit.t >= begin]
-    if not later:
+    found = first_transition(solution, begin)
+    if found is None:
         message = f"{why} No turn has a collision of stop {stop!r}: {solution.outcome.value}"
         raise SimulationError(message, stop=stop, outcome=solution.outcome.name)
-    found = next((item for item in solution.transitions if item.t_start == later[0].t), None)
-    hits = tuple(later if found is None else later[: found.collisions])
-    outcome = Outcome.NO_REST if found is None else Outcome.AT_REST
-    if len(hits) > case.max_collisions:
-        hits, found, outcome = hits[: case.max_collisions], None, Outcome.TOO_MANY_COLLISIONS
     message = f"{why} This is the transition of the simulated turn."
     if solution.repeated_from is None:
         message += f" Turns differ from one another; it is that of number {_TURNS}."
-    return TrueTransition(solution, False, hits, found, outcome, message)
+    most = case.max_collisions
+    if len(found.collisions) > most:
+        hits, outcome = found.collisions[:most], Outcome.TOO_MANY_COLLISIONS
+        return TrueTransition(solution, False, hits, None, outcome, message)
+    return replace(found, premise_holds=False, message=message)
+
+
+def first_transition(solution: Solution, begin: float) -> TrueTransition | None:
+    """The first transition of a run from a time on; None if the transition stop is not hit.
+
+    Args:
+        solution: The run.
+        begin: The time [s].
+    """
+    stop = solution.mechanism.transition_stop
+    hits = [hit for hit in solution.collisions if hit.stop == stop and hit.t >= begin]
+    if not hits:
+        return None
+    found = next((item for item in solution.transitions if item.t_start == hits[0].t), None)
+    outcome = Outcome.NO_REST if found is None else Outcome.AT_REST
+    own = tuple(hits if found is None else hits[: found.collisions])
+    return TrueTransition(solution, None, own, found, outcome)

@@ -60,10 +60,7 @@ SHORT_STRETCH = 1e-6
 short a time nothing moves far."""
 CONTROL_ROUND_OFF = 1e-9
 """[1] Relative round-off of what the control of an optimum reads off a turn. A choice, for the
-reason of ``QUANTITY_ROUND_OFF``; the control shares no number with the search."""
-CONTROL_EDGE = 1e-6
-"""[1] Part of a phase at either end that the control leaves out. A choice: there the stop is just
-being hit or left, and the force belongs to either phase."""
+reason of ``QUANTITY_ROUND_OFF``."""
 DRIVE_RETURNS = 1e-6
 """[rad or m] Change of a driven coordinate over a turn above which its drive winds on. A choice: a
 drive that winds on moves by far more, any other by round-off alone."""

@@ -56,11 +56,6 @@ def event(
     )
 
 
-def phase(begin: float, end: float, closed: frozenset[str]) -> Any:
-    """A stretch with some stops closed."""
-    return SimpleNamespace(t_start=begin, t_end=end, closed=closed)
-
-
 def events(shift: float = 0.0) -> list[Any]:
     """The steeve's stop opens, two collisions of the jaw, rest, and the jaw opens again."""
     found = [

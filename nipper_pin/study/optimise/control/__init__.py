@@ -1,4 +1,4 @@
-"""The control of an optimum by simulated turns, which shares nothing with the search."""
+"""The control of an optimum by turns that the direct engine simulates."""
 
 from .compare import Control, Row, control
 

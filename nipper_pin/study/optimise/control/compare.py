@@ -1,7 +1,8 @@
 """The control of an optimum: a simulated turn of the machine, held against what was reported.
 
-The model is loaded by name with the overrides that the result gives out and simulated until its
-turns repeat. Nothing that the search evaluates with is used, so what it got wrong shows.
+The model is loaded by name with the overrides that the result gives out and simulated by the direct
+engine until its turns repeat. A search evaluates transitions, kinematics and tables, so what these
+got wrong shows.
 """
 
 from __future__ import annotations
@@ -17,8 +18,7 @@ from ....mechanism import load
 from ....mechanism.cylinder import index_difference
 from ..design import Design
 from ..problem.problem import Limit, Problem, read_text
-from .reading import READ
-from .turn import ControlTurn, control_turn
+from .reading import ControlTurn, control_turn, read
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -131,7 +131,7 @@ def control(text: bytes, design: Design) -> Control:
 def _row(problem: Problem, turn: ControlTurn, name: str, reported: float, error: float) -> Row:
     unit = problem.units[name]
     try:
-        seen = READ[name](turn)
+        seen = read(turn, name)
     except NipperError as missing:
         return Row(
             quantity=name, unit=unit, reported=reported, turn=None, allowed=error,

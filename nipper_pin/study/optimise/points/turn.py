@@ -69,23 +69,32 @@ def turn_values(found: TrueTransition, *, thin: bool = False) -> dict[str, float
     if sum(before < item.t_start <= first.t for item in solution.transitions) > 1:
         message = f"the stop {stop} closes more than once in a turn"
         raise SimulationError(message, stop=stop)
-    rest, opening = first.t + transition.duration, _opening(solution, first.event)
-    angle = float(solution.shaft.angle(opening.t))
+    rest, opens = first.t + transition.duration, opening(solution, first.event)
+    angle = float(solution.shaft.angle(opens.t))
+    begin = solution.trajectory.span[0]
     count = _SAMPLES // 2 if thin else _SAMPLES
     (waiting,) = mechanism.phase(mechanism.initial_phase).closed
     return {
         "closing_index": first.index,
         "opening_index": mechanism.cylinder.index_from_angle(angle),
-        "clamping_force_N": _mean_force(solution, stop, (first.t, rest, opening.t)),
-        "stroke_mm": MM_PER_M * _widest(solution, waiting, (rest, opening.t), count),
+        "clamping_force_N": _mean_force(solution, stop, (first.t, rest, opens.t)),
+        "stroke_mm": MM_PER_M * _widest(solution, waiting, (rest, opens.t), count),
         "jaw_opening_deg": math.degrees(
-            _widest(solution, stop, (opening.t - period, first.t), count)
+            _widest(solution, stop, (max(opens.t - period, begin), first.t), count)
         ),
     }
 
 
-def _opening(solution: Solution, first: Event) -> Event:
-    """The event at which the transition stop opens after a collision."""
+def opening(solution: Solution, first: Event) -> Event:
+    """The event at which the transition stop opens after a collision.
+
+    Args:
+        solution: The turns.
+        first: The collision.
+
+    Raises:
+        SimulationError: It does not open again.
+    """
     stop = solution.mechanism.transition_stop
     for event in solution.events[first.number :]:
         if stop in event.closed_before and stop not in event.closed_after:
