@@ -32,81 +32,7 @@ _SIZE_IN = 3.6  # of the longer side
 _ROOM = 0.05  # around the machine, by its size
 _SLOW_RPM = 1.0  # so slow that springs hold everything on its stop
 _STIFFER = 1e3
-_PAGE = """# Models
-
-How a model is written is described in the [model format](model_format.md).
-
-## Models that come with the package
-
-| model | what it is |
-| --- | --- |
-| `e62` | E62-class nipper, estimated from published ratios |
-| `e62_identified` | the same, identified again by `nipper-pin identify` |
-| `e62_offset_guide` | guide bar 12 mm beside the pendulum axis, other numbers; an estimate |
-| `hanging_pendulum` | older layout with a loop more; an estimate |
-
-None holds a maker's numbers. The last two are plausible machines of their kind and no more: no
-drawing or measurement stands behind them.
-
-**Where the numbers of the E62 come from.** The maker's drawings and the parameter tables of the
-paper are not public. The model is an estimate of the E62 class, identified from the ratios that the
-paper publishes and from the usual timing (nipper foremost at index 24, jaw closing at 33 to 35 and
-opening at 8 to 11). It must never be presented as the maker's data, and what it was fitted to does
-not validate it. Masses and inertias of links 1, 2, 3 and 7 are estimates without influence on the
-jaw while the drives are held; reflected inertias are orders of magnitude.
-
-## Gallery
-
-{count} textbook linkages, each with one or two stops somewhere along its motion. A machine whose
-motion the drive determines completely cannot bounce; each of these therefore has a part with a
-freedom of its own: a rod of two halves on a preloaded spring, a spring-held lever, a loose box.
-Start from one, change its numbers, replace its parts:
-
-    nipper-pin new --list
-    nipper-pin new --from toggle_press my_press
-    nipper-pin check my_press
-    nipper-pin simulate my_press --window cycle
-
-{contents}
-
-They run whole turns at half, once and twice their rated speed, with held and inertial drives. The
-pictures show them in the touch configuration, in which all coordinates are zero; the red line is
-the path of one point over a turn without impacts. Dimensions that are known from a source are
-named below each picture. All other numbers, masses, springs and stops above all, are inventions.
-
-## Draw your own
-
-In Python a machine is a drawing: points in mm, bodies through them, pins, slides and slots, a
-drive, springs and stops. Joints are listed from the frame outwards: the first one that leads to a
-body carries it, any other pin closes a loop.
-
-```python
-from nipper_pin.mechanism.drawing import (
-    Body, Drawing, Drive, Pin, Slide, Stop, telescope, write_drawing,
-)
-
-press = Drawing(
-    "press", "slider-crank on an anvil",
-    {{"O": (0.0, 0.0), "A": (-15.0, -20.0), "B": (0.0, -132.0)}},
-    (
-        Body("crank", "O A"),
-        Body("ram", "B", mass_kg=1.5),
-        Pin("O", "frame", "crank"),
-        Pin("A", "crank", "rod_1"),
-        *telescope("rod", "A B", stiffness=20000.0, preload_mm=10.0),
-        Slide("height", "frame", "ram", at="B", along=(0.0, 1.0)),
-        Pin("B", "rod_2", "ram"),
-        Drive("O"),
-        Stop("height"),
-    ),
-    touch_deg=-126.8699, start_deg=-270.0, speed_rpm=120.0, closed=("rod",), struck="height",
-)
-write_drawing(press, "press")
-```
-
-The drawings of the gallery are in `nipper_pin/mechanism/gallery/`; `make pictures` writes these
-pages.
-"""
+_PAGE = Path(__file__).with_name("models_page.md")
 # Pages of the machines: their title, and the first kind on each.
 _PARTS = {
     "gallery_linkages": ("Gallery: four-bars to six-bars", "Four-bars"),
@@ -142,7 +68,8 @@ def pages() -> dict[str, str]:
         links = ", ".join(f"[{each}]({name}.md#{each})" for each in machines)
         contents.append(f"- **{kind}**: {links}")
         parts[name] += [f"## {kind}\n", *map(_shown, group)]
-    front = _PAGE.format(count=len(GALLERY), contents="\n".join(contents))
+    text = _PAGE.read_text(encoding="utf-8")
+    front = text.format(count=len(GALLERY), contents="\n".join(contents))
     return {"models": front, **{name: "\n".join(lines) for name, lines in parts.items()}}
 
 
