@@ -40,9 +40,6 @@ class Source:
 def sources(options: argparse.Namespace) -> tuple[Source, Source]:
     """Both sides of the arguments.
 
-    Args:
-        options: The arguments.
-
     Raises:
         InputError: There are more than two, a number is given twice, or a saved run is to have
             other turns or drives.
@@ -102,11 +99,7 @@ def simulated(source: Source, options: argparse.Namespace) -> Solution:
 
 
 def told_settings(source: Source) -> list[str]:
-    """Words of the command that shows one side alone.
-
-    Args:
-        source: The side.
-    """
+    """Words of the command that shows one side alone."""
     case = Path(source.file).with_name("case.json") if source.file else None
     if case is not None and not (source.given and case.is_file()):
         return ["view", "--solution", source.file]
@@ -118,30 +111,18 @@ def told_settings(source: Source) -> list[str]:
 
 
 def told_machine(source: Source) -> list[str]:
-    """Words that make the machine of a side, without its speed.
-
-    Args:
-        source: The side.
-    """
+    """Words that make the machine of a side, without its speed."""
     changed = (f"{name}={value}" for name, value in source.given if name != _SPEED)
     return [source.name, *(word for item in changed for word in ("--set", item))]
 
 
 def told_drive(source: Source) -> list[str]:
-    """Words of the drive of a side, if it was given.
-
-    Args:
-        source: The side.
-    """
+    """Words of the drive of a side, if it was given."""
     return ["--drive", source.drive] if source.drive else []
 
 
 def told_window(options: argparse.Namespace) -> list[str]:
-    """Words of window, start and number of turns, as they were given.
-
-    Args:
-        options: The arguments.
-    """
+    """Words of window, start and number of turns, as they were given."""
     names = {"window": "--window", "start_index": "--start-index", "cycles": "--cycles"}
     given = {name: word for name, word in names.items() if hasattr(options, name)}
     return [word for name, item in given.items() for word in (item, f"{getattr(options, name)}")]

@@ -100,13 +100,7 @@ def unbroken_console() -> Console:
 
 
 def say(console: Console, text: str, *, style: str = "") -> None:
-    """Print a sentence without markup: brackets and colons in it are printed.
-
-    Args:
-        console: Where to print.
-        text: The sentence.
-        style: Its style.
-    """
+    """Print a sentence without markup: brackets and colons in it are printed."""
     glued = _BEFORE_NUMBER.sub(_GLUE, _BEFORE_UNIT.sub(_GLUE, text))
     lines = textwrap.fill(
         glued, console.width, break_long_words=False, break_on_hyphens=False
@@ -115,23 +109,13 @@ def say(console: Console, text: str, *, style: str = "") -> None:
 
 
 def headline(console: Console, text: str) -> None:
-    """Print the heading of what follows, after an empty line.
-
-    Args:
-        console: Where to print.
-        text: The heading.
-    """
+    """Print the heading of what follows, after an empty line."""
     console.print()
     say(console, text, style="bold")
 
 
 def paste(console: Console, command: str) -> None:
-    """Print a command that can be pasted into a shell: it is not broken into lines.
-
-    Args:
-        console: Where to print.
-        command: The command.
-    """
+    """Print a command that can be pasted into a shell: it is not broken into lines."""
     console.print(Text(command), highlight=False, soft_wrap=True)
 
 

@@ -56,9 +56,6 @@ def intervals(solution: Solution) -> list[Interval]:
     A phase without closed stops is the transition only if the transition stop bounces in it. While
     that one is open another stop may be left, or bounce: this has words and a colour of its own.
     In a machine that starts with no stop closed, that phase is not the transition, and is as named.
-
-    Args:
-        solution: The solution.
     """
     found = []
     for item in shown_phases(solution):
@@ -74,11 +71,7 @@ def intervals(solution: Solution) -> list[Interval]:
 
 
 def legend(solution: Solution) -> list[Interval]:
-    """The first interval of each name that is shown: the model's phases in its order, then others.
-
-    Args:
-        solution: The solution.
-    """
+    """The first interval of each name shown: the model's phases in its order, then others."""
     first: dict[str, Interval] = {}
     for item in intervals(solution):
         first.setdefault(item.name, item)

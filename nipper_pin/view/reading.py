@@ -90,11 +90,7 @@ def restitution_text(stops: tuple[Stop, ...]) -> str:
 
 
 def law_text(mechanism: Mechanism) -> str:
-    """The law of stops that are struck together; empty if it is the usual one.
-
-    Args:
-        mechanism: The mechanism.
-    """
+    """The law of stops that are struck together; empty if it is the usual one."""
     if mechanism.simultaneous == "newton":
         return ""
     return (

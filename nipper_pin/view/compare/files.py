@@ -52,9 +52,6 @@ def write_files(comparison: Comparison, folder: str | Path) -> list[Path]:
 def curves_figure(comparison: Comparison) -> Figure:
     """Gaps, clamping force and strokes of both against time: the window, and the transition.
 
-    Args:
-        comparison: The comparison.
-
     Raises:
         InputError: There is nothing to draw.
     """

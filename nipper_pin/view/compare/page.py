@@ -45,12 +45,7 @@ def write_comparison(comparison: Comparison, path: str | Path, look: Look | None
 
 
 def comparison_page(comparison: Comparison, look: Look) -> str:
-    """The page of a comparison, served or written alike.
-
-    Args:
-        comparison: The comparison.
-        look: How both are shown.
-    """
+    """The page of a comparison, served or written alike."""
     both = pair(comparison, look)
     one, other = machine_messages(both.a), machine_messages(both.b)
     film = one.pop()

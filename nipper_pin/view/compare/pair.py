@@ -58,10 +58,6 @@ def pair(comparison: Comparison, look: Look) -> Pair:
     It counts from the start of both windows. At different speeds it is moved so that both
     transition stops are struck first at the same time; otherwise nobody could compare rebounds.
 
-    Args:
-        comparison: The comparison.
-        look: How both are shown.
-
     Raises:
         InputError: One of them has no motion, or its gap cannot be drawn larger.
     """
@@ -87,11 +83,7 @@ def pair(comparison: Comparison, look: Look) -> Pair:
 
 
 def clock_text(both: Pair) -> str:
-    """Where the time of both is zero, in words.
-
-    Args:
-        both: The films.
-    """
+    """Where the time of both is zero, in words."""
     runs = both.a.solution, both.b.solution
     text = "Both start together; times count from the start of the window."
     if both.later != 0.0:
@@ -108,11 +100,7 @@ def clock_text(both: Pair) -> str:
 
 
 def lanes(both: Pair) -> list[Lane]:
-    """Curves of both, those of one name in the same axes.
-
-    Args:
-        both: The films.
-    """
+    """Curves of both, those of one name in the same axes."""
     one, other = ({curve.label: curve for curve in curves(item)} for item in (both.a, both.b))
     found = []
     for label, first in {**other, **one}.items():

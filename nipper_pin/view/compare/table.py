@@ -48,11 +48,7 @@ def print_comparison(
 
 
 def comparison_csv(comparison: Comparison) -> str:
-    """The table as CSV, by the names of files and in SI units.
-
-    Args:
-        comparison: The comparison.
-    """
+    """The table as CSV, by the names of files and in SI units."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow(("name", "unit", "a", "b", "difference", "difference_percent"))
@@ -62,11 +58,7 @@ def comparison_csv(comparison: Comparison) -> str:
 
 
 def shown_rows(comparison: Comparison) -> list[Row]:
-    """Rows of which at least one run has a value.
-
-    Args:
-        comparison: The comparison.
-    """
+    """Rows of which at least one run has a value."""
     return [row for row in comparison.rows if row.a is not None or row.b is not None]
 
 
@@ -80,11 +72,7 @@ def _parts(comparison: Comparison) -> list[tuple[str, list[Row]]]:
 
 
 def cells(row: Row) -> tuple[str, str, str, str, str]:
-    """Words, unit, both values and the difference, as people read them.
-
-    Args:
-        row: The row.
-    """
+    """Words, unit, both values and the difference, as people read them."""
     found = row_shown(row)
     return found.words, found.unit, found.text(row.a), found.text(row.b), difference_text(row)
 

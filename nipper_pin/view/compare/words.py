@@ -26,11 +26,7 @@ _ASKED = (
 
 
 def label(run: Solution) -> str:
-    """Model, speed and window of a run, and its drive if it is not held.
-
-    Args:
-        run: The run.
-    """
+    """Model, speed and window of a run, and its drive if it is not held."""
     case = run.case
     what = "transition"
     if case.window is Window.CYCLE:
@@ -41,22 +37,14 @@ def label(run: Solution) -> str:
 
 
 def row_shown(row: Row) -> Shown:
-    """How people read a quantity.
-
-    Args:
-        row: Its row.
-    """
+    """How people read a quantity."""
     found = named(row.name, row.unit)
     # Of the transition, where turns count the collisions of each stop as well.
     return found.called("collisions until rest") if row.name == "collisions" else found
 
 
 def difference_text(row: Row) -> str:
-    """The difference in per cent, or in the quantity's own unit where that says more.
-
-    Args:
-        row: The row.
-    """
+    """The difference in per cent, or in the quantity's own unit where that says more."""
     if row.difference is None:
         return "-"
     if row.difference == 0.0:
@@ -83,12 +71,7 @@ def percent_text(percent: float) -> str:
 
 
 def change_text(comparison: Comparison, change: Change) -> str:
-    """What differs, in words.
-
-    Args:
-        comparison: The comparison.
-        change: One of its changes.
-    """
+    """What differs, in words."""
     if change.path.startswith("shapes"):
         return f"{change.path} differ"
     found = shown(comparison.a.mechanism, change.path)
@@ -100,33 +83,21 @@ def change_text(comparison: Comparison, change: Change) -> str:
 
 
 def change_texts(comparison: Comparison) -> list[str]:
-    """What differs, one thing each, and how much more.
-
-    Args:
-        comparison: The comparison.
-    """
+    """What differs, one thing each, and how much more."""
     told = [change_text(comparison, item) for item in comparison.changes[:_MOST_CHANGES]]
     more = len(comparison.changes) - len(told)
     return [*told, *([f"{more} more (all of them: --json FILE)"] if more else [])]
 
 
 def changes_text(comparison: Comparison) -> str:
-    """What differs, as one sentence.
-
-    Args:
-        comparison: The comparison.
-    """
+    """What differs, as one sentence."""
     if not comparison.changes:
         return "Machine and setting are the same."
     return f"What differs: {'; '.join(change_texts(comparison))}."
 
 
 def finding(comparison: Comparison) -> str:
-    """What was found, in one sentence or two.
-
-    Args:
-        comparison: The comparison.
-    """
+    """What was found, in one sentence or two."""
     if not comparison.rows:
         return "A and B have no quantity in common."
     if comparison.same:

@@ -15,9 +15,6 @@ _CYLINDER_SECTIONS = 48
 def shape(solid: Solid) -> trimesh.Trimesh:
     """The mesh of a drawn solid, in its own frame and before it is scaled.
 
-    Args:
-        solid: The solid.
-
     Raises:
         InputError: The mesh cannot be read.
     """

@@ -66,11 +66,7 @@ class WholeTurns:
 
 
 def unusable(mechanism: Mechanism) -> str:
-    """Make the tables of a mechanism's turns and load compiled code, or say why there are none.
-
-    Args:
-        mechanism: The mechanism.
-    """
+    """Make the tables of a mechanism's turns and load compiled code, or say why there are none."""
     if not installed("numba"):
         return "it needs numba (extra study)"
     try:

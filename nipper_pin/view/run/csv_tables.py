@@ -24,11 +24,7 @@ TABLES = ("collisions.csv", "phases.csv", "link_velocities.csv", "motion.csv")
 
 
 def tables(solution: Solution) -> Iterator[tuple[str, str]]:
-    """Name and content of each table that :func:`export` writes.
-
-    Args:
-        solution: The solution.
-    """
+    """Name and content of each table that :func:`export` writes."""
     yield TABLES[0], _csv(*_collisions(solution))
     yield TABLES[1], _csv(_PHASE_HEADER, _phases(solution))
     yield TABLES[2], _csv(_LINK_HEADER, _links(solution))

@@ -24,12 +24,7 @@ _TOLD = ("First", "second")
 
 
 def header(solution: Solution, console: Console) -> None:
-    """Print the machine, the setting and where time is zero.
-
-    Args:
-        solution: The run.
-        console: Where to print.
-    """
+    """Print the machine, the setting and where time is zero."""
     mechanism = solution.mechanism
     say(console, mechanism.title or mechanism.name, style="bold")
     say(console, case_text(solution))
@@ -46,12 +41,7 @@ def header(solution: Solution, console: Console) -> None:
 
 
 def transitions(solution: Solution, console: Console) -> None:
-    """Print the transitions that were completed: how long they take and how far the stop rebounds.
-
-    Args:
-        solution: The run.
-        console: Where to print.
-    """
+    """Print the completed transitions: how long they take and how far the stop rebounds."""
     stop = solution.mechanism.transition_stop
     headline(console, "Transition")
     if not solution.transitions:

@@ -22,12 +22,7 @@ _NARROWEST = 0.03
 
 
 def series(solution: Solution, transition: Transition) -> list[Collision]:
-    """Collisions of a transition, in order of time.
-
-    Args:
-        solution: The solution.
-        transition: One of its transitions.
-    """
+    """Collisions of a transition, in order of time."""
     return [
         item
         for item in solution.collisions
@@ -41,11 +36,6 @@ def draw_rebounds(axes: Axes, solution: Solution, transition: Transition) -> Non
 
     Heights are written at the first ones; where the stop has a contact point, the scale at the
     right is the gap there.
-
-    Args:
-        axes: Where to draw.
-        solution: The solution.
-        transition: One of its transitions.
     """
     mechanism = solution.mechanism
     stop = mechanism.stop(mechanism.transition_stop)

@@ -26,25 +26,14 @@ _HELD_SAMPLES = 1441
 
 
 def more(console: Console, count: int, noun: str) -> None:
-    """Print how many rows of one kind were left out.
-
-    Args:
-        console: Where to print.
-        count: Their number.
-        noun: What one of them is.
-    """
+    """Print how many rows of one kind were left out."""
     if count:
         verb = " is" if count == 1 else "s are"
         say(console, f"{count} more {noun}{verb} not shown.")
 
 
 def releases(solution: Solution, console: Console) -> None:
-    """Print where stops are left because their force falls to zero.
-
-    Args:
-        solution: The run.
-        console: Where to print.
-    """
+    """Print where stops are left because their force falls to zero."""
     shown = shown_events(solution, EventKind.RELEASE)
     if not shown:
         return
@@ -77,12 +66,7 @@ def _release_text(solution: Solution, event: Event) -> str:
 
 
 def shafts(solution: Solution, console: Console) -> None:
-    """Print the speeds of elastically driven shafts, beside those of held drives.
-
-    Args:
-        solution: The run.
-        console: Where to print.
-    """
+    """Print the speeds of elastically driven shafts, beside those of held drives."""
     rates = shaft_rates(solution)
     if not rates:
         return
@@ -129,12 +113,7 @@ def forces(solution: Solution, console: Console) -> None:
 
 
 def checks(solution: Solution, console: Console) -> None:
-    """Print how well the run keeps its closures and its energy, and its work.
-
-    Args:
-        solution: The run.
-        console: Where to print.
-    """
+    """Print how well the run keeps its closures and its energy, and its work."""
     found = solution.checks
     headline(console, "Checks and work")
     say(

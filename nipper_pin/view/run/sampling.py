@@ -118,9 +118,6 @@ def force_ranges(solution: Solution) -> tuple[ForceRange, ...]:
 def shaft_rates(solution: Solution) -> dict[str, tuple[float, float]]:
     """Smallest and largest rate of every driven joint over the turns shown.
 
-    Args:
-        solution: The solution.
-
     Returns:
         Both by drive [rad/s or m/s]; empty for a run without motion.
     """

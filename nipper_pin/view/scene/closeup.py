@@ -58,11 +58,7 @@ class CloseUp:
 
 
 def close_up(film: Film) -> CloseUp | None:
-    """The close-up of the transition stop; None if it has no contact point.
-
-    Args:
-        film: The film.
-    """
+    """The close-up of the transition stop; None if it has no contact point."""
     mechanism = film.solution.mechanism
     stop = bouncing_stop(mechanism)
     if stop is None or stop.contact is None:

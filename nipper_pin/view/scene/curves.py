@@ -41,9 +41,6 @@ def curves(film: Film) -> list[Curve]:
     """Gap and force of the transition stop, then the gaps of others.
 
     The scale of the first is that of its rebounds; beyond it the curve ends.
-
-    Args:
-        film: The film.
     """
     mechanism = film.solution.mechanism
     main = bouncing_stop(mechanism)

@@ -89,9 +89,6 @@ def film(solution: Solution, look: Look, frames: Pace | None = None) -> Film:
         frames: Times of the frames, by default those that suit the solution. Outside of its run the
             machine stands still.
 
-    Returns:
-        The frames.
-
     Raises:
         InputError: The solution has no motion, or its gap cannot be drawn larger.
     """

@@ -119,11 +119,7 @@ class MovingSketch:
     """
 
     def __init__(self, shown: Film) -> None:
-        """Draw everything.
-
-        Args:
-            shown: The film.
-        """
+        """Draw everything."""
         self._shown, solution = shown, shown.solution
         times = np.arange(0.0, shown.pace.playback[-1], 1.0 / PER_SECOND)
         self.frames = np.searchsorted(shown.pace.playback, times)
@@ -146,11 +142,7 @@ class MovingSketch:
         self._ground = self._canvas.copy_from_bbox(self.figure.bbox)  # type: ignore[no-untyped-call]
 
     def picture(self, frame: int) -> Image.Image:
-        """One picture.
-
-        Args:
-            frame: Place of the frame in the film.
-        """
+        """One picture."""
         self._move(frame)
         self._say(frame)
         self._canvas.restore_region(self._ground)

@@ -26,9 +26,6 @@ _HEAD = 80
 def read_mesh(path: Path) -> tuple[FloatArray, NDArray[np.intp]]:
     """Corners and faces of a mesh file.
 
-    Args:
-        path: The file.
-
     Returns:
         Corners, shape (N, 3) [m], and faces, shape (F, 3), counter-clockwise from outside.
 
@@ -52,9 +49,6 @@ def read_mesh(path: Path) -> tuple[FloatArray, NDArray[np.intp]]:
 
 def mesh_of(solid: Solid) -> tuple[FloatArray, NDArray[np.intp]]:
     """Corners, shape (N, 3) [m], and faces, shape (F, 3), counter-clockwise from outside.
-
-    Args:
-        solid: The solid.
 
     Raises:
         InputError: Its mesh cannot be read.

@@ -9,11 +9,7 @@ from .objects import body_path
 
 
 def names(mechanism: Mechanism) -> list[dict[str, object]]:
-    """Texts, the nodes that they move with, and their places in these (x, y, z) [m].
-
-    Args:
-        mechanism: The mechanism.
-    """
+    """Texts, the nodes that they move with, and their places in these (x, y, z) [m]."""
     model = mechanism.model
     found = []
     for body, joint in enumerate(mechanism.joints):

@@ -51,9 +51,6 @@ def write_page(solution: Solution, path: str | Path, look: Look | None = None) -
 def scene_page(shown: Film) -> str:
     """The page of a film, served or written alike.
 
-    Args:
-        shown: The film.
-
     Returns:
         HTML with script, scene and animation inside.
     """
@@ -105,11 +102,7 @@ def background() -> list[dict[str, object]]:
 
 
 def machine_messages(shown: Film) -> list[dict[str, object]]:
-    """Messages that draw the machine of a film; the last one is its animation.
-
-    Args:
-        shown: The film.
-    """
+    """Messages that draw the machine of a film; the last one is its animation."""
     mechanism = shown.solution.mechanism
     drawn = solids(mechanism)
     sent: list[dict[str, object]] = []

@@ -35,11 +35,7 @@ NOTE = (
 
 
 def readings(film: Film) -> dict[str, object]:
-    """Everything that the page writes, as plain data.
-
-    Args:
-        film: The film.
-    """
+    """Everything that the page writes, as plain data."""
     solution, pace = film.solution, film.pace
     mechanism = solution.mechanism
     last = pace.machine[-1]
@@ -79,11 +75,7 @@ def readings(film: Film) -> dict[str, object]:
 
 
 def curve_record(curve: Curve) -> dict[str, object]:
-    """A curve as plain data.
-
-    Args:
-        curve: The curve.
-    """
+    """A curve as plain data."""
     return {
         "label": curve.label,
         "stop": curve.stop,

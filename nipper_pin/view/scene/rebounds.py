@@ -31,9 +31,6 @@ def rebound_flights(solution: Solution) -> list[Flight]:
     """Flights between a collision of the transition stop and its next one, or its rest.
 
     The closing before the first collision and the opening after the last are none.
-
-    Args:
-        solution: The solution.
     """
     stop = solution.mechanism.transition_stop
     closes = [

@@ -71,9 +71,6 @@ def solids(mechanism: Mechanism) -> tuple[Solid, ...]:
     A link whose visuals are missing, or whose mesh files are, is drawn by its collision shapes;
     one without any shape by bars between its joints.
 
-    Args:
-        mechanism: The mechanism.
-
     Raises:
         ModelError: A shape of the URDF cannot be read.
     """
@@ -99,9 +96,6 @@ def solids(mechanism: Mechanism) -> tuple[Solid, ...]:
 
 def plain_solids(mechanism: Mechanism) -> tuple[Solid, ...]:
     """The collision shapes but for meshes, whatever is drawn.
-
-    Args:
-        mechanism: The mechanism.
 
     Raises:
         ModelError: A shape of the URDF cannot be read.

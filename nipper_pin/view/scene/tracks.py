@@ -25,12 +25,7 @@ _FLOAT32 = 0x17  # meshcat's code for a typed array in a message
 
 
 def animation(film: Film, solids: Sequence[Solid]) -> dict[str, object]:
-    """The command that loads and plays the animation of a film.
-
-    Args:
-        film: The film.
-        solids: What the mechanism is drawn with.
-    """
+    """The command that loads and plays the animation of a film."""
     clips = [*_bodies(film), *_springs(film, solids), *_struts(film), *_phases(film, solids),
              *_arrows(film)]  # fmt: skip
     return {

@@ -40,9 +40,6 @@ def write_sketch(mechanism: Mechanism, path: str | Path) -> Path:
         mechanism: The mechanism.
         path: File to write, ``NAME.svg``, ``.png`` or ``.pdf``; it appears when it is complete.
 
-    Returns:
-        The file.
-
     Raises:
         InputError: The file cannot be written, or its suffix names no format.
     """
@@ -56,9 +53,6 @@ def write_sketch(mechanism: Mechanism, path: str | Path) -> Path:
 
 def drawing_format(path: Path) -> str:
     """The format of a drawing, by the suffix of its file.
-
-    Args:
-        path: The file.
 
     Raises:
         InputError: It is none of svg, png and pdf.
@@ -88,11 +82,7 @@ class Symbols:
 
 
 def drawn(shown: Sketch) -> Figure:
-    """The figure of a sketch.
-
-    Args:
-        shown: What it shows.
-    """
+    """The figure of a sketch."""
     figure = Figure(figsize=(WIDTH_IN, WIDTH_IN), layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.add_subplot()

@@ -97,11 +97,7 @@ class Sketch:
 
 
 def sketch(mechanism: Mechanism) -> Sketch:
-    """Names and places of all parts with every coordinate at zero.
-
-    Args:
-        mechanism: The mechanism.
-    """
+    """Names and places of all parts with every coordinate at zero."""
     model = mechanism.model
     world = joint_placements(model)
     order = [model.getJointId(joint.name) for joint in mechanism.joints]

@@ -32,9 +32,6 @@ def plot_front(optimum: Optimum, path: str | Path) -> Path:
         optimum: An optimum with a front.
         path: The file, in the format of its suffix.
 
-    Returns:
-        The path.
-
     Raises:
         InputError: The file cannot be written.
     """

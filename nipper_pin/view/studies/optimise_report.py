@@ -22,12 +22,7 @@ _ENGINES = {
 
 
 def print_optimum(optimum: Optimum, console: Console) -> None:
-    """Print what was found and what holds it back.
-
-    Args:
-        optimum: The optimum.
-        console: Where to print, of any width.
-    """
+    """Print what was found and what holds it back."""
     problem = optimum.problem
     say(console, problem.title, style="bold")
     say(console, _found(optimum))

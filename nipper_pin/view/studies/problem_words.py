@@ -8,43 +8,24 @@ from ...terms import Shown, named
 
 
 def quantity_shown(problem: Problem, name: str) -> Shown:
-    """How people read a quantity of an aim or a limit.
-
-    Args:
-        problem: The problem.
-        name: Name of the quantity.
-    """
+    """How people read a quantity of an aim or a limit."""
     return named(name, problem.units[name])
 
 
 def parameter_shown(item: Parameter) -> Shown:
-    """How people read a free number.
-
-    Args:
-        item: It.
-    """
+    """How people read a free number."""
     return named(item.target.path)
 
 
 def limit_words(limit: Limit, problem: Problem) -> str:
-    """A limit in words and in the unit that people read.
-
-    Args:
-        limit: The limit.
-        problem: Its problem.
-    """
+    """A limit in words and in the unit that people read."""
     term = quantity_shown(problem, limit.quantity)
     side = "at least" if limit.side == "low" else "at most"
     return f"{term.words} {side} {term.phrase(limit.value)}"
 
 
 def binding_words(item: Binding, problem: Problem) -> str:
-    """The limit that binds, or the bound of a parameter, in words.
-
-    Args:
-        item: It.
-        problem: Its problem.
-    """
+    """The limit that binds, or the bound of a parameter, in words."""
     for limit in problem.limits:
         if item.kind == "limit" and str(limit) == item.name:
             return limit_words(limit, problem)
@@ -52,12 +33,7 @@ def binding_words(item: Binding, problem: Problem) -> str:
 
 
 def room_shown(item: Binding, problem: Problem) -> Shown:
-    """How people read the room that a limit or the bound of a parameter leaves.
-
-    Args:
-        item: It.
-        problem: Its problem.
-    """
+    """How people read the room that a limit or the bound of a parameter leaves."""
     if item.kind == "limit":
         found = next(limit for limit in problem.limits if str(limit) == item.name)
         return quantity_shown(problem, found.quantity)
@@ -69,11 +45,7 @@ def room_shown(item: Binding, problem: Problem) -> Shown:
 
 
 def holding_words(problem: Problem) -> dict[str, str]:
-    """All limits, then all bounds of free numbers: their names, and short words for a figure.
-
-    Args:
-        problem: The problem.
-    """
+    """All limits, then all bounds of free numbers: their names, and short words for a figure."""
     found = {}
     for limit in problem.limits:
         term = quantity_shown(problem, limit.quantity)
@@ -86,11 +58,7 @@ def holding_words(problem: Problem) -> dict[str, str]:
 
 
 def ranges(problem: Problem) -> list[str]:
-    """What each limited quantity has to keep to, in words.
-
-    Args:
-        problem: The problem.
-    """
+    """What each limited quantity has to keep to, in words."""
     sides: dict[str, dict[str, float]] = {}
     for limit in problem.limits:
         sides.setdefault(limit.quantity, {})[limit.side] = limit.value

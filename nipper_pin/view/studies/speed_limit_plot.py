@@ -32,9 +32,6 @@ _MOST_LINES = 5
 def check_figure(path: str | Path) -> str:
     """Return the format of a figure's file by its suffix, if it can be written.
 
-    Args:
-        path: The file.
-
     Raises:
         InputError: It cannot be written, or has another suffix.
     """
@@ -65,11 +62,7 @@ def plot_speed_limit(result: SpeedLimit, path: str | Path) -> Path:
 
 
 def speed_limit_figure(result: SpeedLimit) -> Figure:
-    """Indices of first touch, rest and opening by speed, with all turns that go on; time clamped.
-
-    Args:
-        result: The study.
-    """
+    """Indices of first touch, rest and opening by speed, of all turns that go on; time clamped."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from matplotlib.patheffects import withStroke

@@ -13,12 +13,7 @@ _HEADINGS = ("speed r/min", "touches", "rests", "opens", "margin", "clamped %", 
 
 
 def print_speed_limit(result: SpeedLimit, console: Console) -> None:
-    """Print the limits and a few speeds.
-
-    Args:
-        result: The study.
-        console: Where to print, of any width.
-    """
+    """Print the limits and a few speeds."""
     low, high = result.speed_rpm[0], result.speed_rpm[-1]
     say(console, f"{result.title}: {low:g} to {high:g} r/min", style="bold")
     chosen = np.unique(np.linspace(0, len(result.speed_rpm) - 1, _ROWS).astype(int))

@@ -33,10 +33,6 @@ _Line = tuple[FloatArray, FloatArray]
 class Plots:
     """Jaw angle with the gap at the contact, clamping force and impulses over one time.
 
-    Args:
-        gui: Where they are put.
-        mechanism: The mechanism.
-
     Attributes:
         legend: Which curve is which.
         gap, force, impulse: The plots. Their rows: time, pinned, before, now; of the first also
@@ -71,11 +67,7 @@ class Plots:
             axis.forget()
 
     def show(self, memory: Memory) -> None:
-        """Draw the curves, or nothing where the present setting has none.
-
-        Args:
-            memory: The settings.
-        """
+        """Draw the curves, or nothing where the present setting has none."""
         present = memory.present
         there = present is not None and not present.answer.message
         for part in (self.legend, self.gap, self.force, self.impulse):

@@ -21,12 +21,7 @@ def field_text(value: float) -> str:
 
 
 def typed(knob: Knob, text: str) -> float | None:
-    """The number that a text in a field means; None if it cannot be used.
-
-    Args:
-        knob: What the field sets.
-        text: The text.
-    """
+    """The number that a text in a field means; None if it cannot be used."""
     if not _NUMBER.fullmatch(text.strip()):
         return None
     value = float(text.replace(",", ""))
@@ -34,13 +29,7 @@ def typed(knob: Knob, text: str) -> float | None:
 
 
 def refusal(knob: Knob, text: str, shown: float) -> str:
-    """Why a text cannot be used, what can, and what is shown instead.
-
-    Args:
-        knob: What the field sets.
-        text: The text.
-        shown: The value that the page shows.
-    """
+    """Why a text cannot be used, what can, and what is shown instead."""
     found = text.strip()
     reason = f"“{found}” is no number"
     if not found:

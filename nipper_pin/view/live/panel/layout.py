@@ -60,11 +60,7 @@ def cursor(share: float) -> str:
 
 
 class Widths:
-    """Gives each browser a panel that fits its window.
-
-    Args:
-        server: The server.
-    """
+    """Gives each browser a panel that fits its window."""
 
     def __init__(self, server: viser.ViserServer) -> None:
         """Follow all browsers that come."""

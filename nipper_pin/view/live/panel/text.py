@@ -39,9 +39,5 @@ def as_html(
 
 
 def boxed(content: str) -> str:
-    """HTML in the size and with the margins of the sliders' labels.
-
-    Args:
-        content: The HTML.
-    """
+    """HTML in the size and with the margins of the sliders' labels."""
     return f'<div style="font-size:0.82em;line-height:1.35;padding:0.1em 0.8em">{content}</div>'

@@ -38,12 +38,7 @@ class Quantity:
 
     @classmethod
     def of(cls, sweep: SweepTable, name: str) -> Quantity:
-        """Read it from a sweep.
-
-        Args:
-            sweep: The sweep.
-            name: Its name.
-        """
+        """Read it from a sweep."""
         unit = (sweep.table.schema.field(name).metadata or {}).get(b"unit", NONE.encode()).decode()
         shown = named(name, unit)
         values = shown.value(np.asarray(sweep.table[name].to_numpy(), dtype=float))
@@ -52,11 +47,7 @@ class Quantity:
         return cls(name=name, shown=shown, values=values)
 
     def short(self, value: float, _: object = None) -> str:
-        """A value beside an axis; an index on the one scale from 0 to 40.
-
-        Args:
-            value: It.
-        """
+        """A value beside an axis; an index on the one scale from 0 to 40."""
         return short(float(within_turn(value)) if self.name in INDICES else value)
 
     @property
@@ -91,12 +82,7 @@ class Parameter:
 
     @classmethod
     def of(cls, sweep: SweepTable, place: int) -> Parameter:
-        """Grid values are cells of their own; the range of samples is divided evenly.
-
-        Args:
-            sweep: The sweep.
-            place: Place among its parameters.
-        """
+        """Grid values are cells of their own; the range of samples is divided evenly."""
         axis = sweep.axes[place]
         name, log = str(axis["name"]), axis["scale"] == "log"
         shown = named(str(axis["path"]))
@@ -135,11 +121,7 @@ class Parameter:
 
 
 def short(value: float) -> str:
-    """A value beside an axis: three digits, and no powers of ten for what a designer reads.
-
-    Args:
-        value: It.
-    """
+    """A value beside an axis: three digits, and no powers of ten for what a designer reads."""
     return f"{value:.0f}" if 1e3 <= abs(value) < 1e6 else f"{value:.3g}"
 
 

@@ -25,14 +25,7 @@ _MEANS = "Every value is the mean of the scenarios near it, whatever their other
 def level_lines(
     sweep: SweepTable, across: Parameter, upwards: Parameter, quantity: Quantity
 ) -> Figure:
-    """Lines of equal quantity over two parameters, the mean over all others.
-
-    Args:
-        sweep: The sweep.
-        across: Parameter across.
-        upwards: Parameter upwards.
-        quantity: The quantity.
-    """
+    """Lines of equal quantity over two parameters, the mean over all others."""
     rest = len(sweep.axes) > 2 or not (across.grid and upwards.grid)
     subject = f"{quantity.title} over {across.shown.words} and {upwards.shown.words}"
     figure = framed(sweep, quantity, subject, 4.8, [_MEANS] if rest else [])

@@ -20,13 +20,7 @@ _LABEL_COLUMNS = 34
 
 
 def main_effects(sweep: SweepTable, parameters: Sequence[Parameter], quantity: Quantity) -> Figure:
-    """Mean of a quantity over each parameter, and where the middle 80 % of scenarios lie.
-
-    Args:
-        sweep: The sweep.
-        parameters: Its parameters.
-        quantity: The quantity.
-    """
+    """Mean of a quantity over each parameter, and where the middle 80 % of scenarios lie."""
     columns = min(2, len(parameters))
     lines = -(-len(parameters) // columns)
     subject = f"{quantity.title}: how it changes with each parameter"
