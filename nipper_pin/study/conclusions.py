@@ -19,19 +19,12 @@ _SMALL = {"mm": 5.0, "deg": 5.0, "%": 20.0}
 
 
 def label(path: str) -> str:
-    """A number of the model in words.
-
-    Args:
-        path: Its path.
-    """
+    """A number of the model in words."""
     return parameter_shown(path).words
 
 
 def conclusions(found: Sensitivities) -> tuple[str, ...]:
     """Sentences on the sensitivities for the design and adjustment of the machine.
-
-    Args:
-        found: The sensitivities.
 
     Returns:
         Sentences made from the numbers; they hold for small changes of one number at a time.

@@ -15,10 +15,6 @@ T = TypeVar("T")
 def check_engine(engine: str, drive: str) -> None:
     """Refuse an engine or a behaviour of driven shafts that does not exist.
 
-    Args:
-        engine: Name of the engine.
-        drive: Behaviour of the driven shafts.
-
     Raises:
         InputError: One of them is none.
     """

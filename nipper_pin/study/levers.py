@@ -107,10 +107,6 @@ class Lever:
 def levers(mechanism: Mechanism, found: Sensitivities) -> tuple[Lever, ...]:
     """The strongest levers of a machine, one of each pin, spring, drive, link or stop.
 
-    Args:
-        mechanism: The machine.
-        found: Its sensitivities.
-
     Returns:
         At most three, the strongest first. A change by one unit that no machine can have, for
         example of a radius below zero, is passed over.

@@ -41,9 +41,6 @@ class LinkMass:
 def link_masses(mechanism: Mechanism) -> tuple[LinkMass, ...]:
     """Masses of the moving links.
 
-    Args:
-        mechanism: The mechanism.
-
     Returns:
         One for every joint, in their order.
     """

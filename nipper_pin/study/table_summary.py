@@ -19,22 +19,14 @@ if TYPE_CHECKING:
 
 
 def line(table: TransitionTable) -> str:
-    """One line.
-
-    Args:
-        table: The table.
-    """
+    """One line."""
     count = len(table)
     cases = f"{count:,} case{'' if count == 1 else 's'}"
     return f"<TransitionTable of {table.model}: {cases}, {outcomes(table)}; {table.why}>"
 
 
 def page(table: TransitionTable) -> str:
-    """HTML: how the cases ended, and the first of them.
-
-    Args:
-        table: The table.
-    """
+    """HTML: how the cases ended, and the first of them."""
     shown = {name: list(values) for name, values in columns(table, collisions=1).items()}
     rows = list(zip(*shown.values(), strict=True))
     title = f"{len(table):,} transitions of {table.model}"
@@ -79,11 +71,7 @@ def columns(table: TransitionTable, collisions: int = 2) -> dict[str, Column]:
 
 
 def spring_columns(table: TransitionTable | TurnTable) -> dict[str, Column]:
-    """Rates and preloads by their paths in the model, in the units of its file.
-
-    Args:
-        table: The table.
-    """
+    """Rates and preloads by their paths in the model, in the units of its file."""
     return {
         f"springs.{spring.name}.{key}": getattr(table, row)[:, place] / scale
         for place, spring in enumerate(table.mechanism.springs)
@@ -103,10 +91,6 @@ def _rows(table: TransitionTable) -> list[tuple[str, Any]]:
 
 
 def outcomes(table: TransitionTable | TurnTable) -> str:
-    """How the cases of a table ended, and how many so.
-
-    Args:
-        table: The table.
-    """
+    """How the cases of a table ended, and how many so."""
     found = Counter(table.outcome.tolist())
     return ", ".join(f"{count:,} {word.replace('_', ' ')}" for word, count in found.most_common())

@@ -80,9 +80,6 @@ class TurnTransition(CollisionRows):
 def touch_turns(mechanism: Mechanism) -> TurnModel:
     """The model of turns that start a little before the touch, sampled at the first call.
 
-    Args:
-        mechanism: The mechanism.
-
     Raises:
         InputError: The mechanism cannot be reduced.
         SimulationError: A point of the turn cannot be reached or is singular.
@@ -92,10 +89,6 @@ def touch_turns(mechanism: Mechanism) -> TurnModel:
 
 def turn_transition(mechanism: Mechanism, case: TurnCase) -> TurnTransition:
     """Follow turns from the initial phase and read the transition of the third one.
-
-    Args:
-        mechanism: The mechanism.
-        case: The case.
 
     Raises:
         InputError: The mechanism cannot be reduced.

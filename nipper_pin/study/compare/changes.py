@@ -41,12 +41,7 @@ class Change:
 
 
 def changes(a: Solution, b: Solution) -> tuple[Change, ...]:
-    """What differs: settings, then the description, then dimensions and masses.
-
-    Args:
-        a: One run.
-        b: The other one.
-    """
+    """What differs: settings, then the description, then dimensions and masses."""
     settings = (_without(asdict(run.case), _WITHOUT_EFFECT) for run in (a, b))
     one, other = a.mechanism, b.mechanism
     texts = (_without(item.description, _TEXTS) for item in (one, other))

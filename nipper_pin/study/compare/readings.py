@@ -38,9 +38,6 @@ def reading(solution: Solution) -> Reading:
 
     Those of whole turns are read in the turn that stands for all further ones: the first that
     repeats another, or the last one.
-
-    Args:
-        solution: The run.
     """
     if not solution.mechanism.transition_stop:
         return Reading({}, "it has no stop whose bouncing is the transition")

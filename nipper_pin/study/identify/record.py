@@ -22,14 +22,7 @@ WORD = (
 def record(
     fit: Fit, judged: Goodness, known: Determinability, profiles: Sequence[Profile] = ()
 ) -> dict[str, Any]:
-    """Return an identification as plain data.
-
-    Args:
-        fit: The fit.
-        judged: How good it is.
-        known: What the targets determine.
-        profiles: Profile likelihoods.
-    """
+    """Return an identification as plain data."""
     problem = fit.objective.problem
     return {
         "title": problem.title,

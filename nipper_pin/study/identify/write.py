@@ -28,9 +28,6 @@ def write_model(fit: Fit, judged: Goodness, folder: str | Path) -> Mechanism:
         judged: How good it is; the files say so.
         folder: Folder to write; its name becomes the model's. It may exist if it is empty.
 
-    Returns:
-        The mechanism, read back from the files.
-
     Raises:
         InputError: The folder cannot be written, or holds something else; then nothing is written.
     """

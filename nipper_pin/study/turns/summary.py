@@ -13,22 +13,14 @@ _SHOWN = ("turns", "repeats_after", "clamped_share", "closing_index", "rest_inde
 
 
 def line(table: TurnTable) -> str:
-    """One line.
-
-    Args:
-        table: The table.
-    """
+    """One line."""
     count = len(table)
     cases = f"{count:,} case{'' if count == 1 else 's'}"
     return f"<TurnTable of {table.model}: {cases}, {outcomes(table)}; {table.why}>"
 
 
 def page(table: TurnTable) -> str:
-    """HTML: how the cases ended, and the first of them.
-
-    Args:
-        table: The table.
-    """
+    """HTML: how the cases ended, and the first of them."""
     every = columns(table)
     head = ("engine", "outcome", "message", "speed_rpm", *_SHOWN)
     rows = list(zip(*(list(every[name]) for name in head), strict=True))
@@ -38,9 +30,6 @@ def page(table: TurnTable) -> str:
 
 def columns(table: TurnTable) -> dict[str, Column]:
     """A table as columns: parameters by their paths in the model, quantities by their names.
-
-    Args:
-        table: The table.
 
     Returns:
         Numbers as arrays, shape (n,), NaN where a case has none; all else as lists.

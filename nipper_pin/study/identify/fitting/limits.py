@@ -31,10 +31,6 @@ _SIGMAS = dict(
 def excesses(limits: Limits, cycle: WorkingCycle) -> FloatArray:
     """Excess of a working cycle over its limits, in sigmas, in the order of :data:`LIMITS`.
 
-    Args:
-        limits: The limits.
-        cycle: The working cycle.
-
     Returns:
         Zero inside, shape (4,); of the stop force the worst.
     """
@@ -60,10 +56,6 @@ def limit_rows(limits: Limits, cycle: WorkingCycle) -> FloatArray:
 
     The stop force has a row for each of its samples: the least of them alone would have a kink
     wherever another sample becomes the least, and a descent would stick there.
-
-    Args:
-        limits: The limits.
-        cycle: The working cycle.
 
     Returns:
         Closing and opening index, opening of the jaw, and the force of every sample, in sigmas

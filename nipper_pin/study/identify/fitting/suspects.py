@@ -25,9 +25,6 @@ def suspected_units(fit: Fit) -> tuple[str, ...]:
     The values are compared at the model's own numbers: a fit may have gone to its bounds to come
     nearer to a wrong unit.
 
-    Args:
-        fit: The fit.
-
     Returns:
         A sentence for each such quantity.
     """

@@ -18,10 +18,6 @@ from .geometry import Sources, layout
 def read_values(sources: Sources, paths: Sequence[str]) -> tuple[float, ...]:
     """Values that a model has at some paths.
 
-    Args:
-        sources: The model's texts.
-        paths: Paths of numbers.
-
     Raises:
         UnknownNameError: A path leads nowhere.
         ModelError: There is no number.
@@ -32,13 +28,6 @@ def read_values(sources: Sources, paths: Sequence[str]) -> tuple[float, ...]:
 
 def with_values(sources: Sources, values: Mapping[str, float]) -> Sources:
     """Change numbers of a model; it stays assembled.
-
-    Args:
-        sources: The model's texts.
-        values: New values by path.
-
-    Returns:
-        Texts of the changed model.
 
     Raises:
         UnknownNameError: A path leads nowhere.

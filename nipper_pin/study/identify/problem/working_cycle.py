@@ -122,9 +122,6 @@ def working_cycle(mechanism: Mechanism, speed_rpm: float) -> WorkingCycle:
 def unfit(mechanism: Mechanism) -> str | None:
     """Say why a mechanism has no working cycle of two phases without freedom.
 
-    Args:
-        mechanism: The mechanism.
-
     Returns:
         One sentence, or None if it has one.
     """
@@ -142,10 +139,6 @@ def unfit(mechanism: Mechanism) -> str | None:
 
 def middle_half(begin: float, end: float) -> tuple[FloatArray, FloatArray]:
     """Places and weights of a mean over the middle half of an interval, by Gauss' rule.
-
-    Args:
-        begin: Begin of the interval.
-        end: Its end.
 
     Returns:
         Places and weights, shape (12,) each; the weights add up to one.
