@@ -135,9 +135,6 @@ def from_sources(
 def need_as_written(mechanism: Mechanism) -> None:
     """Refuse a mechanism that is not the one of its own texts, which are what is saved of it.
 
-    Args:
-        mechanism: The mechanism.
-
     Raises:
         InputError: Parts of it were replaced; names them.
     """

@@ -12,11 +12,7 @@ _LED: WeakKeyDictionary[Mechanism, Mechanism] = WeakKeyDictionary()
 
 
 def led(mechanism: Mechanism) -> Mechanism:
-    """The mechanism with leaders alone: itself, unless some of its stops close together.
-
-    Args:
-        mechanism: The mechanism.
-    """
+    """The mechanism with leaders alone: itself, unless some of its stops close together."""
     followers = {stop.name: stop.leader for stop in mechanism.stops if stop.leader}
     if not followers:
         return mechanism
@@ -45,12 +41,7 @@ def group(stops: Collection[Stop], name: str) -> tuple[Stop, ...]:
 
 
 def together(stops: Collection[Stop], closed: frozenset[str]) -> frozenset[str]:
-    """Closed stops with all that close with them.
-
-    Args:
-        stops: All stops.
-        closed: Names of some.
-    """
+    """Closed stops with all that close with them."""
     if not any(stop.leader for stop in stops):
         return closed
     return frozenset(item.name for name in closed for item in group(stops, name))
@@ -61,22 +52,13 @@ def force_shares(stops: Collection[Stop], name: str) -> dict[str, float]:
 
     By least squares of the forces, each counted by the rate that it gives its own gap, all push
     their one freedom alike.
-
-    Args:
-        stops: All stops.
-        name: Name of the leader.
     """
     found = group(stops, name)
     return {stop.name: 1.0 / (len(found) * stop.ratio) for stop in found}
 
 
 def impulse_shares(stops: Collection[Stop], name: str) -> dict[str, float]:
-    """The same of impulses: none for a stop that would be thrown back slower than the leader.
-
-    Args:
-        stops: All stops.
-        name: Name of the leader.
-    """
+    """The same of impulses: none for a stop that would be thrown back slower than the leader."""
     found = group(stops, name)
     most = max(stop.restitution for stop in found)
     struck = sum(stop.restitution == most for stop in found)

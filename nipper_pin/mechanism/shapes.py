@@ -12,9 +12,6 @@ from .mechanism import Mechanism
 def collision_model(mechanism: Mechanism) -> tuple[pin.GeometryModel, dict[str, tuple[str, ...]]]:
     """Collision shapes of a mechanism, for checks of clearance.
 
-    Args:
-        mechanism: The mechanism.
-
     Returns:
         Geometry model without any collision pairs, its objects named like the collision elements
         of the URDF, and these names by link.

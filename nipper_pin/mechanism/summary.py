@@ -15,11 +15,7 @@ if TYPE_CHECKING:
 
 
 def line(mechanism: Mechanism) -> str:
-    """One line.
-
-    Args:
-        mechanism: The mechanism.
-    """
+    """One line."""
     stops = ", ".join(stop.name for stop in mechanism.stops)
     return (
         f"<Mechanism {mechanism.name}: {len(mechanism.joints)} joints, "
@@ -29,11 +25,7 @@ def line(mechanism: Mechanism) -> str:
 
 
 def page(mechanism: Mechanism) -> str:
-    """HTML: what it is, and its joints.
-
-    Args:
-        mechanism: The mechanism.
-    """
+    """HTML: what it is, and its joints."""
     facts = {
         "links": ", ".join(mechanism.links),
         "closures": ", ".join(item.name for item in mechanism.closures) or "none",
@@ -49,11 +41,7 @@ def page(mechanism: Mechanism) -> str:
 
 
 def closing(mechanism: Mechanism) -> str:
-    """What was closed of loops that rounded numbers leave open; empty if all meet.
-
-    Args:
-        mechanism: The mechanism.
-    """
+    """What was closed of loops that rounded numbers leave open; empty if all meet."""
     words = []
     for closure in mechanism.closures:
         x, z = (MM_PER_M * value for value in closure.gap_m)
@@ -73,11 +61,7 @@ def closing(mechanism: Mechanism) -> str:
 
 
 def curves(mechanism: Mechanism) -> str:
-    """Which tables of springs bend away from the lines between their rows; empty if none does.
-
-    Args:
-        mechanism: The mechanism.
-    """
+    """Which tables of springs bend away from the lines between their rows; empty if none does."""
     told = (
         f"the smooth curve of spring {item.name} leaves the straight line after row {row} by "
         f'{100.0 * share:.0f} % of the range of its forces: interpolation = "linear" joins '

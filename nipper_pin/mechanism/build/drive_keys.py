@@ -15,12 +15,6 @@ _REFLECTED = {"revolute": "reflected_inertia_kg_m2", "prismatic": "reflected_mas
 def check_drive(name: str, drive: DriveTable, joint: Joint, file: str) -> None:
     """Refuse a law that cannot move a joint of this kind, or has the keys of the other kind.
 
-    Args:
-        name: Name of the drive.
-        drive: Its table in the model file.
-        joint: The joint that it moves.
-        file: Name of the TOML file, for messages.
-
     Raises:
         ModelError: It does not fit the joint.
     """

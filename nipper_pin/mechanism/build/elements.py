@@ -72,13 +72,6 @@ def build_elements(
 ) -> Elements:
     """Build springs and dampers.
 
-    Args:
-        description: The TOML file.
-        joints: Tree joints by name.
-        urdf: The checked URDF.
-        model: Pinocchio model of the tree.
-        file: Name of the TOML file, for messages.
-
     Raises:
         UnknownNameError: A joint or frame does not exist.
         ModelError: Keys do not go together, or the values make no spring or damper.
@@ -102,14 +95,7 @@ def build_elements(
 
 
 class _Source(NamedTuple):
-    """What elements are built from.
-
-    Attributes:
-        joints: Tree joints by name.
-        links: Names of the links.
-        model: Pinocchio model of the tree.
-        file: Name of the TOML file, for messages.
-    """
+    """What elements are built from."""
 
     joints: Mapping[str, Joint]
     links: Sequence[str]

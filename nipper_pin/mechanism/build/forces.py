@@ -14,11 +14,6 @@ def build_forces(
 ) -> tuple[JointForce, ...]:
     """Build the force elements.
 
-    Args:
-        tables: Their tables in the model file, by name.
-        joints: Tree joints by name.
-        file: Name of the TOML file, for messages.
-
     Raises:
         UnknownNameError: A joint does not exist.
         ModelError: The law does not act on such a joint, or the values make no law.

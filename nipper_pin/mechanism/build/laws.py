@@ -23,11 +23,6 @@ def build_laws(
 ) -> dict[str, DriveLaw]:
     """Build the law of every drive.
 
-    Args:
-        drives: Descriptions by name.
-        joints: Tree joints by name.
-        file: Name of the TOML file, for messages.
-
     Raises:
         ModelError: A law cannot be built from its values.
         UnknownNameError: A geared drive names a drive that does not exist.
@@ -112,11 +107,6 @@ def extreme_angle(law: DriveLaw, kind: Literal["minimum", "maximum"]) -> float |
 
 def build_cylinder(description: Description, laws: Mapping[str, DriveLaw], file: str) -> Cylinder:
     """Build the input shaft with its index scale.
-
-    Args:
-        description: The TOML file.
-        laws: Drive laws by name.
-        file: Name of the TOML file, for messages.
 
     Raises:
         ModelError: The reference is not given exactly once, or the drive has no extreme.

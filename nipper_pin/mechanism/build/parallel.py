@@ -75,12 +75,7 @@ def _alike(one: FloatArray, other: FloatArray) -> bool:
 
 
 class _Loops:
-    """Closures and couplings of a tree away from its touch configuration, q = 0.
-
-    Args:
-        held: What holds the coordinates.
-        tree: The tree.
-    """
+    """Closures and couplings of a tree away from its touch configuration, q = 0."""
 
     def __init__(self, held: Held, tree: Tree) -> None:
         """Find the frames."""

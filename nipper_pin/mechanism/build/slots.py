@@ -30,11 +30,6 @@ def block_of(closure: str) -> str:
 def check_frames(closures: Mapping[str, ClosureDescription], urdf: Urdf, file: str) -> None:
     """Check that the frames of closures exist and that slots are described in full.
 
-    Args:
-        closures: The closures of the TOML file, by name.
-        urdf: The checked URDF.
-        file: Name of the TOML file, for messages.
-
     Raises:
         UnknownNameError: A frame does not exist.
         ModelError: A slot lacks its axis or its block, or the name of the block is taken.

@@ -24,13 +24,6 @@ def build_starts(
 ) -> tuple[Start, ...]:
     """Check and convert the starts of a model file.
 
-    Args:
-        initial: Its starts by joint.
-        joints: Tree joints by name.
-        drives: The driven joints.
-        stops: The stops.
-        file: Name of the TOML file, for messages.
-
     Raises:
         UnknownNameError: There is no such joint.
         ModelError: A drive moves it, the keys are those of the other kind of joint, or it would

@@ -117,12 +117,7 @@ def _check_bodies(model: pin.Model, urdf: Urdf, file: str) -> None:
 
 
 def tree_joints(model: pin.Model, urdf: Urdf) -> tuple[Joint, ...]:
-    """Tree joints in the order of their coordinates.
-
-    Args:
-        model: The Pinocchio model.
-        urdf: The URDF.
-    """
+    """Tree joints in the order of their coordinates."""
     return tuple(
         Joint(
             name=source.name,
@@ -139,11 +134,6 @@ def tree_joints(model: pin.Model, urdf: Urdf) -> tuple[Joint, ...]:
 
 def collision_geometry(model: pin.Model, urdf: Urdf, file: str) -> pin.GeometryModel:
     """Collision shapes of all links.
-
-    Args:
-        model: The Pinocchio model.
-        urdf: The URDF.
-        file: File name, for messages.
 
     Returns:
         Geometry model whose objects carry the names of the collision elements.

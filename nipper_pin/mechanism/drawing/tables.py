@@ -16,9 +16,6 @@ Entry = TypeVar("Entry")
 def document(tree: Tree) -> dict[str, Any]:
     """The TOML document of a drawing as plain data.
 
-    Args:
-        tree: The drawing's tree.
-
     Raises:
         InputError: A drive, spring, damper or stop is on a joint without a coordinate, or there
             are two drives, starts or stops of one name.

@@ -32,9 +32,6 @@ class Tree:
     def slides(self, joint: str) -> bool:
         """Whether a joint with a coordinate is a slide; the block of a slot is one, too.
 
-        Args:
-            joint: Name of the joint.
-
         Raises:
             InputError: There is no such joint, or it closes a loop and has no coordinate.
         """
@@ -49,9 +46,6 @@ class Tree:
 
 def grown(drawing: Drawing) -> Tree:
     """Grow the tree of a drawing from its frame, joints in the order in which they are listed.
-
-    Args:
-        drawing: The drawing.
 
     Raises:
         InputError: A name is missing or given twice, or a body hangs on nothing.
@@ -92,9 +86,6 @@ def grown(drawing: Drawing) -> Tree:
 
 def named_joints(drawing: Drawing) -> dict[str, Joint]:
     """The joints of a drawing by their names, in its order.
-
-    Args:
-        drawing: The drawing.
 
     Raises:
         InputError: A name is given twice.

@@ -24,10 +24,6 @@ def frame_name(link: str, point: str) -> str:
 def urdf_text(tree: Tree, name: str) -> str:
     """The URDF of a drawing.
 
-    Args:
-        tree: The drawing's tree.
-        name: Name of the model.
-
     Raises:
         InputError: A point or a mass is missing.
     """

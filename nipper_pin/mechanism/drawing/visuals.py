@@ -16,13 +16,7 @@ _GROUND = (0.55, 0.57, 0.6)
 
 
 def body_visuals(tree: Tree, body: Body, number: int) -> list[str]:
-    """Bars of a body, in a separate layer; a block if it has one point.
-
-    Args:
-        tree: The drawing's tree.
-        body: The body.
-        number: Its layer.
-    """
+    """Bars of a body, in a separate layer; a block if it has one point."""
     points, size = tree.drawing.points, _size(tree)
     places = [place(points, name) for name in body.points.split()]
     width, depth = _WIDTH * size, 0.6 * _WIDTH * size
@@ -46,11 +40,7 @@ def body_visuals(tree: Tree, body: Body, number: int) -> list[str]:
 
 
 def frame_visuals(tree: Tree) -> list[str]:
-    """Shapes of the frame: a foot under each fixed pin, a rail along each guide.
-
-    Args:
-        tree: The drawing's tree.
-    """
+    """Shapes of the frame: a foot under each fixed pin, a rail along each guide."""
     return list(_ground(tree))
 
 

@@ -64,9 +64,6 @@ def write_drawing(drawing: Drawing, folder: str | Path) -> Path:
 def drawn_sources(drawing: Drawing) -> tuple[str, dict[str, Any]]:
     """The URDF and the TOML document of a drawing, as plain data.
 
-    Args:
-        drawing: The drawing.
-
     Raises:
         InputError: The drawing does not hang together.
     """

@@ -102,10 +102,6 @@ class Layout:
     def inertial(self, link: str, path: str) -> ElementTree.Element:
         """Mass and inertia of a link.
 
-        Args:
-            link: Name of the link.
-            path: Path that names it, for messages.
-
         Raises:
             UnknownNameError: There is no such link, or it has no mass.
         """

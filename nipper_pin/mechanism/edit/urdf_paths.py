@@ -51,10 +51,6 @@ class UrdfValue:
     def read(self, path: str, file: str) -> float:
         """Read the number.
 
-        Args:
-            path: Path that led here, for messages.
-            file: Name of the URDF file, for messages.
-
         Raises:
             ModelError: There is no number.
         """
@@ -68,11 +64,6 @@ class UrdfValue:
 
     def write(self, value: float, path: str, file: str) -> None:
         """Write the number; the others of its attribute stay.
-
-        Args:
-            value: The new number.
-            path: Path that led here, for messages.
-            file: Name of the URDF file, for messages.
 
         Raises:
             ModelError: There was no number.

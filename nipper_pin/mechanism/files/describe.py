@@ -45,10 +45,6 @@ _T = TypeVar("_T")
 def describe(data: Mapping[str, object], file: str) -> Description:
     """Convert plain TOML data to the typed description.
 
-    Args:
-        data: The TOML document.
-        file: Name of the file, for messages.
-
     Raises:
         ModelError: A key is unknown or missing, or a value cannot be used.
     """

@@ -38,11 +38,6 @@ except (MemoryError, RuntimeError, ValueError) as error:
 def check_size(paths: Iterable[Path], key: str, file: str) -> None:
     """Refuse meshes that take too long to read, or too much memory.
 
-    Args:
-        paths: Their files.
-        key: Place in the model, for messages.
-        file: File that names them, for messages.
-
     Raises:
         ModelError: They are too large together, one is of another kind, or costs too much.
     """

@@ -24,10 +24,6 @@ def in_side_view(urdf: Urdf, file: str) -> Urdf:
     of which one is pi but for round-off, or angles of a few digits, and a pin whose parts are not
     exactly parallel would pull across the plane.
 
-    Args:
-        urdf: The URDF in its own axes.
-        file: File name, for messages.
-
     Raises:
         ModelError: It is not planar; names the joint that is not.
     """

@@ -18,10 +18,6 @@ NAMES = (
 def read_toml(text: str, file: str) -> dict[str, object]:
     """Return a TOML document as plain data.
 
-    Args:
-        text: The text.
-        file: Name of its file, for messages.
-
     Raises:
         ModelError: It is no well-formed TOML, nests too deeply or has a number that is too long.
     """

@@ -12,11 +12,7 @@ _BARE = re.compile(r"[A-Za-z0-9_-]+")
 
 
 def toml(document: Mapping[str, Any]) -> str:
-    """Write plain data as TOML; it reads back equal.
-
-    Args:
-        document: Tables, lists of tables, and values.
-    """
+    """Write plain data as TOML; it reads back equal."""
     lines: list[str] = []
     _table(plain(document), (), lines)
     return "\n".join(lines) + "\n"

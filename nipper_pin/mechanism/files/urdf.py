@@ -39,9 +39,6 @@ def check_urdf(root: ElementTree.Element, file: str, mesh_folder: Path) -> Urdf:
         file: File name, for messages.
         mesh_folder: Folder that mesh files must lie in.
 
-    Returns:
-        Links and joints.
-
     Raises:
         ModelError: A value cannot belong to a planar mechanism.
         UnknownNameError: A joint names a link that does not exist.

@@ -28,11 +28,7 @@ _READ = ("link", "joint", "material")
 
 
 def encoding_of(content: bytes) -> str:
-    """Encoding of an XML file: by its byte order mark, or what its first line declares.
-
-    Args:
-        content: The bytes of the file.
-    """
+    """Encoding of an XML file: by its byte order mark, or what its first line declares."""
     for mark, encoding in _MARKS:
         if content.startswith(mark):
             return encoding
@@ -41,11 +37,7 @@ def encoding_of(content: bytes) -> str:
 
 
 def as_unicode(text: str) -> str:
-    """XML text without the encoding that it declares, unless that is UTF-8: it is written in that.
-
-    Args:
-        text: The text, decoded.
-    """
+    """XML text without the encoding it declares, unless that is UTF-8: it is written in that."""
     declared = _WORDS.match(text)
     if declared is None or declared[2].lower() == "utf-8":
         return text
@@ -54,10 +46,6 @@ def as_unicode(text: str) -> str:
 
 def parse_xml(text: str, file: str) -> ElementTree.Element:
     """Parse URDF text, comments kept; elements of a default namespace lose it.
-
-    Args:
-        text: The URDF.
-        file: File name, for messages.
 
     Raises:
         ModelError: The text is not well-formed XML, not a URDF, or xacro that is not expanded.

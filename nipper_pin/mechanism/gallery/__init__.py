@@ -39,9 +39,6 @@ GALLERY = {draw.__name__: draw for group in GROUPS.values() for draw in group}
 def drawn(name: str) -> Drawing:
     """The drawing of a machine of the gallery.
 
-    Args:
-        name: Its name.
-
     Raises:
         UnknownNameError: There is no such machine.
     """

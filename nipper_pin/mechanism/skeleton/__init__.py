@@ -28,11 +28,7 @@ def write_skeleton(folder: Path) -> Path:
 
 
 def skeleton(name: str) -> dict[str, str]:
-    """Texts of the skeleton's files by their names.
-
-    Args:
-        name: Name of the model.
-    """
+    """Texts of the skeleton's files by their names."""
     here = Path(__file__).parent
     urdf, document = (
         (here / f"skeleton.{kind}").read_text(encoding="utf-8") for kind in ("urdf", "toml")
