@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict
+from importlib.metadata import version
 from pathlib import Path
 
 from nipper_pin.errors import InputError
@@ -57,6 +58,7 @@ def save_trial(item: Trial, verdict: Verdict, folder: str | Path) -> Path:
     case = Case(**{**item.case, "resolution": Resolution(**item.case["resolution"])})
     document = {
         "format": FORMAT,
+        "version": version("nipper-pin"),
         "mechanism": asdict(item.source) | {"folder": str(Path(item.source.folder).resolve())},
         "meshes": mesh_digests(item.source.name, item.source.urdf, Path(item.source.folder)),
         "case": asdict(case),
