@@ -157,28 +157,6 @@ def of_transition(name: str) -> tuple[Quantity[Collision] | Quantity[Transition 
     raise KeyError(name)
 
 
-def transition_value(solution: Solution, name: str) -> float | None:
-    """A quantity of the first transition of a run by its name; None where it has none.
-
-    Args:
-        solution: The run.
-        name: A name such as ``duration_s`` or ``rebound_amplitude_1``.
-    """
-    quantity, place = of_transition(name)
-    if quantity.read is None:
-        return None
-    subject: Collision | Transition | None
-    if place:
-        stop = solution.mechanism.transition_stop
-        hits = [hit for hit in solution.collisions if hit.stop == stop]
-        if place > len(hits):
-            return None
-        subject = hits[place - 1]
-    else:
-        subject = solution.transitions[0] if solution.transitions else None
-    return quantity.read(solution, subject)  # type: ignore[arg-type]
-
-
 def refuse_unknown(names: Iterable[str], known: Iterable[str], where: str) -> None:
     """Refuse names that are no quantity here.
 
