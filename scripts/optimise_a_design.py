@@ -3,7 +3,7 @@
 optimise_rebound.toml frees the preload of the spring, the gear ratio and the angle of the
 eccentric, and sets limits of clamping force, timing, stop force, jaw opening and stroke. This is a
 short search of two descents; `nipper-pin optimise` does six, checks them by a global search and
-adds the front of rebound against clamping force (docs/optimisation_e62.md).
+adds the front of rebound against clamping force (docs/optimisation.md).
 
 Run: python scripts/optimise_a_design.py [PROBLEM.toml]
 """

@@ -33,11 +33,7 @@ _ROOM = 0.05  # around the machine, by its size
 _SLOW_RPM = 1.0  # so slow that springs hold everything on its stop
 _STIFFER = 1e3
 _PAGE = Path(__file__).with_name("models_page.md")
-# Pages of the machines: their title, and the first kind on each.
-_PARTS = {
-    "gallery_linkages": ("Gallery: four-bars to six-bars", "Four-bars"),
-    "gallery_machines": ("Gallery: straight lines, legs, machines, devices", "Straight lines"),
-}
+_TITLE = "# Gallery\n"
 
 
 def main(folder: str = "docs") -> None:
@@ -59,29 +55,25 @@ def main(folder: str = "docs") -> None:
 
 def pages() -> dict[str, str]:
     """Return the text of each page, by its name."""
-    parts = {name: [f"# {title}\n"] for name, (title, _) in _PARTS.items()}
-    contents = []
-    name = ""
+    shown, contents = [_TITLE], []
     for kind, group in GROUPS.items():
-        name = next((page for page, (_, first) in _PARTS.items() if first == kind), name)
-        machines = [draw().name for draw in group]
-        links = ", ".join(f"[{each}]({name}.md#{each})" for each in machines)
+        names = [draw().name for draw in group]
+        links = ", ".join(f"[{name}](gallery.md#{name})" for name in names)
         contents.append(f"- **{kind}**: {links}")
-        parts[name] += [f"## {kind}\n", *map(_shown, group)]
+        shown += [f"## {kind}\n", *map(_shown, group)]
     text = _PAGE.read_text(encoding="utf-8")
     front = text.format(count=len(GALLERY), contents="\n".join(contents))
-    return {"models": front, **{name: "\n".join(lines) for name, lines in parts.items()}}
+    return {"models": front, "gallery": "\n".join(shown)}
 
 
 def _shown(draw: Callable[[], Drawing]) -> str:
     """A machine on its page: heading, picture, and what is known of it."""
     drawing = draw()
-    first = (draw.__doc__ or "").splitlines()[0]
     words = _sentence(drawing.known or "all numbers are inventions")
     return (
         f"### {drawing.name}\n\n"
-        f"![{drawing.title}](images/gallery/{drawing.name}.svg)\n\n"
-        f"{first} {_sentence(drawing.title)} {words}\n"
+        f"![{drawing.name}](images/gallery/{drawing.name}.svg)\n\n"
+        f"{_sentence(drawing.title)} {words}\n"
     )
 
 
