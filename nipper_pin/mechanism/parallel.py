@@ -30,12 +30,7 @@ def led(mechanism: Mechanism) -> Mechanism:
 
 
 def group(stops: Collection[Stop], name: str) -> tuple[Stop, ...]:
-    """The stops that close with one, itself among them, in the order of the model.
-
-    Args:
-        stops: All stops.
-        name: Name of one of them.
-    """
+    """The stops that close with one, itself among them, in the order of the model."""
     leader = next(stop.leader or stop.name for stop in stops if stop.name == name)
     return tuple(stop for stop in stops if leader in (stop.name, stop.leader))
 

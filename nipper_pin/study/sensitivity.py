@@ -144,11 +144,7 @@ class Sensitivities:
 
 
 def every_path(mechanism: Mechanism) -> tuple[str, ...]:
-    """Paths of all numbers of a model that bounces and lip forces can depend on.
-
-    Args:
-        mechanism: The model.
-    """
+    """Paths of all numbers of a model that bounces and lip forces can depend on."""
     sources = Sources.of(mechanism)
     found = layout(sources)
     paths = [SPEED]

@@ -33,10 +33,6 @@ class Bounds(Table, frozen=True, kw_only=True):
 def read_table(file: Path, kind: type[TableT]) -> TableT:
     """Read a TOML file into its tables.
 
-    Args:
-        file: The file.
-        kind: Type of the whole document.
-
     Raises:
         ModelError: The file is no readable TOML.
         InputError: A key or value in it cannot be used.

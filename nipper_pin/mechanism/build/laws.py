@@ -79,10 +79,6 @@ def _build(
 def extreme_angle(law: DriveLaw, kind: Literal["minimum", "maximum"]) -> float | None:
     """Cylinder angle in [0, 2 pi) at which a periodic law is smallest or largest over a turn.
 
-    Args:
-        law: The drive law.
-        kind: Which extreme.
-
     Returns:
         The angle [rad], or None if the law has no extreme inside a turn.
     """

@@ -205,11 +205,7 @@ def _keys(kind: Any) -> list[str]:
 
 
 def allowed_values(kind: Any) -> str:
-    """Return the allowed values of a type in words; empty if the converter's message suffices.
-
-    Args:
-        kind: A type hint of a key.
-    """
+    """Return the allowed values of a type in words; empty if the converter's message suffices."""
     arguments = typing.get_args(kind)
     if type(None) in arguments:
         return allowed_values(next(item for item in arguments if item is not type(None)))

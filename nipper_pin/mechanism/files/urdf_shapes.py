@@ -113,11 +113,6 @@ def _sizes(solid: ElementTree.Element, key: str, file: str) -> list[float]:
 def path_inside(filename: str, key: str, file: str) -> str:
     """Path of a mesh in the model folder, for which a package stands.
 
-    Args:
-        filename: Path in the URDF.
-        key: Place in the URDF, for messages.
-        file: File name, for messages.
-
     Raises:
         ModelError: The path leaves the folder by its very words.
     """

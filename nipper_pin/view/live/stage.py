@@ -118,11 +118,7 @@ class Stage:
         return ends
 
     def phase(self, closed: frozenset[str]) -> None:
-        """Colour the link that opens the transition stop by the phase.
-
-        Args:
-            closed: The closed stops.
-        """
+        """Colour the link that opens the transition stop by the phase."""
         colour = _bytes(channels(phase_colour(self._mechanism, closed)))
         for handle in self._opening:
             if handle.color != colour:

@@ -85,12 +85,7 @@ def shafts(solution: Solution, console: Console) -> None:
 
 
 def forces(solution: Solution, console: Console) -> None:
-    """Print the ranges of the forces of closed stops in the turns shown.
-
-    Args:
-        solution: The run.
-        console: Where to print.
-    """
+    """Print the ranges of the forces of closed stops in the turns shown."""
     ranges = force_ranges(solution)
     headline(console, "Forces of closed stops")
     if not ranges:
