@@ -29,12 +29,7 @@ def elements(mechanism: Mechanism, body: Multibody) -> Elements | None:
 
 
 class Elements:
-    """Forces, energy and losses of tables, struts and force laws.
-
-    Args:
-        mechanism: The mechanism.
-        body: Its multibody system.
-    """
+    """Forces, energy and losses of tables, struts and force laws."""
 
     def __init__(self, mechanism: Mechanism, body: Multibody) -> None:
         """Lay the values of the struts out as arrays, shape (struts,)."""

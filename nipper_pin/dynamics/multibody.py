@@ -46,9 +46,6 @@ def multibody(mechanism: Mechanism) -> Multibody:
 
     Building one takes as long as thirty evaluations, and none keeps anything from one call to the
     next but its buffers, so all runs of a thread share it.
-
-    Args:
-        mechanism: The mechanism.
     """
     known: WeakKeyDictionary[Mechanism, Multibody] | None
     known = getattr(_OF_THREAD, "known", None)
@@ -63,9 +60,6 @@ class Multibody(OpenTree):
     """Dynamics of a mechanism's tree with its closures, through Pinocchio.
 
     Arrays of states have shape (N, nv): one row a configuration. Coordinates are [rad] or [m].
-
-    Args:
-        mechanism: The mechanism.
     """
 
     def __init__(self, mechanism: Mechanism) -> None:

@@ -32,9 +32,6 @@ class OpenTree:
         scaled: Whether any of them is not one.
         closure_rows: Number of closure equations, two a cut joint, then one a coupling.
         cuts: Frames a and b of every cut joint.
-
-    Args:
-        mechanism: The mechanism.
     """
 
     def __init__(self, mechanism: Mechanism) -> None:

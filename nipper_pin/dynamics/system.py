@@ -39,11 +39,6 @@ class DriveMode(StrEnum):
 class System:
     """Accelerations, multipliers and impulses of one mechanism at one speed.
 
-    Args:
-        mechanism: The mechanism.
-        shaft: Motion of the cylinder.
-        drive: Behaviour of the driven shafts.
-
     Attributes:
         parts: Number of the part of each coordinate, shape (nv,); held shafts have their own.
         whole: True if all stops are in one part, as in most machines.

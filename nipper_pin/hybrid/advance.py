@@ -76,9 +76,6 @@ def advance(
         place: Place of the motion among the segments of the run.
         watched: Names of the stops that end it; all if there are none.
 
-    Returns:
-        The motion and what ended it.
-
     Raises:
         SimulationError: The motion cannot be followed.
     """

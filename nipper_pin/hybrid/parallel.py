@@ -22,13 +22,7 @@ if TYPE_CHECKING:
 def for_all(
     mechanism: Mechanism, events: Iterable[Event], segments: Iterable[Segment]
 ) -> tuple[tuple[Event, ...], tuple[Segment, ...]]:
-    """Events and segments of leaders as those of all stops.
-
-    Args:
-        mechanism: The mechanism.
-        events: Events of its leaders.
-        segments: Motion of its leaders.
-    """
+    """Events and segments of leaders as those of all stops."""
     stops = mechanism.stops
     if led(mechanism) is mechanism:
         return tuple(events), tuple(segments)
@@ -56,12 +50,7 @@ def _for_all(stops: tuple[Stop, ...], event: Event) -> Event:
 
 
 def of_leaders(mechanism: Mechanism, events: tuple[Event, ...]) -> tuple[Event, ...]:
-    """Events of all stops as those of leaders, which have the whole impulse.
-
-    Args:
-        mechanism: The mechanism.
-        events: Its events.
-    """
+    """Events of all stops as those of leaders, which have the whole impulse."""
     if led(mechanism) is mechanism:
         return events
     leaders = frozenset(stop.name for stop in led(mechanism).stops)
@@ -83,12 +72,7 @@ def _of_leaders(stops: tuple[Stop, ...], leaders: frozenset[str], event: Event) 
 
 
 def errors_for_all(mechanism: Mechanism, errors: Iterable[EventError]) -> tuple[EventError, ...]:
-    """Errors of events of leaders as those of all stops: shares have their part of an impulse's.
-
-    Args:
-        mechanism: The mechanism.
-        errors: Errors of the events of its leaders.
-    """
+    """Errors of events of leaders as those of all stops: shares have their part of an impulse's."""
     stops = mechanism.stops
     if led(mechanism) is mechanism:
         return tuple(errors)

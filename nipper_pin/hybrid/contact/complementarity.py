@@ -60,9 +60,6 @@ def pressed(
         about: Names of stops whose parts are asked for, all by default; what rests in others stays
             closed.
 
-    Returns:
-        Names of the stops that stay closed.
-
     Raises:
         SimulationError: No set satisfies the conditions.
     """
@@ -103,9 +100,6 @@ def pressed_next(
         panel: Its last panel.
         t: Its end [s].
         about: As in :func:`pressed`.
-
-    Returns:
-        Names of the stops that stay closed.
 
     Raises:
         SimulationError: No set satisfies the conditions.

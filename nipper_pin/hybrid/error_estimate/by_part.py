@@ -61,23 +61,14 @@ class Part:
 
 
 def part_of(system: System, stop: str) -> Part:
-    """The part of a stop.
-
-    Args:
-        system: The system.
-        stop: Name of the stop.
-    """
+    """The part of a stop."""
     coordinates = system.members(system.mechanism.stop(stop).index)
     rows = np.concatenate([coordinates, system.body.nv + coordinates])
     return Part(coordinates, rows, np.ix_(rows, rows), system.coupled([stop]))
 
 
 def parts_of(system: System) -> Iterator[Part]:
-    """The parts of a machine that have stops.
-
-    Args:
-        system: The system.
-    """
+    """The parts of a machine that have stops."""
     for first, *_ in system.apart(system.mechanism.stops):
         yield part_of(system, first.name)
 

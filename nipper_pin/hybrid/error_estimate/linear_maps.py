@@ -62,12 +62,7 @@ class ImpactMap(NamedTuple):
 
 
 class LinearMaps:
-    """Maps of flights and impacts of a part, each found once: copies of a turn share them.
-
-    Args:
-        part: The part.
-        panels: What is found of the motion of all parts.
-    """
+    """Maps of flights and impacts of a part, each found once: copies of a turn share them."""
 
     def __init__(self, part: Part, panels: PanelMaps) -> None:
         """Begin with none."""

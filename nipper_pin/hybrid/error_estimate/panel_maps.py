@@ -37,12 +37,7 @@ class PanelMap(NamedTuple):
 
 
 class PanelMaps:
-    """Maps of panels and ends of segments, each found once for all parts and copies of turns.
-
-    Args:
-        system: The system.
-        events: Events of the run.
-    """
+    """Maps of panels and ends of segments, each found once for all parts and copies of turns."""
 
     def __init__(self, system: System, events: Sequence[Event]) -> None:
         """Begin with none."""

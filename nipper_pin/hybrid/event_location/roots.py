@@ -113,9 +113,6 @@ def polish(
         right: Right end; the function is not positive there.
         start: Where to start; the right end by default.
 
-    Returns:
-        The root, to the round-off of the function.
-
     Raises:
         ConvergenceError: No root to round-off after many steps.
     """

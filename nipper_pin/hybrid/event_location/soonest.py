@@ -27,11 +27,6 @@ _FEW = 3
 def by_soonest(system: System, panel: Panel, stops: Sequence[Stop]) -> list[tuple[float, Stop]]:
     """Stops in the order of the times at which their gaps may close on a panel at the soonest.
 
-    Args:
-        system: The system.
-        panel: The panel.
-        stops: Open stops.
-
     Returns:
         Times [s] and stops; the start of the panel where nothing tells more.
     """

@@ -28,9 +28,6 @@ _KINDS = "fU"
 def need_readable(arrays: Mapping[str, NDArray[Any]]) -> None:
     """Refuse to write what could not be read again.
 
-    Args:
-        arrays: All arrays of an archive by name.
-
     Raises:
         InputError: They are too many, or too large.
     """
@@ -50,12 +47,6 @@ def read_archive(stream: IO[bytes]) -> dict[str, NDArray[Any]]:
     """Read the arrays of an archive, or refuse it before they take more than they may.
 
     Sizes stand in the archive's directory and at the begin of each array.
-
-    Args:
-        stream: The archive.
-
-    Returns:
-        The arrays by name.
 
     Raises:
         ValueError: An array is too large, incomplete or of another kind.

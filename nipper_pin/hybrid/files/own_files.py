@@ -20,11 +20,6 @@ from ...texts import opened
 def mesh_digests(name: str, urdf: str, folder: Path) -> dict[str, str]:
     """SHA-256 of each mesh file of a model that is there.
 
-    Args:
-        name: Model name.
-        urdf: The URDF text.
-        folder: Folder that mesh files lie in.
-
     Returns:
         Digests by the file names of the URDF.
 

@@ -119,12 +119,7 @@ class BetweenNodes(_Nothing):
 
 
 def panel_checks(system: System, resolution: Resolution) -> tuple[PanelCheck, ...]:
-    """Return the checks that the force elements of a machine need, the cheapest first.
-
-    Args:
-        system: The system.
-        resolution: How finely the motion is resolved.
-    """
+    """Return the checks that the force elements of a machine need, the cheapest first."""
     elements = system.elements
     if elements is None:
         return ()

@@ -18,10 +18,6 @@ if TYPE_CHECKING:
 def motion_at(solution: Solution, event: Event) -> Motion:
     """The state just after an event, at its time; see :meth:`Solution.motion_at`.
 
-    Args:
-        solution: The solution.
-        event: One of its events.
-
     Raises:
         SimulationError: The motion cannot be followed to the time of a rest.
     """

@@ -140,9 +140,6 @@ TRANSITION: tuple[Quantity[Transition | None], ...] = (
 def of_transition(name: str) -> tuple[Quantity[Collision] | Quantity[Transition | None], int]:
     """The quantity that a name such as ``duration_s`` or ``rebound_time_s_2`` stands for.
 
-    Args:
-        name: The name.
-
     Returns:
         The quantity, and the number of the collision; 0 for one of the whole transition.
 

@@ -37,10 +37,6 @@ def rebound_error(solution: Solution, hit: Collision) -> ReboundError:
     ballistic flight the height goes with the square of the rate: the collision at its end holds
     what the flight has left unresolved.
 
-    Args:
-        solution: The solution.
-        hit: One of its collisions.
-
     Returns:
         Infinite errors where a rebound is unknown.
     """

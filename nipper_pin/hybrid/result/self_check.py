@@ -20,9 +20,6 @@ def need_sound(solution: Solution) -> None:
     The gap is compared with the reach of the mechanism, and the energy that is left over with the
     sum of all terms of the balance.
 
-    Args:
-        solution: The solution.
-
     Raises:
         SelfCheckError: A residual is not a number, or far above the tolerance of the run.
     """

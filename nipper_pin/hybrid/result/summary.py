@@ -19,11 +19,7 @@ _SHOWN = ("number", "stop", "time_s", "index", "approach_rate", "separation_rate
 
 
 def line(solution: Solution) -> str:
-    """One line; nothing is computed for it.
-
-    Args:
-        solution: The solution.
-    """
+    """One line; nothing is computed for it."""
     hits = (event for event in solution.events if event.kind is EventKind.COLLISION)
     count = sum(len(event.struck(solution.mechanism)) for event in hits)
     return (
@@ -33,11 +29,7 @@ def line(solution: Solution) -> str:
 
 
 def page(solution: Solution) -> str:
-    """HTML: the case, how the run ended, and its collisions.
-
-    Args:
-        solution: The solution.
-    """
+    """HTML: the case, how the run ended, and its collisions."""
     facts = {"case": _case(solution), "outcome": solution.outcome.value}
     if solution.transitions:
         facts["transition"] = f"{MS_PER_S * solution.transitions[0].duration:.6g} ms"
@@ -49,9 +41,6 @@ def page(solution: Solution) -> str:
 
 def columns(solution: Solution) -> dict[str, Column]:
     """Collisions as columns, by the names of the JSON document (docs/json.md).
-
-    Args:
-        solution: The solution.
 
     Returns:
         Numbers as arrays, shape (collisions,), NaN where the document has none; names as lists.

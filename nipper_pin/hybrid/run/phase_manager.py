@@ -160,11 +160,7 @@ class PhaseManager:
             self._settle(frozenset(stop.name for stop in still))
 
     def collide(self, hit: set[str]) -> None:
-        """Apply the impact law to the stops that have just closed and all that touch.
-
-        Args:
-            hit: Names of the stops that have just closed.
-        """
+        """Apply the impact law to the stops that have just closed and all that touch."""
         state, lying = self._lying(self.state, hit)
         self.collisions += 1
         met = hit | lying

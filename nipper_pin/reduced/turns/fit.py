@@ -8,9 +8,6 @@ from ...mechanism import Mechanism
 def unfit_turns(mechanism: Mechanism) -> str | None:
     """Return why the turns of a mechanism with held drives cannot be reduced.
 
-    Args:
-        mechanism: The mechanism.
-
     Returns:
         One sentence, or None if they can be.
     """

@@ -81,9 +81,6 @@ def build_turns(
         tolerance: Relative accuracy of the tables.
         room: Factor on the gaps that the tables cover.
 
-    Returns:
-        The model.
-
     Raises:
         InputError: The mechanism cannot be reduced.
         SimulationError: A point cannot be reached or is singular.
@@ -115,10 +112,6 @@ def surroundings(
     mechanism: Mechanism, start_index: float
 ) -> tuple[list[Surroundings], list[int], tuple[Stop, FloatArray, bool]]:
     """Follow the stops along a turn.
-
-    Args:
-        mechanism: The mechanism.
-        start_index: Index at which turns start.
 
     Returns:
         What is known around every arc; the number of the arc that follows each; and the start: the

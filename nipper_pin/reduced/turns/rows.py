@@ -22,11 +22,6 @@ _OFF = -1.0
 def on_rows(mechanism: Mechanism, domain: Domain, tables: Tables) -> FloatArray:
     """Largest gaps up to which all springs are on the rows of their tables.
 
-    Args:
-        mechanism: The mechanism.
-        domain: Travels and gaps.
-        tables: Its samples.
-
     Returns:
         By equal parts of the travel, shape (parts,), rather too small than too large: infinite
         where they are on them at all gaps, negative where they are not with the stop closed. No

@@ -90,9 +90,6 @@ def turns(
         tolerance: Relative accuracy of flights and of limits.
         max_collisions: Largest number of collisions of a series of bounces, and per turn.
 
-    Returns:
-        The events.
-
     Raises:
         InputError: A parameter is out of range, or the mechanism cannot be reduced.
         SimulationError: The turns cannot be followed; the reason says why.

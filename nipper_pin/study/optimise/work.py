@@ -49,9 +49,6 @@ class Work:
     def all(self, tasks: Sequence[Callable[[], PartT]]) -> list[PartT]:
         """Results of tasks in their order.
 
-        Args:
-            tasks: What to do.
-
         Raises:
             WorkerError: A process died.
         """
@@ -63,11 +60,7 @@ class Work:
         return [found[place] for place in range(len(tasks))]
 
     def one(self, task: Callable[[], PartT]) -> PartT:
-        """Result of one task that is done here, perhaps by way of :meth:`mapper`.
-
-        Args:
-            task: What to do.
-        """
+        """Result of one task that is done here, perhaps by way of :meth:`mapper`."""
         self._known += 1
         found = task()
         self._count(done=1)

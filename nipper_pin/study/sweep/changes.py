@@ -16,10 +16,6 @@ from .job import Job
 def check_paths(paths: Sequence[str], mechanism: Mechanism) -> None:
     """Write a model's own numbers back: paths that lead nowhere or contradict one another fail.
 
-    Args:
-        paths: Paths of numbers.
-        mechanism: The model.
-
     Raises:
         UnknownNameError: A path leads nowhere.
         ModelError: There is no number, or paths contradict one another.

@@ -98,10 +98,6 @@ def timed(plan: Plan, chunk: Chunk) -> tuple[float, dict[str, int]]:
 
     Where only a part of the chunk is timed, the rest goes on as its last scenarios did: what the
     tables of a mechanism take is in the first ones.
-
-    Args:
-        plan: The plan.
-        chunk: The chunk.
     """
     text, size = plan.job.text(), chunk.stop - chunk.start
     ((_, rows),) = plan.rows([chunk])

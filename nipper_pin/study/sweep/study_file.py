@@ -92,9 +92,6 @@ class Study:
 def read_study(path: str) -> Study:
     """Read and check the file of a sweep.
 
-    Args:
-        path: The TOML file.
-
     Raises:
         InputError: The file, or something that it names, cannot be used.
     """
@@ -274,11 +271,7 @@ def _samples(table: _StudyTable, axes: tuple[Axis, ...], file: str) -> Samples |
 
 
 def without_visuals(mechanism: Mechanism) -> str:
-    """The URDF without what is only looked at; workers need not have the files of its meshes.
-
-    Args:
-        mechanism: The model.
-    """
+    """The URDF without what is only looked at; workers need not have the files of its meshes."""
     root = parse_xml(mechanism.urdf, f"{mechanism.name}.urdf")
     for link in root.findall("link"):
         for visual in link.findall("visual"):

@@ -13,13 +13,7 @@ from .held import largest_torque
 
 @dataclass(frozen=True, eq=False, repr=False)
 class StopTurn:
-    """Collisions of one stop in one turn.
-
-    Attributes:
-        solution: The run.
-        stop: Name of the stop.
-        events: Events of the turn.
-    """
+    """Collisions of one stop in one turn."""
 
     solution: Solution
     stop: str

@@ -83,10 +83,6 @@ TURN_DRIVE: tuple[Quantity[DriveTurn], ...] = (
 def of_turn(name: str, mechanism: Mechanism) -> tuple[Quantity[Any], str]:
     """The quantity that a name such as ``rest_index`` or ``collisions_jaw`` stands for.
 
-    Args:
-        name: The name.
-        mechanism: The machine, whose stops and drives have names and units.
-
     Returns:
         The quantity, and the stop or drive that it is of; "" for one of the whole turn.
 
@@ -107,12 +103,7 @@ def turn_names(mechanism: Mechanism, *, drives: bool = False) -> tuple[str, ...]
 
 
 def is_of_drive(name: str, mechanism: Mechanism) -> bool:
-    """Whether a quantity is one of a drive.
-
-    Args:
-        name: Its name.
-        mechanism: The machine.
-    """
+    """Whether a quantity is one of a drive."""
     return name in _of_drives(mechanism)
 
 

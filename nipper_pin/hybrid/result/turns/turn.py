@@ -129,21 +129,13 @@ class Turn:
         )
 
     def at(self, name: str) -> StopTurn | DriveTurn:
-        """What a stop or a drive does in the turn; of two with one name, the stop.
-
-        Args:
-            name: Its name.
-        """
+        """What a stop or a drive does in the turn; of two with one name, the stop."""
         if name in {stop.name for stop in self.solution.mechanism.stops}:
             return StopTurn(self.solution, name, self._events)
         return self.drive(name)
 
     def drive(self, name: str) -> DriveTurn:
-        """What a drive does in the turn.
-
-        Args:
-            name: Its name.
-        """
+        """What a drive does in the turn."""
         return DriveTurn(self.solution, name, *self._span)
 
     @property

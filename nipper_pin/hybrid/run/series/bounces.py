@@ -54,10 +54,6 @@ class Bounces:
     A collision goes on with the series of every stop that it throws open, and ends those of the
     other stops in its part of the machine, whose motion it changes. So stops that do not touch one
     another bounce each for itself, and stops of one part that are struck together, again and again.
-
-    Args:
-        system: The system.
-        case: The case.
     """
 
     name = "bounces to rest"

@@ -32,12 +32,7 @@ class _Limit(NamedTuple):
 
 
 class NestedBounces:
-    """Collisions, one in a part, that throw others open, which were at rest.
-
-    Args:
-        system: The system.
-        case: The case.
-    """
+    """Collisions, one in a part, that throw others open, which were at rest."""
 
     name = "stops that throw one another open"
 

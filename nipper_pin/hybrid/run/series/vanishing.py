@@ -21,12 +21,7 @@ from .struck import Rest, Series, Struck
 
 
 class VanishingBounces:
-    """Collisions after which no stop of a part opens further than by round-off.
-
-    Args:
-        system: The system.
-        case: The case.
-    """
+    """Collisions after which no stop of a part opens further than by round-off."""
 
     name = "bounces lower than round-off"
 

@@ -99,10 +99,6 @@ class ControlTurn:
 def read(turn: ControlTurn, name: str) -> Read:
     """A quantity of a turn.
 
-    Args:
-        turn: The turn.
-        name: Name of the quantity.
-
     Raises:
         SimulationError: The turn has none.
     """

@@ -84,11 +84,7 @@ def _named(height: float | None, time: float | None, duration: float | None) -> 
 
 
 class Transitions:
-    """Transitions of the designs of one problem.
-
-    Args:
-        problem: The problem.
-    """
+    """Transitions of the designs of one problem."""
 
     def __init__(self, problem: Problem) -> None:
         """Prepare; nothing is computed yet."""
@@ -213,9 +209,5 @@ def _at_rest(found: TrueTransition) -> TrueTransition:
 
 
 def counted(engines: Mapping[str, int]) -> dict[str, int]:
-    """Numbers of points by engine, in the order of :data:`ENGINES`.
-
-    Args:
-        engines: Numbers of points by engine.
-    """
+    """Numbers of points by engine, in the order of :data:`ENGINES`."""
     return {name: engines.get(name, 0) for name in ENGINES}

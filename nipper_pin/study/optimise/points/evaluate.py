@@ -30,13 +30,7 @@ _BEFORE = 0.25
 
 @dataclass(frozen=True, eq=False)
 class _Known:
-    """What was computed for one design, each if it is needed.
-
-    Attributes:
-        bounces: Its transition.
-        cycle: Its working cycle.
-        turn: Its whole turn.
-    """
+    """What was computed for one design, each if it is needed."""
 
     bounces: Bounces | None
     cycle: WorkingCycle | None
@@ -51,11 +45,7 @@ class _Known:
 
 
 class Evaluator:
-    """Points of one problem.
-
-    Args:
-        problem: The problem.
-    """
+    """Points of one problem."""
 
     def __init__(self, problem: Problem) -> None:
         """Prepare; nothing is computed yet."""

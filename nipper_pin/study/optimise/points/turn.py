@@ -88,10 +88,6 @@ def turn_values(found: TrueTransition, *, thin: bool = False) -> dict[str, float
 def opening(solution: Solution, first: Event) -> Event:
     """The event at which the transition stop opens after a collision.
 
-    Args:
-        solution: The turns.
-        first: The collision.
-
     Raises:
         SimulationError: It does not open again.
     """

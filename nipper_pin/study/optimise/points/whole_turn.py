@@ -49,11 +49,7 @@ class WholeTurn:
 
 
 class WholeTurns:
-    """Turns of the designs of one problem.
-
-    Args:
-        problem: The problem.
-    """
+    """Turns of the designs of one problem."""
 
     def __init__(self, problem: Problem) -> None:
         """Prepare; nothing is computed yet."""

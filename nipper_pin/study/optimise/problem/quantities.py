@@ -75,12 +75,7 @@ INDICES = ("closing_index", "opening_index", "rest_index")
 
 
 def units(names: Iterable[str], mechanism: Mechanism) -> dict[str, str]:
-    """Units of quantities of a mechanism by name, empty for a number without one.
-
-    Args:
-        names: Names of known quantities.
-        mechanism: The mechanism.
-    """
+    """Units of quantities of a mechanism by name, empty for a number without one."""
     stop = mechanism.stop(mechanism.transition_stop)
     gap = coordinate_unit(mechanism, stop.index)
     return {name: term_of(name)[0].unit.format(gap=gap) for name in names}
@@ -118,11 +113,7 @@ def check_fit(names: Iterable[str], mechanism: Mechanism, where: str) -> None:
 
 
 def cycle_values(cycle: WorkingCycle) -> dict[str, float]:
-    """Quantities of a working cycle.
-
-    Args:
-        cycle: The working cycle.
-    """
+    """Quantities of a working cycle."""
     waiting, clamping = cycle.waiting, cycle.clamping
     return {
         "clamping_force_N": cycle.clamping_force,
@@ -135,11 +126,7 @@ def cycle_values(cycle: WorkingCycle) -> dict[str, float]:
 
 
 def thinned(cycle: WorkingCycle) -> WorkingCycle:
-    """The same cycle with every second sample of its phases left out.
-
-    Args:
-        cycle: The working cycle.
-    """
+    """The same cycle with every second sample of its phases left out."""
     waiting, clamping = (
         Phase(item.index[::2], item.gap[::2], item.force[::2])
         for item in (cycle.waiting, cycle.clamping)

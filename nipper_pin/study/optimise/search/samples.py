@@ -77,10 +77,6 @@ class Found:
 def samples(problem: Problem, seed: int) -> FloatArray:
     """The model's own values, and a scrambled Sobol sequence over the bounds.
 
-    Args:
-        problem: The problem.
-        seed: Its seed.
-
     Returns:
         Unit coordinates, shape (samples, parameters).
     """

@@ -19,11 +19,6 @@ from .trace import Scales
 def screen(problem: Problem, seed: int, work: Work) -> list[Seen]:
     """Evaluate samples of the whole box.
 
-    Args:
-        problem: The problem.
-        seed: Seed of the samples.
-        work: Does the parts.
-
     Raises:
         SimulationError: None of them is a machine that can be simulated.
     """

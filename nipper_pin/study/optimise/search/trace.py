@@ -16,12 +16,7 @@ from ..problem.problem import Problem
 
 @dataclass(frozen=True)
 class Scales:
-    """Sizes by which a problem is made dimensionless.
-
-    Attributes:
-        aim: Of the aim.
-        limits: Of every limit.
-    """
+    """Sizes by which a problem is made dimensionless."""
 
     aim: float
     limits: tuple[float, ...]

@@ -131,21 +131,12 @@ def read_document(file: Path) -> dict[str, Any]:
 
 
 def columns_of(document: dict[str, Any]) -> tuple[str, ...]:
-    """Columns of the results beside parameters and quantities, by the record of a plan.
-
-    Args:
-        document: The record.
-    """
+    """Columns of the results beside parameters and quantities, by the record of a plan."""
     return TURN_COLUMNS if document.get("window") == "cycle" else COLUMNS
 
 
 def continued(plan: Plan, stored: dict[str, Any], folder: Path) -> Plan:
     """The plan that goes on with what a folder holds.
-
-    Args:
-        plan: The plan of the study.
-        stored: The record of the folder.
-        folder: The folder, for messages.
 
     Returns:
         The plan in the chunks that the folder has, and those that more points need.
