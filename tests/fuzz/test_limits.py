@@ -198,7 +198,7 @@ def long_run(folder: Path) -> Path:
     document["segments"] = [
         {
             **item,
-            "source": None,
+            "source": copy * len(whole) + number,
             "t_start": item["t_start"] + copy * span,
             "t_end": item["t_end"] + copy * span,
             "panels": [
@@ -206,7 +206,7 @@ def long_run(folder: Path) -> Path:
             ],
         }
         for copy in range(copies)
-        for item in whole
+        for number, item in enumerate(whole)
     ]
     panels = {name: rows for name, rows in arrays.items() if name != "events"}
     for copy in range(1, copies):
