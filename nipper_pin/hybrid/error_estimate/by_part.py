@@ -74,12 +74,7 @@ def parts_of(system: System) -> Iterator[Part]:
 
 
 def of_all_parts(event: Event, found: Sequence[tuple[Event, EventError]]) -> EventError:
-    """Errors of an event from those in each of its parts.
-
-    Args:
-        event: The event.
-        found: What it is for each part, with its errors.
-    """
+    """Errors of an event from those in each of its parts."""
     if len(found) == 1:
         return found[0][1]
     # That of its first stop comes first.

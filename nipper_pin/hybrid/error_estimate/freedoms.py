@@ -70,13 +70,7 @@ class Freedoms:
 
     @classmethod
     def struck(cls, system: System, split: Partition, stops: Sequence[Stop]) -> Freedoms:
-        """Independent coordinates of the part of stops, of which there is one at least.
-
-        Args:
-            system: The system.
-            split: Dependent and independent coordinates.
-            stops: The stops, all of one part.
-        """
+        """Independent coordinates of the part of stops, of which there is one at least."""
         members = system.members(stops[0].index)
         return cls.of_one(system, [k for k in split.independent if k in members], members)
 

@@ -113,9 +113,6 @@ class Sweeps:
             a: Accelerations at the nodes, shape (N, nv), the first one exact.
             stride: Step from node to node on the finest grid.
             most: Largest number of sweeps.
-
-        Returns:
-            True if it converged.
         """
         count, h, system = len(a), self._h, self._system
         # Nothing changes at the first node.

@@ -33,11 +33,6 @@ def on_this_machine(
     Even one worker is a process of its own: what it computes does not depend on what else this
     one does.
 
-    Args:
-        job_text: Text of the job.
-        tasks: Chunks with their rows.
-        workers: Number of processes.
-
     Raises:
         WorkerError: A process died.
     """

@@ -34,11 +34,7 @@ class Parameter:
     start: float
 
     def bound(self, side: Literal["low", "high"]) -> str:
-        """One of its bounds in words.
-
-        Args:
-            side: "low" or "high".
-        """
+        """One of its bounds in words."""
         if side == "low":
             return f"{self.name} >= {self.low:.6g}"
         return f"{self.name} <= {self.high:.6g}"
@@ -178,12 +174,7 @@ class Problem:
         return tuple(found)
 
     def with_aim(self, aim: Aim, *limits: Limit) -> Problem:
-        """Return the problem with one aim and more limits.
-
-        Args:
-            aim: The only aim.
-            *limits: Limits beside those that it has.
-        """
+        """Return the problem with one aim and more limits."""
         return replace(self, aims=(aim,), limits=(*self.limits, *limits))
 
     def text(self) -> bytes:
