@@ -4,7 +4,7 @@
 # make test-slow   the longer ones alone
 # make docs    the site of docs/ in out/site; any warning is an error
 # make check   lint, types, site and all tests
-# make benchmark   the benchmark of this machine (some minutes), and its pages in docs/
+# make benchmark   the benchmark of this machine (some minutes), and its page in docs/
 # make stress    a thousand random and extreme cases, each judged (minutes)
 # make pictures    the pictures of the documents and the page of quantities, made anew (some minutes; needs Chromium)
 # make clean   removes .venv, out and what the tools leave behind
@@ -26,7 +26,7 @@ IMAGES := docs/images
 FIGURES := $(BIN)/python scripts/maintain/figures
 # Plots that `make pictures` draws as PNG files.
 PLOTS := $(addprefix $(IMAGES)/,$(addsuffix .png,cycle_650 transition impulses phases speed_limit \
-  front_e62 main_effects_duration_s level_lines_duration_s work_precision))
+  front_e62 main_effects_duration_s level_lines_duration_s))
 
 .PHONY: demo test test-slow test-all lint types docs check pictures benchmark stress clean
 # Every target shares one environment, which only one pip may change at a time.
@@ -60,8 +60,7 @@ check: lint types docs test-all
 
 benchmark: $(DEV)
 	$(BIN)/python -m benchmarks run --out out/benchmark
-	$(FIGURES)/write_benchmark_pages.py out/benchmark
-	$(FIGURES)/draw_recorded_benchmark.py docs
+	$(FIGURES)/write_benchmark_page.py out/benchmark
 	$(FIGURES)/shrink_pictures.py $(IMAGES)/work_precision.png
 
 stress: $(DEV)
@@ -84,7 +83,6 @@ pictures: $(DEV)
 	$(BIN)/nipper-pin sweep out/pictures/sweep.toml --out out/pictures/sweep
 	$(BIN)/nipper-pin plot out/pictures/sweep --format png --out out/pictures/sweep_plots
 	cp out/pictures/sweep_plots/*.png $(IMAGES)/
-	$(FIGURES)/draw_recorded_benchmark.py docs
 	$(FIGURES)/shrink_pictures.py $(PLOTS)
 	$(BIN)/python scripts/maintain/in_browser/draw_view_pictures.py $(IMAGES)
 	$(FIGURES)/write_quantity_page.py docs

@@ -232,7 +232,7 @@ def test_sweep_computes_and_its_rows_are_read(tmp_path: Path) -> None:
     ("name", "given"),
     [
         ("optimise", {"starts": 2, "seed": 5, "check": False, "points": 3, "workers": 1,
-                      "folder": "somewhere", "progress": print}),
+                      "progress": print}),
         ("identify", {"starts": 2, "seed": 5, "workers": 1, "progress": print}),
     ],
 )  # fmt: skip

@@ -28,28 +28,22 @@ _DRAWN = "fastest of the repeats; thick lines: this package, dashed ones: other 
 
 
 def work_precision_figure(result: Benchmark) -> Figure:
-    """Draw the engines and peers of a benchmark."""
-    rows, found = (*result.engines, *result.peers), result.environment
-    return draw_rows(rows, found["date"][:10], found["processor"])
-
-
-def draw_rows(rows: Sequence[Row], date: str, processor: str) -> Figure:
     """Draw computing time against the worst error of four, one line for each engine and peer.
 
     The fastest of the repeats is drawn: what other programs on the machine add only ever adds.
+    Settings that never came to an answer have nothing to show.
 
     Args:
-        rows: Engines and peers; those that never came to an answer have nothing to show.
-        date: Day of the measurement.
-        processor: Processor that it was made on.
+        result: A benchmark, with its engines and peers.
     """
+    date, processor = result.environment["date"][:10], result.environment["processor"]
     figure = Figure(figsize=(WIDTH_IN, 5.8), dpi=200, layout="constrained")
     FigureCanvasAgg(figure)
     figure.suptitle("Exact results in little time lie at the lower right", fontsize=TITLE,
                     fontweight="bold")  # fmt: skip
     axes = figure.add_subplot()
     shown: dict[str, list[Row]] = {}
-    for row in rows:
+    for row in (*result.engines, *result.peers):
         if row.error_worst is not None:
             shown.setdefault(row.engine, []).append(row)
     labels = _labels(list(shown))

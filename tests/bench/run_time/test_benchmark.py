@@ -41,15 +41,14 @@ from benchmarks.run_time.work_precision import (
     observe,
     trajectory_error,
 )
-from benchmarks.views.benchmark_report import markdown, print_benchmark, sheets, write_benchmark
-from benchmarks.views.work_precision_plot import draw_rows, work_precision_figure
+from benchmarks.views.benchmark_report import markdown, print_benchmark, write_benchmark
+from benchmarks.views.work_precision_plot import work_precision_figure
 from nipper_pin import Case, Mechanism, Outcome, Resolution, Window, simulate
 from nipper_pin.errors import SimulationError, UnknownNameError
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "scripts/maintain/figures"))
 
-from draw_recorded_benchmark import rows as recorded_rows
-from write_benchmark_pages import least_times, pages
+from write_benchmark_page import least_times, page
 
 TIMING = Timing(2.0, 1.0, 0.5, 0.1, 3)
 UNWANTED = {"matplotlib", "rich", "yourdfpy", "meshcat", "pandas", "trimesh", "numba", "mpmath"}
@@ -386,6 +385,7 @@ def made_up() -> Benchmark:
     row = Row("direct", "1e-12", 3.25, 9.0, 3.0, 0.1, 30, 2e-13, 7e-13, evaluations=212)
     peer = replace(row, engine="a peer with a rather long name (by hand)", version="1.2.3")
     empty = {"what": "one transition", "wall_ms": math.nan}
+    links = {"links": 3, "held_ms": 1.5, "inertial_ms": 20.0, "evaluation_us": math.nan}
     return Benchmark(
         quick=True,
         environment=environment(),
@@ -397,7 +397,10 @@ def made_up() -> Benchmark:
         reduced=None,
         turns=(TurnRow("direct", "450 r/min, 1e-09", 13.0, 1e-12, math.nan, 77.0, None),),
         cost={
-            name: [empty] for name in ("phases", "parts", "collisions", "turns", "links", "memory")
+            **{name: [empty] for name in ("phases", "collisions", "memory")},
+            "parts": [{**empty, "count": 1}],
+            "turns": [{"turns": 3, "reuse_ms": 14.0, "no_reuse_ms": 40.0}],
+            "links": [links],
         },
     )
 
@@ -440,31 +443,29 @@ def test_tables_show_the_numbers_and_fit_a_terminal(made_up: Benchmark) -> None:
     assert "1.2.3" in markdown(made_up)
 
 
-def test_pages_hold_every_table_once(made_up: Benchmark) -> None:
-    """What `make benchmark` writes: all tables, and the least times by closed form."""
-    written = pages(markdown(made_up))
-    text = "".join(written.values())
-    for sheet in sheets(made_up):
-        assert text.count(f"## {sheet.title}\n") == 1
-    for line in markdown(made_up).splitlines():
-        assert line.startswith("### ") or line.rstrip() in text
-    peers = written["benchmark_peers"]
+def test_the_page_holds_least_times_and_their_ratios(made_up: Benchmark) -> None:
+    """What `make benchmark` writes; it has the headings of the page that was recorded."""
+    written = page(made_up.record())
     # Of the two settings of the engine the coarser one is cheaper or equal, and above no bound.
-    assert "| direct | 3.25 | 3.25 | 3.25 | 0.0e+00 | 3.25 |" in peers
-    assert peers.count("| a peer with a rather long name (by hand) | 3.25 | 3.25 | 3.25 |") == 1
-    docs = Path(__file__).parents[3] / "docs"
-    for name, page in written.items():
-        kept = (docs / f"{name}.md").read_text(encoding="utf-8")
-        titles = [line for line in page.splitlines() if line.startswith("#")]
-        assert [line for line in kept.splitlines() if line in titles] == titles
+    assert "| direct | 3 | 3 | 3 | - | - | 0.0e+00 | 3 |" in written
+    assert written.count("| a peer with a rather long name (by hand) | 3 |") == 1
+    kept = (Path(__file__).parents[3] / "docs/benchmark.md").read_text(encoding="utf-8")
+    for start in ("#", "| engine", "| turns", "| links", "| part"):
+        titles = [line for line in written.splitlines() if line.startswith(start)]
+        assert titles
+        assert [line for line in kept.splitlines() if line.startswith(start)] == titles
 
 
 def test_the_least_time_is_below_the_bound_of_its_column() -> None:
-    table = (
-        "| engine | ms | worst of four |\n| --- | ---: | ---: |\n"
-        "| a | 4 | 1.0e-03 |\n| a | 5 | 9.9e-04 |\n| a | 9 | 2.0e-07 |\n| a | 8 | - |"
+    scipy, numba = (
+        "SciPy DOP853, located events (hand-derived equation)",
+        "fixed-step RK4, located impacts (numba, hand-derived equation)",
     )
-    assert "| a | 5 | 9 | - | 2.0e-07 | 9 |" in least_times([("made up", table)])
+    points = [("a", 4, 1e-3), ("a", 5, 9.9e-4), ("a", 9, 2e-7), ("a", 12, 1e-10), ("a", 8, None),
+              (scipy, 6, 1e-12), (numba, 3, 1e-12)]  # fmt: skip
+    rows = [{"engine": e, "fastest_ms": t, "error_worst": worst} for e, t, worst in points]
+    assert "| a | 5 | 9 | 12 | 2 | 4 | 1.0e-10 | 12 |" in least_times(rows)
+    assert f"| {scipy} | 6 | 6 | 6 | 1 | 2 | 1.0e-12 | 6 |" in least_times(rows)
 
 
 def test_files_are_written(made_up: Benchmark, tmp_path: Path) -> None:
@@ -502,22 +503,3 @@ def test_quick_benchmark_prints_one_document(capsys: pytest.CaptureFixture[str])
         # Its bound is one: what it states covers what is true.
         assert document["reduced"]["error"] <= document["reduced"]["stated_error"] <= 1e-8
         assert document["reduced"]["transitions_per_s"] > 0.0
-
-
-def test_recorded_tables_are_drawn_as_they_stand() -> None:
-    """Every row of the page is a point, read here by its places in the line; no two of one name."""
-    text = (Path(__file__).resolve().parents[3] / "docs/benchmark_peers.md").read_text()
-    found = recorded_rows(text, "Peers: the same transition")
-    lines = [line.split(" | ") for line in text.splitlines() if line.count(" | ") == 9][2:]
-    assert len(found) == len(lines) > 40
-    for row, cells in zip(found, lines, strict=True):
-        assert f"| {row.engine}" == cells[0]
-        assert (row.setting, row.fastest_ms) == (cells[2], float(cells[4]))
-        assert row.error_worst == (None if cells[7] == "-" else float(cells[7]))
-    figure = draw_rows(found, "today", "a processor")
-    (axes,), (legend,) = figure.axes, figure.legends
-    names = [item.get_text() for item in legend.get_texts()]
-    drawn = {row.engine for row in found if row.error_worst is not None}
-    assert len(names) == len(set(names)) == len(axes.lines) == len(drawn)
-    points = sum(len(line.get_xdata()) for line in axes.lines)
-    assert points == sum(row.error_worst is not None for row in found)

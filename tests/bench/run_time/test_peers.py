@@ -29,7 +29,7 @@ CASES = json.loads(
 ROOM = "benchmarks.peers"
 
 # Module, the package it needs beside numba, one quick setting, and the error (worst of four) that
-# docs/benchmark_peers.md has, rounded up to a power of ten with at least a factor two to spare.
+# docs/benchmark.md has, rounded up to a power of ten with at least a factor two to spare.
 CLAIMS = [
     ("rk4", "numba", "100 us", 1e-8),
     ("rk4", "numba", "20 us", 1e-11),
