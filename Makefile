@@ -6,7 +6,7 @@
 # make check   lint, types, site and all tests
 # make benchmark   the benchmark of this machine (some minutes), and its page in docs/
 # make stress    a thousand random and extreme cases, each judged (minutes)
-# make pictures    the pictures of the documents and the page of quantities, made anew (some minutes; needs Chromium)
+# make pictures    the pictures of the documents and the page of notation, made anew (some minutes; needs Chromium)
 # make clean   removes .venv, out and what the tools leave behind
 
 PYTHON ?= python3

@@ -1,4 +1,4 @@
-"""Write the page of quantities from nipper_pin/terms.
+"""Write the page of notation and quantities from nipper_pin/terms.
 
 Run: python scripts/maintain/figures/write_quantity_page.py [DOCS]
 """
@@ -12,21 +12,7 @@ from pathlib import Path
 
 from nipper_pin.terms import SUBJECTS, Term
 
-_HEAD = """# Quantities
-
-Results have one name in all files (JSON, CSV, tables of cases, sweeps) and one in words, which
-tables, plots, reports and the live page show. Files are in the units of the third column, people
-read those of the last: angles of rebounds are small and read in mdeg, lengths of rebounds in um.
-Times `t` count from the start of the run, which for people is zero everywhere; `time_s` of a
-document counts from the first collision. Symbols: [notation](notation.md).
-
-A place in the turn is an index from 0 to below 40 everywhere. Differences of two, and means of
-many, go around the turn: a comparison tells the short way, figures of sweeps count on from index
-24. Tables of turns that an earlier version wrote have 24 to 64: 40 less is the same place.
-
-Of collision K of a transition the name is `NAME_K`, as in `rebound_amplitude_1`; of a stop or a
-drive in a turn `NAME_STOP`, as in `collisions_jaw`. Numbers of a model are named by their paths
-([numbers](model_elements.md#numbers-by-path)), which end with the unit of the file."""
+_HEAD = Path(__file__).with_name("notation_page.md")
 _TABLE = """| name | what it is | unit in files | read in |
 | --- | --- | --- | --- |"""
 _SIDES = ("rad", "m")
@@ -38,17 +24,17 @@ def main(docs: str = "docs") -> None:
     Args:
         docs: Folder of the pages.
     """
-    (Path(docs) / "quantities.md").write_text(page(), encoding="utf-8")
-    print(f"wrote quantities to {docs}")
+    (Path(docs) / "notation.md").write_text(page(), encoding="utf-8")
+    print(f"wrote notation to {docs}")
 
 
 def page() -> str:
     """Return the text of the page."""
-    parts = [_HEAD]
+    parts = [_HEAD.read_text(encoding="utf-8").rstrip()]
     for subject, terms in SUBJECTS.items():
         # A force of one stop is a moment of another: two names, one row.
         rows = [_row(list(same)) for _, same in groupby(terms, key=lambda item: item.words)]
-        parts.append("\n".join([f"## {subject}\n", _TABLE, *rows]))
+        parts.append("\n".join([f"### {subject}\n", _TABLE, *rows]))
     return "\n\n".join(parts) + "\n"
 
 
