@@ -122,14 +122,14 @@ def test_dollars_in_names_are_no_formulas(
     run = ["simulate", str(folder), "--speed", "300", "--window", "cycle"]
     assert main([*run, "--out", str(tmp_path / "run")]) == 0
     assert "$\\frac{$jaw" in capsys.readouterr().out
-    # Figures are written in two places, which draw texts as they stand.
+    # Figures are written in one place, which draws texts as they stand.
     saved = [
         (file.name, line.strip())
         for file in Path(nipper_pin.__file__).parent.rglob("*.py")
         for line in file.read_text(encoding="utf-8").splitlines()
         if ".savefig(" in line
     ]
-    assert {name for name, _ in saved} == {"canvas.py", "figure_file.py"}
+    assert {name for name, _ in saved} == {"figure_file.py"}
     assert all(line.startswith("plain(") for _, line in saved if "document," not in line), saved
 
 
