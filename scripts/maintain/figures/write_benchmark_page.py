@@ -14,6 +14,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from benchmarks.views.sheet import Sheet
+
 _PAGE = Path(__file__).with_name("benchmark_page.md")
 _PICTURE = "work_precision.png"
 _BOUNDS = (1e-3, 1e-6, 1e-9)
@@ -49,21 +51,23 @@ def page(document: Mapping[str, Any]) -> str:
         run=f"{found['date'][:10]}, {found['processor']}, {found['cores']} cores, Python "
         f"{found['python']}, {versions}",
         least=least_times([*document["engines"], *document["peers"]]),
-        turns=_table(document["turns"], {
+        turns=_table("A turn at a tolerance", document["turns"], {
             "engine": "engine", "setting": "setting", "ms": "wall_ms", "error of times":
             "error_times", "error of impulses": "error_impulses", "tables [ms]": "tables_ms",
-        }),
+        }, text=2),
         batch=f"{reduced.get('transitions_per_s', math.nan):,.0f}",
         tables=_number(reduced.get("build_ms")),
-        repeated=_table(cost["turns"], {
+        repeated=_table("Turns that repeat are copied", cost["turns"], {
             "turns": "turns", "copied where they repeat [ms]": "reuse_ms",
             "each computed [ms]": "no_reuse_ms",
         }),
-        links=_table(cost["links"], {
+        links=_table("Growth with the number of links", cost["links"], {
             "links": "links", "held [ms]": "held_ms", "inertial [ms]": "inertial_ms",
             "an evaluation [us]": "evaluation_us",
         }),
-        parts=_table(cost["parts"], {"part": "what", "ms": "wall_ms", "number": "count"}),
+        parts=_table("One transition at a tolerance of 1e-9", cost["parts"], {
+            "part": "what", "ms": "wall_ms", "number": "count",
+        }),
     )  # fmt: skip
 
 
@@ -82,25 +86,25 @@ def least_times(rows: Iterable[Mapping[str, Any]]) -> str:
         name: [min((t for e, t in points if e < bound), default=math.nan) for bound in _BOUNDS]
         for name, points in reached.items()
     }
-    lines = [
-        "| engine or peer | " + " | ".join(f"< {bound:.0e}" for bound in _BOUNDS)
-        + f" | by SciPy, < {_BOUNDS[-1]:.0e} | by numba, the same | least error | its time |",
-        "| --- " + "| ---: " * (len(_BOUNDS) + 4) + "|",
-    ]  # fmt: skip
-    missing = [math.nan] * len(_BOUNDS)
+    headings = (
+        "engine or peer", *(f"< {bound:.0e}" for bound in _BOUNDS),
+        f"by SciPy, < {_BOUNDS[-1]:.0e}", "by numba, the same", "least error", "its time",
+    )  # fmt: skip
+    missing, cells = [math.nan] * len(_BOUNDS), []
     for name, points in reached.items():
         ratios = [least[name][-1] / least.get(one, missing)[-1] for one in (_SCIPY, _NUMBA)]
         error, time = min(points)
-        cells = [*map(_number, (*least[name], *ratios)), f"{error:.1e}", _number(time)]
-        lines.append(f"| {name} | {' | '.join(cells)} |")
-    return "\n".join(lines)
+        numbers = (*map(_number, (*least[name], *ratios)), f"{error:.1e}", _number(time))
+        cells.append((name, *numbers))
+    return Sheet("The cheapest setting below each bound [ms]", headings, tuple(cells)).markdown()
 
 
-def _table(rows: Iterable[Mapping[str, Any]], columns: Mapping[str, str]) -> str:
+def _table(
+    title: str, rows: Iterable[Mapping[str, Any]], columns: Mapping[str, str], text: int = 1
+) -> str:
     """Rows as Markdown, by the heading of each column and its name."""
-    lines = [f"| {' | '.join(columns)} |", "| --- " + "| ---: " * (len(columns) - 1) + "|"]
-    lines += [f"| {' | '.join(_number(row[name]) for name in columns.values())} |" for row in rows]
-    return "\n".join(lines)
+    cells = (tuple(_number(row[name]) for name in columns.values()) for row in rows)
+    return Sheet(title, tuple(columns), tuple(cells), text).markdown()
 
 
 def _number(value: Any) -> str:
