@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nipper_pin.terms import TERMS, Term, named, shown_in, term_of
+from nipper_pin.terms import TERMS, Term, named, parameter_shown, shown_in, term_of
 
 NOTATION = (Path(__file__).parents[1] / "docs/notation.md").read_text(encoding="utf-8")
 # What a name ends with where it says its unit, the longest first.
@@ -128,6 +128,31 @@ def test_names_in_words(name: str, unit: str, label: str, factor: float) -> None
     shown = named(name, unit)
     assert shown.label == label
     assert shown.factor == pytest.approx(factor, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("path", "words"),
+    [
+        ("points.rod_pin.x_mm", "pin rod forward"),
+        ("points.rod_pin.z_mm", "pin rod upward"),
+        ("points.eccentric_pin.radius_mm", "distance of pin eccentric from its shaft"),
+        ("points.eccentric_pin.angle_deg", "angle of pin eccentric about its shaft"),
+        ("links.top_nipper.mass_kg", "mass of top nipper"),
+        ("links.top_nipper.gyration_mm", "radius of gyration of top nipper"),
+        ("links.top_nipper.com_x_mm", "centre of mass of top nipper forward"),
+        ("links.top_nipper.com_z_mm", "centre of mass of top nipper upward"),
+        ("springs.steeve.stiffness_N_per_m", "stiffness of spring steeve"),
+        ("springs.own_one.stiffness_N_m_per_rad", "stiffness of spring own one"),
+        ("springs.steeve.preload_length_mm", "preload length of spring steeve"),
+        ("stops.jaw.restitution", "restitution of stop jaw"),
+        ("drives.tension.ratio", "ratio of drive tension"),
+        ("cylinder.angle_at_touch_deg", "cylinder angle at touch"),
+        ("speed_rpm", "cylinder speed"),
+        ("other.limit_mm", "other limit"),
+    ],
+)  # fmt: skip
+def test_numbers_of_a_model_in_words(path: str, words: str) -> None:
+    assert parameter_shown(path).words == words
 
 
 def test_names_that_are_no_terms() -> None:
