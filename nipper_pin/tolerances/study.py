@@ -61,9 +61,6 @@ short a time nothing moves far."""
 CONTROL_ROUND_OFF = 1e-9
 """[1] Relative round-off of what the control of an optimum reads off a turn. A choice, for the
 reason of ``QUANTITY_ROUND_OFF``."""
-DRIVE_RETURNS = 1e-6
-"""[rad or m] Change of a driven coordinate over a turn above which its drive winds on. A choice: a
-drive that winds on moves by far more, any other by round-off alone."""
 FIT_START = 1e-6
 """[1] Least distance of a start from a bound, by the range of the number. A choice: the method
 moves inside its bounds, and cannot start on one."""

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from contextlib import suppress
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -11,15 +12,32 @@ import numpy as np
 import pytest
 from made_up_turn import PERIOD, solution
 
-from nipper_pin import Case, Mechanism, Window, load
-from nipper_pin.errors import SimulationError
+from nipper_pin import Window, load
+from nipper_pin.errors import InputError, SimulationError
 from nipper_pin.hybrid.event import EventKind
-from nipper_pin.study.optimise.control import compare, reading
+from nipper_pin.mechanism.drawing import drawn_mechanism
+from nipper_pin.mechanism.gallery import GALLERY, drawn
+from nipper_pin.study.identify.problem.working_cycle import unfit, working_cycle
+from nipper_pin.study.optimise.control import compare
 from nipper_pin.study.optimise.control.compare import Control, Row
-from nipper_pin.study.optimise.control.reading import ControlTurn, Read, control_turn, read
+from nipper_pin.study.optimise.control.reading import (
+    MOST_TURNS,
+    ControlTurn,
+    Read,
+    control_turn,
+    read,
+)
+from nipper_pin.study.optimise.points.turn import differs
 from nipper_pin.study.optimise.problem.problem import Limit
-from nipper_pin.study.optimise.problem.quantities import QUANTITIES
+from nipper_pin.study.optimise.problem.quantities import (
+    QUANTITIES,
+    check_fit,
+    cycle_values,
+    thinned,
+)
+from nipper_pin.tolerances.study import QUANTITY_ROUND_OFF
 
+MASS = Path(__file__).resolve().parents[2] / "verification" / "models" / "bouncing_mass"
 # Samples of a stretch: of a smooth curve the largest one misses the peak by a part of 1e-7.
 SAMPLES = 20_000
 
@@ -119,34 +137,44 @@ def test_a_turn_without_a_transition() -> None:
     assert read(bouncing, "rebound_time_s_1").value == 0.0375
 
 
-@pytest.mark.parametrize("winding", [False, True])
-def test_turns_that_are_simulated(
-    monkeypatch: pytest.MonkeyPatch, e62: Mechanism, winding: bool
-) -> None:
-    """From a quarter of a turn before the touch; eight turns, or the one of a drive that winds."""
-    touch = e62.cylinder.index_from_angle(e62.cylinder.angle_at_touch_rad)
-    cases: list[Case] = []
-    moved = 2e-6 if winding else 0.5e-6
-    driven = (np.array([[0.1, 0.2], [0.1, 0.2 + moved]]),)
+@pytest.mark.parametrize(("model", "turns"), [("e62", MOST_TURNS), (MASS, 1)], ids=str)
+def test_turns_that_are_simulated(model: str | Path, turns: int) -> None:
+    """From a quarter of a turn before the touch: until they repeat, or one if drives wind on."""
+    machine = load(model)
+    touch = machine.cylinder.index_from_angle(machine.cylinder.angle_at_touch_rad)
+    found = control_turn(machine, 60.0, 1e-4)
+    case = found.solution.case
+    assert (case.speed_rpm, case.window, case.rest_rate) == (60.0, Window.CYCLE, 1e-4)
+    assert case.start_index == pytest.approx(touch - 10.0)
+    assert found.repeats
+    assert found.number == case.cycles == turns
 
-    def simulated(_: Mechanism, case: Case) -> Any:
-        cases.append(case)
-        shaft = SimpleNamespace(period=PERIOD, driven=lambda t: driven if len(t) == 2 else None)
-        return solution(case=case, shaft=shaft, repeated_from=4 if len(cases) > 1 else None)
 
-    monkeypatch.setattr(reading, "simulate", simulated)
-    found = control_turn(e62, 600.0, 1e-4)
-    first = Case(speed_rpm=600.0, window=Window.CYCLE, start_index=cases[0].start_index,
-                 rest_rate=1e-4)  # fmt: skip
-    assert cases[0].start_index == pytest.approx(touch - 10.0)
-    assert cases[0] == first
-    if winding:
-        assert len(cases) == 1
-        assert (found.number, found.repeats) == (1, True)
-    else:
-        assert cases[1:] == [replace(first, cycles=8)]
-        assert found.number == 8
-        assert found.repeats
+@pytest.mark.parametrize("name", ["e62", "e62_offset_guide", "hanging_pendulum", *GALLERY])
+def test_kinematics_and_turn_have_one_window(name: str) -> None:
+    """Forces and travels of a cycle are those of the turn, where no stop bounces too long.
+
+    Off by no more than what every second sample of the kinematics changes, and half of those of
+    the turn; of a smooth curve either is several times the error of all samples.
+    """
+    machine = drawn_mechanism(drawn(name)) if name in GALLERY else load(name)
+    speed, asked = machine.cylinder.rated_speed_rpm, []
+    for quantity, item in QUANTITIES.items():
+        if item.source == "cycle":
+            with suppress(InputError):
+                check_fit([quantity], machine, name)
+                asked.append(quantity)
+    assert bool(asked) is (unfit(machine) is None)
+    if not asked:
+        return
+    cycle, turn = working_cycle(machine, speed), control_turn(machine, speed, None)
+    found, coarse = cycle_values(cycle), cycle_values(thinned(cycle))
+    for quantity in asked:
+        if differs(cycle, read(turn, "duration_s").value, frozenset({quantity})):
+            continue
+        seen, value = read(turn, quantity), found[quantity]
+        error = abs(value - coarse[quantity]) + QUANTITY_ROUND_OFF * abs(value) + seen.error
+        assert seen.value == pytest.approx(value, rel=0.0, abs=error), quantity
 
 
 def row(**changes: Any) -> Row:

@@ -10,16 +10,19 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ....dynamics.shaft import ShaftMotion
+from ....dynamics.system import System
 from ....errors import SimulationError
 from ....hybrid.case import Case, Window
 from ....hybrid.event import Event, EventKind
 from ....hybrid.result.solution import Solution
 from ....hybrid.result.turns import Turn, of_turn
 from ....hybrid.result.turns.held import held
+from ....hybrid.run.periodicity import comes_back
 from ....hybrid.simulate import simulate
 from ....mechanism import INDEX_PER_TURN, Mechanism
-from ....mechanism.cylinder import counted_from
-from ....tolerances.study import CONTROL_ROUND_OFF, DRIVE_RETURNS
+from ....mechanism.cylinder import counted_from, rad_s_from_rpm
+from ....tolerances.study import CONTROL_ROUND_OFF
 from ....units import S_PER_MIN
 from ...true_transition import TrueTransition, first_transition
 from ..points.turn import opening, turn_values
@@ -91,6 +94,25 @@ class ControlTurn:
         """The event at which the transition stop opens."""
         return opening(self.solution, self.bounces.collisions[0].event)
 
+    @property
+    def open(self) -> tuple[float, float]:
+        """When the transition stop is open before its first collision: begin and end [s]."""
+        begin = self.opens.t - self.solution.shaft.period
+        if begin < self.solution.trajectory.span[0]:
+            message = f"the stop {self.stop} does not open in the turn before: the drives wind on"
+            raise SimulationError(message, stop=self.stop)
+        return begin, self.bounces.collisions[0].t
+
+    def without_bounces(self, name: str) -> ControlTurn:
+        """Turns of the machine in which a stop takes up every blow."""
+        mechanism, case = self.solution.mechanism, self.solution.case
+        stops = tuple(
+            replace(stop, restitution=0.0, law=None) if stop.name == name else stop
+            for stop in mechanism.stops
+        )
+        calm = replace(mechanism, stops=stops)
+        return control_turn(calm, case.speed_rpm, case.rest_rate)
+
     def late(self, event: Event) -> float:
         """Stated error of the time of an event [s]."""
         return self.solution.errors[event.number - 1].time
@@ -141,20 +163,28 @@ def _cycle(turn: ControlTurn, name: str) -> tuple[float | None, float]:
 
 
 def _stop_force(turn: ControlTurn) -> float:
-    """Least force of the initial phase's stop while the other is open; zero if it is left."""
-    solution, mechanism = turn.solution, turn.solution.mechanism
+    """Least force of the initial phase's stop while the other is open; zero if it is left.
+
+    Where it bounces after the opening nothing holds it, so the force that presses there is that of
+    turns in which it takes up every blow.
+    """
+    mechanism = turn.solution.mechanism
     (waiting,) = mechanism.phase(mechanism.initial_phase).closed
-    first, last = turn.opens.t - solution.shaft.period, turn.bounces.collisions[0].t
+    first, last = turn.open
     left = (
         event.kind is EventKind.RELEASE and waiting in event.stops and first < event.t < last
-        for event in solution.events
-    )  # fmt: skip
+        for event in turn.solution.events
+    )
+    if any(left):
+        return 0.0
+    calm = turn.without_bounces(waiting)
+    first, last = calm.open
     parts = [
         (max(item.t_start, first), min(item.t_end, last))
-        for item in solution.phases
+        for item in calm.solution.phases
         if waiting in item.closed and item.t_start < last and item.t_end > first
     ]
-    force = None if any(left) else held(solution, waiting, parts, 0.0)
+    force = held(calm.solution, waiting, parts, 0.0)
     return 0.0 if force is None else force.least
 
 
@@ -203,9 +233,8 @@ def control_turn(mechanism: Mechanism, speed_rpm: float, rest_rate: float | None
         start_index=touch - _BEFORE * INDEX_PER_TURN,
         rest_rate=rest_rate,
     )
-    first = simulate(mechanism, case)
-    left, right = first.shaft.driven(np.array([0.0, first.shaft.period]))[0]
-    if float(np.abs(right - left).max(initial=0.0)) > DRIVE_RETURNS:
-        return ControlTurn(first, 1, repeats=True)
+    turning = ShaftMotion(mechanism, rad_s_from_rpm(speed_rpm), 0.0)
+    if not comes_back(System(mechanism, turning)):
+        return ControlTurn(simulate(mechanism, case), 1, repeats=True)
     turns = simulate(mechanism, replace(case, cycles=MOST_TURNS))
     return ControlTurn(turns, MOST_TURNS, repeats=turns.repeated_from is not None)
