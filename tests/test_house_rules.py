@@ -1,12 +1,16 @@
 """Rules of CONTRIBUTING.md that a program can check: comments, docstrings, sizes."""
 
 import ast
+import inspect
 import io
+import re
 import tokenize
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+
+import nipper_pin
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = [
@@ -123,6 +127,19 @@ def test_comments_have_at_most_two_lines() -> None:
         if count > COMMENT
     ]
     assert not long
+
+
+@pytest.mark.parametrize("name", nipper_pin.__all__)
+def test_arguments_of_the_reference_are_described(name: str) -> None:
+    """All of a function or method of the public module, if it describes any."""
+    public = getattr(nipper_pin, name)
+    of_class = vars(public).values() if inspect.isclass(public) else ()
+    for item in (public, *of_class):
+        if not inspect.isfunction(item) or "Args:" not in (inspect.getdoc(item) or ""):
+            continue
+        described = re.findall(r"^ +([\w, *]+): ", inspect.getdoc(item) or "", re.MULTILINE)
+        told = {word for names in described for word in names.replace("*", "").split(", ")}
+        assert set(inspect.signature(item).parameters) - {"self", "cls"} <= told
 
 
 def test_public_names_have_docstrings() -> None:

@@ -52,7 +52,6 @@ def coefficients(mechanism: Mechanism, held: bool) -> Coefficients:
     """Coefficients of a mechanism, the same for all its runs.
 
     Args:
-        mechanism: The mechanism.
         held: True if the driven shafts are held, False if they have their inertia.
 
     Raises:

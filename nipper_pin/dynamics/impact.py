@@ -63,7 +63,6 @@ def collide(
     """Apply Newton's law to stops in contact, all at once.
 
     Args:
-        system: The system.
         q: Configuration, shape (nv,).
         v: Velocity before, G v = 0, shape (nv,).
         jacobian: Closure Jacobian G at q, shape (m, nv).
@@ -133,7 +132,6 @@ def arrest(
     """Bring the gap rates of stops to zero, as a bounce series does at its limit.
 
     Args:
-        system: The system.
         q: Configuration, shape (nv,).
         v: Velocity after the last collision that was computed, shape (nv,).
         jacobian: Closure Jacobian G at q, shape (m, nv).
@@ -236,7 +234,6 @@ def drive_impulses(
     No stop acts on a driven joint.
 
     Args:
-        system: The system.
         q: Configuration, shape (nv,).
         delta: Change of velocity, shape (nv,).
         P_g: Closure impulses, shape (m,) [N s].

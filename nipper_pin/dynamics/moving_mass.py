@@ -101,7 +101,6 @@ def force_size(
     acceleration or a force of that coordinate: round-off is a small part of that.
 
     Args:
-        system: The system.
         motion: Driven coordinates at this time, as one row.
         q: Configuration, shape (nv,).
         v: Velocity, shape (nv,).

@@ -47,13 +47,11 @@ def multipliers(
     and the inertia of its shaft stands beside that of the links.
 
     Args:
-        system: The system.
         motion: Driven coordinates, rates and accelerations of these states.
         q: Configurations, shape (N, nv).
         v: Velocities, shape (N, nv).
         a: Accelerations, shape (N, nv).
         jacobian: Closure Jacobian G, shape (N, m, nv).
-        phase: The phase.
         split: Dependent and independent coordinates; no given one may be dependent.
         inverse: What :func:`inverses` gives for them, where it is known already.
     """

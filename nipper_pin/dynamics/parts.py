@@ -41,7 +41,6 @@ def parts(mechanism: Mechanism, held: bool) -> Parts:
     """Find the parts of a machine, once.
 
     Args:
-        mechanism: The mechanism.
         held: True if the driven shafts are held, False if they have their inertia.
     """
     known = _KNOWN.setdefault(mechanism, {})

@@ -37,7 +37,6 @@ def in_sequence(
     are struck together, so that no order of names counts and mirrored machines stay mirrored.
 
     Args:
-        system: The system.
         q: Configuration, shape (nv,).
         v: Velocity before, G v = 0, shape (nv,).
         jacobian: Closure Jacobian G at q, shape (m, nv).

@@ -24,7 +24,6 @@ def strike(
     """Return the impact of the stops in contact.
 
     Args:
-        system: The system.
         q: Configuration, shape (nv,).
         v: Velocity before, G v = 0, shape (nv,).
         jacobian: Closure Jacobian G at q, shape (m, nv).
@@ -60,7 +59,6 @@ def same_by_every_law(
     Args:
         v: Velocity before, shape (nv,).
         v_after: Velocity after, shape (nv,).
-        contacts: Stops in contact.
         P_N: Their impulses, by name.
     """
     approaching = sum(stop.rate(v) < 0.0 for stop in contacts)

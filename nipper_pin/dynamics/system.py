@@ -191,7 +191,6 @@ class System:
             motion: Driven coordinates of these states.
             q: Configurations, shape (N, nv).
             v: Velocities, shape (N, nv).
-            phase: The phase.
         """
         if self.held:
             q[:, self.driven_columns] = motion[0]
@@ -273,7 +272,6 @@ class System:
         Args:
             motion: Driven coordinates, rates and accelerations of these states, as
                 :meth:`ShaftMotion.driven` gives them.
-            phase: The phase.
         """
         q_law, v_law, a_law = motion
         tau = np.empty((len(q_law), self.body.nv))
@@ -317,7 +315,6 @@ class System:
             motion: Driven coordinates, rates and accelerations of these states.
             q: Configurations, shape (N, nv).
             v: Velocities, shape (N, nv).
-            phase: The phase.
         """
         return self.respond(self.forcing(motion, phase), q, v, phase)
 

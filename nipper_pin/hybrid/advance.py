@@ -68,7 +68,6 @@ def advance(
     """Follow the motion from a state just after an event to the next event.
 
     Args:
-        system: The system.
         state: The state; gaps of stops just left are exactly zero.
         a: Acceleration there, shape (nv,); None in a phase without freedom, which needs none.
         t_limit: Where to stop at the latest [s].

@@ -70,7 +70,6 @@ def number_of(mechanism: Mechanism, path: str) -> float:
     """A number of a mechanism by its path, in the unit of its file.
 
     Args:
-        mechanism: The mechanism.
         path: The path, as overrides take it.
 
     Raises:

@@ -123,9 +123,7 @@ def numbers_of(mechanism: Mechanism, stop: Stop, others: tuple[Stop, ...]) -> di
     """Return the fields of a reduced model that are those of its mechanism.
 
     Args:
-        mechanism: The mechanism.
         stop: Its transition stop.
-        others: Its other stops.
     """
     return {
         "name": mechanism.name,

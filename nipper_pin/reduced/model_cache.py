@@ -19,7 +19,6 @@ def reduced_model(mechanism: Mechanism, drive: DriveMode = DriveMode.HELD) -> Re
     one, with tables of its own. A model lives as long as its mechanism.
 
     Args:
-        mechanism: The mechanism.
         drive: Behaviour of the driven shafts; only held ones can be reduced.
 
     Returns:

@@ -49,7 +49,6 @@ def unfit(mechanism: Mechanism, drive: DriveMode | str = DriveMode.HELD) -> str 
     """Return why a mechanism cannot be reduced to one degree of freedom.
 
     Args:
-        mechanism: The mechanism.
         drive: Behaviour of the driven shafts.
 
     Returns:
@@ -107,7 +106,6 @@ def build(
     largest difference from Pinocchio at random points off the grid, plus round-off.
 
     Args:
-        mechanism: The mechanism.
         travel_rad: Travel of the cylinder from the touch configuration that the domain covers; by
             default up to the opening of the transition stop, but no more than 150 degrees.
         gap_max: Largest coordinate of the transition stop [rad or m]; by default enough for

@@ -40,7 +40,6 @@ def transition(
     """Solve one transition.
 
     Args:
-        model: The reduced model.
         speed_rpm: Cylinder speed [r/min].
         restitution: e_N of the transition stop; by default that of the mechanism.
         stiffness: Spring rates, one number or shape (springs,) [N/m or N m/rad].
@@ -102,7 +101,6 @@ def transitions(
     """Solve many transitions in compiled code; a case is the same to the last bit alone.
 
     Args:
-        model: The reduced model.
         speed_rpm: Cylinder speeds [r/min], a number or shape (n,); so are all the others.
         restitution: e_N of the transition stop.
         stiffness: Spring rates, shape (n,) with one spring or (n, springs) [N/m or N m/rad].

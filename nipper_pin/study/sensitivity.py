@@ -272,7 +272,6 @@ def _other(mechanism: Mechanism, speed_rpm: float, near: FloatArray, *, true: bo
     """The quantities by the reduced engine and from a simulated cycle.
 
     Args:
-        mechanism: The mechanism.
         speed_rpm: Cylinder speed [r/min].
         near: Quantities of a mechanism nearby, shape (3,); they say how much to tabulate.
         true: Whether to solve the transition of the turn.

@@ -175,7 +175,6 @@ def speed_limit(
     """Follow turns at many speeds until they repeat, and find at which the machine works.
 
     Args:
-        mechanism: The mechanism.
         low_rpm: Least cylinder speed [r/min].
         high_rpm: Largest one.
         speeds: Number of speeds, equally spaced.
@@ -333,7 +332,6 @@ def where(ranges: tuple[SpeedRange, ...], verdict: Verdict) -> str:
 
     Args:
         ranges: Ranges that follow one another.
-        verdict: The verdict.
 
     Returns:
         The words; empty if it holds nowhere.

@@ -85,7 +85,6 @@ def step_of(path: str, value: float) -> Step:
 
     Args:
         path: Its path; the ending of its name tells its kind.
-        value: Its value.
     """
     for ending, width in _LENGTH_OR_ANGLE.items():
         if path.endswith(ending):

@@ -37,7 +37,6 @@ def columns(table: TransitionTable, collisions: int = 2) -> dict[str, Column]:
     """A table as columns: names of the JSON document, of collision K with _K behind.
 
     Args:
-        table: The table.
         collisions: Number of collisions that have columns.
 
     Returns:

@@ -63,7 +63,6 @@ def true_transition(mechanism: Mechanism, case: Case) -> TrueTransition:
     """The transition of a case; that of whole turns if the machine arrives otherwise.
 
     Args:
-        mechanism: The mechanism.
         case: The case; its window is not used.
 
     Raises:
@@ -81,7 +80,6 @@ def assumed_transition(mechanism: Mechanism, case: Case) -> TrueTransition:
     """The transition of a case that starts in the initial phase, true or not.
 
     Args:
-        mechanism: The mechanism.
         case: The case; its window is not used.
 
     Raises:
@@ -101,7 +99,6 @@ def transition_of_turns(
     """The first transition of a turn that repeats, from simulated turns.
 
     Args:
-        mechanism: The mechanism.
         case: The case; its window, turns and start are not used, and its largest number of
             collisions is that of the transition.
         why: Why the turns have to be simulated.

@@ -51,7 +51,6 @@ def pressed(
     that depend on one another as many close as can carry a force.
 
     Args:
-        system: The system.
         motion: Driven coordinates at this time, as one row.
         q: Configuration, shape (nv,).
         v: Velocity, shape (nv,).
@@ -95,7 +94,6 @@ def pressed_next(
     Where forces vanish together, so do all accelerations: what comes next tells which stops open.
 
     Args:
-        system: The system.
         phase: The phase that ends.
         panel: Its last panel.
         t: Its end [s].

@@ -19,10 +19,8 @@ def touching(
     """Stops whose gap and rate are zero, but for round-off of machine and motion.
 
     Args:
-        system: The system.
         q: Configuration, shape (nv,).
         v: Velocity, shape (nv,).
-        stops: Stops.
         known: Names of those that are closed, or close.
     """
     # Few gaps are so small, and only these are worth a look at units.
@@ -43,10 +41,8 @@ def stilled(system: System, v: FloatArray, jacobian: FloatArray, stops: list[Sto
     """Velocity without the round-off of the rates of stops that touch, shape (nv,).
 
     Args:
-        system: The system.
         v: Velocity, shape (nv,).
         jacobian: Closure Jacobian G, shape (m, nv).
-        stops: The stops.
     """
     columns = tuple(stop.index for stop in stops)
     if not np.any(v[list(columns)]):

@@ -38,7 +38,6 @@ def at_start(
     """Deviations of a state with which a motion begins.
 
     Args:
-        system: The system.
         closed: Names of the closed stops.
         t: When [s].
         q: Configuration, shape (nv,).
@@ -105,7 +104,6 @@ def of_closures(
     """Deviations by open closures and by the round-off of positions, with the rates of the place.
 
     Args:
-        system: The system.
         split: Dependent and independent coordinates.
         q: Configuration, shape (nv,).
         v: Velocity, shape (nv,).

@@ -72,7 +72,6 @@ def event_errors(
     """Estimate the errors of all events, in their order.
 
     Args:
-        system: The system.
         segments: Segments in order of time.
         events: Events in order of time.
     """

@@ -47,7 +47,6 @@ class Freedoms:
         """Coordinates of any parts.
 
         Args:
-            system: The system.
             columns: The coordinates; no held shaft is among them.
         """
         numbers = system.parts[list(columns)].tolist()
@@ -62,7 +61,6 @@ class Freedoms:
         """Coordinates of one part, held shafts that move it among them.
 
         Args:
-            system: The system.
             columns: The coordinates.
             members: All coordinates of the part.
         """

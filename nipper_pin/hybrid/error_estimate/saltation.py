@@ -33,7 +33,6 @@ def impact_map(
     """Derivative of the impact law at stops that receive an impulse.
 
     Args:
-        system: The system.
         q: Configuration, shape (nv,).
         v: Velocity before, shape (nv,).
         struck: The stops, all of one part of the machine.
@@ -82,9 +81,7 @@ def pushed_by(system: System, q: FloatArray, stop: Stop, impulse: float) -> Floa
     """Change of velocity by the impulse of one stop alone, shape (nv,).
 
     Args:
-        system: The system.
         q: Configuration, shape (nv,).
-        stop: The stop.
         impulse: Its impulse along its gap [N s or N m s].
 
     Raises:

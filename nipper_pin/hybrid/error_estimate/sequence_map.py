@@ -28,7 +28,6 @@ def sequence_map(
     """Derivative of an impact whose strikes follow one another, by differences of the whole.
 
     Args:
-        system: The system.
         q: Configuration, shape (nv,).
         v: Velocity before, shape (nv,).
         contacts: Stops in contact, all of one part of the machine.

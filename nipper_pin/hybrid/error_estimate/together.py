@@ -66,7 +66,6 @@ def still_apart(
     Within round-off of one time they are closed at that of the earliest.
 
     Args:
-        system: The system.
         part: The part of the stops.
         event: The event, with the stops of all parts.
         segment: The motion to it; None if a run begins with it.
@@ -89,9 +88,7 @@ def beside(
     """Deviations where stops are struck in the event of another one.
 
     Args:
-        system: The system.
         part: The part of the stops.
-        event: The event.
         a: Accelerations of the part before it, shape (n,).
         before: Deviations at the times at which the first stop is struck.
 
@@ -119,9 +116,7 @@ def after_all(
     """Deviations after an event, back at the times at which its first stop is struck.
 
     Args:
-        system: The system.
         part: The part of the stops.
-        event: The event.
         stops: The stops that it strikes beside that one.
         after: Deviations after the impacts, of each part when it is struck itself.
     """
@@ -143,8 +138,6 @@ def stated(
 
     Args:
         first: Errors of its first stop.
-        stops: The stops beside that one.
-        event: The event.
         impulses: Errors of its impulses, by stop.
     """
     found = {event.stops[0]: first} if stops else {}

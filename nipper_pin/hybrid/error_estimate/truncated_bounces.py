@@ -26,7 +26,6 @@ def left_out(system: System, rest: Event, remaining: float) -> FloatArray:
     """Deviations (dq, dv) after a rest by what is left out of its series, shape (2 nv,).
 
     Args:
-        system: The system.
         rest: The end of a series of bounces, with its impulse.
         remaining: Time from the last computed bounce to the rest [s].
 

@@ -50,7 +50,6 @@ def tangents(
     """Derivatives of all coordinates and rates along freedoms, at N states.
 
     Args:
-        system: The system.
         q: Configurations, shape (N, nv).
         v: Velocities, shape (N, nv).
         split: Dependent and independent coordinates.
@@ -74,9 +73,6 @@ def flight_map(
     """Carries deviations of positions and velocities over the first part of a flight panel.
 
     Args:
-        system: The system.
-        phase: The phase.
-        panel: The panel.
         length: How much of it belongs to the segment [s].
 
     Returns:

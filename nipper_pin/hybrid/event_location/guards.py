@@ -68,9 +68,6 @@ def triggers(
     """Earliest triggers on a panel, simultaneous ones together.
 
     Args:
-        system: The system.
-        phase: The phase.
-        panel: The panel.
         forces: Forces of the closed stops at its nodes, shape (N, closed).
         watched: Names of the stops that count; all if there are none.
     """
@@ -143,7 +140,6 @@ def _flight_root(panel: Panel, stop: Stop, gap: float, rate: float, nothing: flo
     Dividing out the zero at the start leaves the next one as the only one, to full precision.
 
     Args:
-        panel: The panel.
         stop: The open stop.
         gap: Its gap at the start of the panel [rad or m].
         rate: The rate of the gap there.

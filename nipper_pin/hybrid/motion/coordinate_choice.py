@@ -31,8 +31,6 @@ def serves(system: System, panel: Panel, start: FloatArray, end: FloatArray) -> 
     if links turn by some 1 / c.
 
     Args:
-        system: The system.
-        panel: The panel.
         start: Closure Jacobian at its start, shape (m, nv).
         end: The same at the end of the segment on it.
     """
@@ -62,9 +60,6 @@ def suited_split(
     """Dependent coordinates that serve throughout a panel on which its own do not.
 
     Args:
-        system: The system.
-        phase: The phase.
-        panel: The panel.
         end: Closure Jacobian at the end of the segment on it, shape (m, nv).
         preferred: Coordinates to keep independent where the closures allow it.
 

@@ -41,8 +41,6 @@ def kinematic_panel(
     """Motion of a phase without freedom, where the drives determine everything.
 
     Args:
-        system: The system.
-        phase: The phase.
         split: Dependent and independent coordinates.
         begin: Where it begins; the guess for the nodes is made from it.
         h: Length [s].
@@ -118,7 +116,6 @@ class _Shown(NamedTuple):
         """Find all of them at once: the arrays are small, and each call costs more than its sums.
 
         Args:
-            panel: The panel.
             forces: Stop forces at its nodes, shape (N, closed).
         """
         nv = panel.q.shape[1]
@@ -162,7 +159,6 @@ def _rough_accelerations(
     Near a dead centre they rise within the round-off of the positions.
 
     Args:
-        panel: The panel.
         shown: What its nodes show.
         round_off: Round-off of the positions, shape (nv,).
         resolution: Number of nodes, and what they may leave unresolved.
@@ -218,7 +214,6 @@ def _of_drives(system: System, h: float) -> FloatArray:
     """Round-off that laws of drives leave where they hardly move, shape (2, nv).
 
     Args:
-        system: The system.
         h: Length of a panel [s].
 
     Returns:

@@ -22,8 +22,6 @@ def roughness(
     """Largest differences of accelerations under forces that are the same but for round-off.
 
     Args:
-        system: The system.
-        phase: The phase.
         t: Time [s].
         q: Configuration, shape (nv,).
         v: Velocity, shape (nv,).
@@ -49,7 +47,6 @@ def of_closures(system: System, v: FloatArray, a: FloatArray) -> FloatArray:
     or nearly so, has the round-off of the others.
 
     Args:
-        system: The system.
         v: Velocities, shape (..., nv).
         a: Accelerations, shape (..., nv).
     """

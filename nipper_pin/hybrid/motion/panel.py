@@ -148,9 +148,6 @@ def state_at(system: System, phase: ConstraintSet, panel: Panel, t: FloatArray) 
     """Exact states on a panel.
 
     Args:
-        system: The system.
-        phase: The phase.
-        panel: The panel.
         t: Times within it, shape (K,) [s].
     """
     return _closed(system, phase, panel, t)[0]
@@ -174,9 +171,6 @@ def one_state_at(
     """One exact state on a panel, with what leads to it left ready for the impact that follows.
 
     Args:
-        system: The system.
-        phase: The phase.
-        panel: The panel.
         t: Time within it [s].
         anew: As in :func:`close_positions`.
     """
@@ -210,9 +204,6 @@ def stop_forces_at(system: System, phase: ConstraintSet, panel: Panel, t: float)
     What the interpolated positions leave of the closures would show near a dead centre.
 
     Args:
-        system: The system.
-        phase: The phase.
-        panel: The panel.
         t: Time within it [s].
 
     Returns:
@@ -243,9 +234,6 @@ def defect(system: System, phase: ConstraintSet, panel: Panel, sigma: FloatArray
     """Residual of the equations of motion: interpolated accelerations minus computed ones.
 
     Args:
-        system: The system.
-        phase: The phase.
-        panel: The panel.
         sigma: Places on it, in [0, 1], shape (K,).
 
     Returns:
@@ -268,7 +256,6 @@ def nearby(
     what the closures are open by near a dead centre makes itself felt there.
 
     Args:
-        system: The system.
         q: Configurations, shape (N, nv).
         v: Velocities, shape (N, nv).
         split: Dependent and independent coordinates.

@@ -41,8 +41,6 @@ def flight_panel(
     """Motion of a phase with freedom.
 
     Args:
-        system: The system.
-        phase: The phase.
         split: Dependent and independent coordinates.
         begin: Where it begins; its acceleration is that of the first node.
         h: Length [s].

@@ -34,7 +34,6 @@ def shows_turns(elements: Elements, panel: Panel, tolerance: float) -> bool:
 
     Args:
         elements: Tables and struts of the system.
-        panel: The panel.
         tolerance: Relative accuracy of its positions.
     """
     lines = elements.damper_lines(panel.q)
@@ -93,8 +92,6 @@ def shows_forces(system: System, phase: ConstraintSet, panel: Panel, tolerance: 
     """True if a flight panel obeys its equations between its nodes, as far as forces ask for it.
 
     Args:
-        system: The system.
-        phase: The phase.
         panel: The panel, resolved by its nodes.
         tolerance: Relative accuracy of its positions.
     """
@@ -112,9 +109,6 @@ def shows_end(
     Points of a strut may be at one place where a stop closes, and only there.
 
     Args:
-        system: The system.
-        phase: The phase.
-        panel: The panel.
         tolerance: Relative accuracy of its positions.
         t_end: Time of the event [s].
     """

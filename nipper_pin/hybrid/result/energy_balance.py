@@ -66,7 +66,6 @@ def energy_balance(
     """Integrate the power of drives and dampers by Gauss quadrature and balance it.
 
     Args:
-        system: The system.
         segments: Segments in order of time.
         events: Events of the run.
 
@@ -121,9 +120,6 @@ def _exchanged(
     """Work of the drives, heat and largest kinetic energy on a part of a panel, all [J].
 
     Args:
-        system: The system.
-        phase: The phase.
-        panel: The panel.
         begin: Begin of the part [s].
         end: Its end [s].
         before: Largest kinetic energy before, by the length of the run [W].

@@ -158,7 +158,6 @@ def refuse_unknown(names: Iterable[str], known: Iterable[str], where: str) -> No
     """Refuse names that are no quantity here.
 
     Args:
-        names: The names.
         known: Names that may stand there.
         where: File and key, for messages.
 

@@ -18,7 +18,6 @@ def located(error: SimulationError, system: System, state: State | None = None) 
 
     Args:
         error: The error; its evidence may hold the time ``t`` and the configuration ``q``.
-        system: The system.
         state: State that the run goes on from; None before there is one.
 
     Returns:

@@ -29,7 +29,6 @@ def winding(
     Links stand the same after whole turns of a hinge; springs and stops at the hinge do not.
 
     Args:
-        mechanism: The mechanism.
         start: Configuration, shape (nv,) [rad or m].
         end: Another one, likewise.
         within: What positions of one assembly may differ by, in units of coordinates.
@@ -65,7 +64,6 @@ def repeats(
     bring the links to another assembly: this turn has to end as it began.
 
     Args:
-        system: The system.
         previous: Segments of the turn before; none before the first.
         current: Segments of this turn.
         start: State at its start.

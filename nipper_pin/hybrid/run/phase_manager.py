@@ -265,7 +265,6 @@ class PhaseManager:
 
         Args:
             segments: Motion of the turn.
-            events: Its events.
             times: Number of copies.
             wound: What a turn adds to the coordinates, shape (nv,).
         """
@@ -308,9 +307,7 @@ def go_on(
     """Follow the motion on from a state to a time, whatever the window of the case.
 
     Args:
-        system: The system.
         case: The case; so many collisions are followed.
-        start: The state.
         t_limit: Where to stop [s].
 
     Returns:

@@ -25,7 +25,6 @@ def start_of(system: System, case: Case) -> State:
 
     Args:
         system: The system; its shaft has the start angle.
-        case: The case.
 
     Raises:
         InputError: The machine is not in its initial phase there.

@@ -51,7 +51,6 @@ def build_mechanism(
 
     Args:
         name: Model name.
-        urdf_text: The URDF.
         data: The TOML document, overrides applied and tables written out.
         mesh_folder: Folder that mesh files must lie in.
 

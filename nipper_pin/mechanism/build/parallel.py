@@ -37,7 +37,6 @@ def with_leaders(held: Held, tree: Tree) -> Held:
 
     Args:
         held: What holds the coordinates; the frames of its closures meet.
-        tree: The tree.
     """
     stops = held.stops
     if len(stops) < 2:

@@ -66,7 +66,6 @@ def with_blocks(urdf: Urdf, closures: Mapping[str, ClosureDescription]) -> Urdf:
     along the axis of ``frame_a``.
 
     Args:
-        urdf: The URDF.
         closures: The closures, checked.
 
     Returns:

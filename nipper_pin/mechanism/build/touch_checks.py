@@ -114,7 +114,6 @@ def check_assembly(
     """Check that the mechanism, which is closed, moves as stated and can be driven.
 
     Args:
-        tree: The tree.
         held: What holds its coordinates.
         phases: The working phases.
         degrees_of_freedom: Mobility stated in the TOML file.

@@ -31,7 +31,6 @@ def mass_of(body: Body, points: Mapping[str, Place]) -> Mass:
     """Mass of a body: of its rods, or of a disc about its only point.
 
     Args:
-        body: The body.
         points: Places by name [mm].
 
     Raises:

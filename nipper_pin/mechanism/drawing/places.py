@@ -99,7 +99,6 @@ def place(points: Mapping[str, Place], name: str) -> Place:
 
     Args:
         points: Places by name [mm].
-        name: The name.
 
     Raises:
         InputError: There is no such point.

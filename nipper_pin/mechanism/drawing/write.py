@@ -21,7 +21,6 @@ def drawn_texts(drawing: Drawing, name: str = "") -> dict[str, str]:
     """Texts of a model's files by their names.
 
     Args:
-        drawing: The drawing.
         name: Name of the model, if it is not that of the drawing.
 
     Raises:
@@ -44,7 +43,6 @@ def write_drawing(drawing: Drawing, folder: str | Path) -> Path:
     """Write a model folder.
 
     Args:
-        drawing: The drawing.
         folder: Folder to write; its name becomes the model's. It may exist if it is empty.
 
     Returns:
@@ -73,9 +71,6 @@ def drawn_sources(drawing: Drawing) -> tuple[str, dict[str, Any]]:
 
 def drawn_mechanism(drawing: Drawing) -> Mechanism:
     """The mechanism of a drawing, without a folder.
-
-    Args:
-        drawing: The drawing.
 
     Raises:
         InputError: The drawing does not hang together.

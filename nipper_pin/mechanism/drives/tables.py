@@ -81,9 +81,6 @@ class FollowingTable(ShaftTable, frozen=True, kw_only=True):
     def build_on(self, other: DriveLaw) -> DriveLaw:
         """Return the law in SI units.
 
-        Args:
-            other: The law of the other drive.
-
         Raises:
             InputError: The values make no law.
         """

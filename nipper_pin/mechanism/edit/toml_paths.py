@@ -29,7 +29,6 @@ def number_at(document: Mapping[str, object], path: str, file: str) -> float:
 
     Args:
         document: The TOML document, its tables written out.
-        path: The path.
         file: Name of the file, for messages.
 
     Raises:
@@ -52,7 +51,6 @@ def replace_value(document: dict[str, object], path: str, value: object, file: s
 
     Args:
         document: The TOML document, its tables written out.
-        path: The path.
         value: The new value; a string is converted to the type of the value that it replaces.
         file: Name of the file, for messages.
 

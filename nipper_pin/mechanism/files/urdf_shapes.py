@@ -49,8 +49,6 @@ def read_shapes(
     """Read the collision shapes of a link; the visual ones are only checked.
 
     Args:
-        link: The element.
-        name: Its name.
         file: File name, for messages.
         mesh_folder: Folder that mesh files must lie in.
 

@@ -44,7 +44,6 @@ def finite(
     """Read an attribute of finite numbers as a list: most are only checked, hundreds a load.
 
     Args:
-        element: The element.
         attribute: Name of the attribute.
         count: How many numbers it has.
         default: Its text where it is missing; None if it must be there.

@@ -72,7 +72,6 @@ def describe(nodes: FloatArray, before: int, chart: int, sizes: FloatArray,
     Args:
         nodes: The scratch rows, with the panels that are kept.
         before: Panels that were kept before the flight.
-        chart: Its chart.
         sizes: Bounds of the case as polynomials of the rate.
         motion: Cylinder speed, time of the flight, fastest rate, last change and steady error of
             x'', and error of the time at its start.

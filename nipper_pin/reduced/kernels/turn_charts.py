@@ -69,7 +69,6 @@ def off_rows(charts: Charts, c: int, begin: float, end: float, gaps: tuple[float
     """Whether a spring may leave the rows of its table between two travels.
 
     Args:
-        charts: The charts.
         c: The chart.
         begin: Travel [rad].
         end: Later travel [rad].

@@ -34,7 +34,6 @@ def force_at(charts: Charts, work: Work, c: int, u: float) -> tuple[float, float
     """Normal force of a closed stop [N], along the joint without a contact point, and its slope.
 
     Args:
-        charts: The charts.
         work: Combined for the case.
         c: The chart.
         u: Travel in it [rad].
@@ -146,7 +145,6 @@ def held(charts: Charts, work: Work, hold: FloatArray,
     """Forces of a closed stop on a stretch.
 
     Args:
-        charts: The charts.
         work: Combined for the case.
         hold: The stretch, shape (HOLD_COLUMNS,).
         level: Force [N].

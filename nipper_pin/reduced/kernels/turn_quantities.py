@@ -78,7 +78,6 @@ def summed(charts: Charts, work: TurnWork, events: FloatArray, count: int, holds
     """Quantities of one turn.
 
     Args:
-        charts: The charts.
         work: Combined for the case.
         events: The events, shape (events, columns).
         count: Number of events.

@@ -61,7 +61,6 @@ def torque_at(torques: Charts, work: TurnWork, i: int, u: float, x: float, v: fl
         u: Travel in the chart [rad].
         x: Gap.
         v: Its rate.
-        a: Its acceleration.
     """
     row, degree = work.poly.shape[0] - 1, torques.equation.shape[4]
     contract(work.mixed[i], work.poly, row, torques.span[i], u)

@@ -90,7 +90,6 @@ def resolved(
 
     Args:
         sampler: Evaluates the functions.
-        domain: The domain.
         weights: Weight of an error of each function, shape (functions,).
         tolerance: Largest weighted tail.
 
@@ -152,7 +151,6 @@ def checks(sampler: PointSampler, domain: Domain, tables: Tables) -> Checks:
 
     Args:
         sampler: Evaluates the functions.
-        domain: The domain.
         tables: The tables, for guesses of the configurations.
     """
     # The points do not depend on the run: a model is built the same way every time.
@@ -175,8 +173,6 @@ def residuals(
     """Bound the errors of the series of an equation of motion from points off the grid.
 
     Args:
-        points: The points.
-        domain: The domain.
         equation: Coefficients that are kept, shape (functions, cells, Nu, Nx).
         inertia: Coefficients of the inertia that are kept, shape (cells, Nu).
 
@@ -193,8 +189,6 @@ def misfit(points: Checks, domain: Domain, series: FloatArray, true: FloatArray)
     """Bound the errors of series from points off the grid.
 
     Args:
-        points: The points.
-        domain: The domain.
         series: Coefficients, shape (functions, cells, Nu, Nx).
         true: Values at the points, shape (functions, N).
 

@@ -49,7 +49,6 @@ def trimmed(
 
     Args:
         points: The functions at points off the grid, for the errors.
-        domain: The domain.
         tables: The tables, resolved.
         weights: Weight of an error of each function, shape (functions,).
         tolerance: Relative accuracy of the tables.

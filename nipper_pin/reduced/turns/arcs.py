@@ -61,8 +61,6 @@ def sampler_at(
     """Functions of the travel and the gap of a stop.
 
     Args:
-        system: The system.
-        stop: The stop.
         home: A configuration in which the stop is closed, shape (nv,).
         path: Others, as of :class:`Sampler`.
 
@@ -97,7 +95,6 @@ class Walk:
         """Follow a stop, and those that take over from it, through one turn.
 
         Args:
-            stop: A stop.
             home: Configuration at the start of the turn with it closed, shape (nv,).
 
         Raises:

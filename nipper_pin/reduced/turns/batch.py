@@ -75,7 +75,6 @@ def widening(
     """Run cases, those that leave the tables of a model on the next wider one, if there is one.
 
     Args:
-        mechanism: The mechanism.
         start_index: Index at which turns start.
         cases: As of :func:`~.cases.turn_cases`.
         told: Written by ``run``: the status first, shape (n, numbers).
@@ -110,7 +109,6 @@ def follow_all(
     """Follow cases on tables that are as wide as each needs.
 
     Args:
-        mechanism: The mechanism.
         start_index: Index at which turns start.
         cases: As of :func:`~.cases.turn_cases`.
         settings: What all cases share.

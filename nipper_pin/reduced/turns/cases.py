@@ -68,7 +68,6 @@ def by_stop(model: TurnModel, restitution: Any) -> Mapping[str, Any]:
     """Restitutions by the names of stops; one alone is that of the transition stop.
 
     Args:
-        model: The model of the turns.
         restitution: A number, an array, or those by name.
 
     Raises:
@@ -92,7 +91,6 @@ def turn_cases(
     """Numbers of n cases; a single number stands for all of them.
 
     Args:
-        model: The model of the turns.
         speed_rpm: Cylinder speeds [r/min], a number or shape (n,).
         restitution: e_N of the transition stop, or of stops by name; None: the mechanism's.
         stiffness: Spring rates, shape (n,) with one spring or (n, springs) [N/m or N m/rad].

@@ -209,8 +209,6 @@ def stacked(mechanism: Mechanism, charts: list[Chart], after: list[int]) -> Char
     """All charts as arrays of one shape, padded by zeros.
 
     Args:
-        mechanism: The mechanism.
-        charts: The charts.
         after: Number of the chart that follows each.
     """
     names = [stop.name for stop in mechanism.stops]

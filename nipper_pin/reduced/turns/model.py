@@ -76,7 +76,6 @@ def build_turns(
     """Sample the model of whole turns.
 
     Args:
-        mechanism: The mechanism.
         start_index: Index at which turns start.
         tolerance: Relative accuracy of the tables.
         room: Factor on the gaps that the tables cover.

@@ -71,7 +71,6 @@ def turn_torques(
     """Largest torque of each drive in the turns of many cases.
 
     Args:
-        mechanism: The mechanism.
         speed_rpm: Cylinder speeds [r/min], a number or shape (n,); so are all the others.
         turns: Largest number of turns of a case; fewer where they repeat.
         start_index: Index at which turns start, in the initial phase.

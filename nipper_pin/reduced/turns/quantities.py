@@ -153,7 +153,6 @@ def turn_quantities(
     """Follow turns of many cases; a case is the same to the last bit alone.
 
     Args:
-        mechanism: The mechanism.
         speed_rpm: Cylinder speeds [r/min], a number or shape (n,); so are all the others.
         turns: Largest number of turns of a case; fewer where they repeat.
         start_index: Index at which turns start, in the initial phase.

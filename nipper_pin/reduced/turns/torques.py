@@ -66,8 +66,6 @@ def torque_model(mechanism: Mechanism, turns: TurnModel, room: float = 1.0) -> T
     """Return the torques of a mechanism's drives on the charts of its turns, sampled once.
 
     Args:
-        mechanism: The mechanism.
-        turns: The model of its turns.
         room: Factor on the gaps that its tables cover.
 
     Raises:
@@ -87,8 +85,6 @@ def build_torques(
     """Sample the torques; arguments and errors as of :func:`torque_model`.
 
     Args:
-        mechanism: The mechanism.
-        turns: The model of its turns.
         tolerance: Accuracy of the tables, by the size of a torque.
     """
     around, _, _ = surroundings(mechanism, turns.start_index)

@@ -37,7 +37,6 @@ def turn_model(
     """Return the model of a mechanism's turns, sampled at the first call.
 
     Args:
-        mechanism: The mechanism.
         start_index: Index at which turns start.
         room: Factor on the gaps that the tables cover.
 
@@ -79,7 +78,6 @@ def turns(
     Tables with more room are made where flights leave those of the usual one.
 
     Args:
-        mechanism: The mechanism.
         speed_rpm: Cylinder speed [r/min].
         cycles: Number of turns; fewer are computed once they repeat.
         start_index: Index at which turns start, in the initial phase.

@@ -24,7 +24,6 @@ def write_model(fit: Fit, judged: Goodness, folder: str | Path) -> Mechanism:
     """Write the identified model.
 
     Args:
-        fit: The fit.
         judged: How good it is; the files say so.
         folder: Folder to write; its name becomes the model's. It may exist if it is empty.
 

@@ -18,7 +18,6 @@ def write(optimum: Optimum, folder: str | Path) -> tuple[Path, ...]:
     """Write an optimum; its files take the place of those of an earlier one in one step.
 
     Args:
-        optimum: The optimum.
         folder: Folder to write into; made if it does not exist.
 
     Returns:

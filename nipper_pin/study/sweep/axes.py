@@ -84,7 +84,6 @@ def find_target(name: str, mechanism: Mechanism, *, turns: bool = False) -> Targ
     """Find what a name of a parameter changes: the speed, a shortcut of the model, or a path.
 
     Args:
-        name: The name.
         mechanism: The mechanism with everything at its base values.
         turns: Whether whole turns are followed; of these, every stop's restitution is a column.
 

@@ -35,7 +35,6 @@ def changed(job: Job, values: Mapping[str, float]) -> Mechanism:
     """The mechanism of a job with other numbers.
 
     Args:
-        job: The job.
         values: Numbers by path; points move together with everything that meets in them.
 
     Raises:

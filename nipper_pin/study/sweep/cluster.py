@@ -39,7 +39,6 @@ def on_scheduler(
     each chunk is taken once.
 
     Args:
-        job_text: Text of the job.
         tasks: Chunks with their rows.
         address: Address of the scheduler, such as ``tcp://host:8786``, checked.
         look: Called now and then while nothing finishes.

@@ -69,7 +69,6 @@ def estimate(
     """Time a chunk of a plan, in a process like those of a sweep.
 
     Args:
-        plan: The plan.
         workers: Processes; by default as many as there are processors.
         chunks: Numbers of the first and the last chunk to compute; by default all.
 

@@ -89,7 +89,6 @@ def quantity_unit(name: str, mechanism: Mechanism, *, turns: bool = False) -> st
     """SI unit of a quantity; empty for a number without one.
 
     Args:
-        name: Its name.
         mechanism: The model.
         turns: Whether it is one of whole turns.
     """

@@ -37,7 +37,6 @@ def run_sweep(
     alone, in one thread. One process at a time works in a folder, or several with ranges of chunks.
 
     Args:
-        plan: The plan.
         folder: Folder of the results; one that holds a part of them is completed.
         workers: Local processes; by default as many as there are processors.
         scheduler: Address of a Dask scheduler to use instead.

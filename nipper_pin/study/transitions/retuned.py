@@ -18,7 +18,6 @@ def retuned(
     """The mechanism with other values; its tree does not depend on them and is not built again.
 
     Args:
-        mechanism: The mechanism.
         restitution: e_N of the transition stop, or of stops by name.
         stiffness: Spring rates, shape (springs,) [N/m or N m/rad].
         preload: Deflections in the springs at zero, shape (springs,) [m or rad].

@@ -93,8 +93,6 @@ def turns_of(
     """Follow turns of cases; results and errors as of :func:`turn_table`.
 
     Args:
-        mechanism: The mechanism.
-        cases: The cases.
         settings: What they share.
         engine: "auto", "direct" or "reduced".
     """

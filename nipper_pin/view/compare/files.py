@@ -32,7 +32,6 @@ def write_files(comparison: Comparison, folder: str | Path) -> list[Path]:
     """Write the table as CSV and the curves of both as PNG and SVG.
 
     Args:
-        comparison: The comparison.
         folder: Folder, made if it does not exist; its files of an earlier comparison are replaced.
 
     Raises:

@@ -31,7 +31,6 @@ def write_comparison(comparison: Comparison, path: str | Path, look: Look | None
     """Write a comparison as one HTML file that needs nothing else, not even a network.
 
     Args:
-        comparison: The comparison.
         path: File to write; it appears only when it is complete.
         look: How both are shown.
 

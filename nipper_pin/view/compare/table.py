@@ -23,7 +23,6 @@ def print_comparison(
     """Print what differs, the table, and what was found.
 
     Args:
-        comparison: The comparison.
         console: Where to print, of any width.
         written: Files that were written, each behind what it is.
         following: The command to run next.

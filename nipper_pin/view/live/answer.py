@@ -68,7 +68,6 @@ def answer(mechanism: Mechanism, controls: Sequence[Knob], shown: Mapping[str, f
 
     Args:
         mechanism: The mechanism as loaded.
-        controls: The knobs.
         shown: Values of the knobs in their units, by key.
 
     Returns:

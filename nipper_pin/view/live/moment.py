@@ -18,7 +18,6 @@ def closed_at(solution: Solution, t: float) -> frozenset[str]:
     """Closed stops of the phase at one moment.
 
     Args:
-        solution: The solution.
         t: Time [s].
     """
     return next(item for item in reversed(solution.phases) if item.t_start <= t).closed
@@ -28,7 +27,6 @@ def impulses_at(solution: Solution, t: float, slow: float) -> dict[str, float]:
     """Impulses that have just been; each is held for a moment of playback and shrinks.
 
     Args:
-        solution: The solution.
         t: Time [s].
         slow: Seconds of playback in a second of the machine.
 
@@ -51,7 +49,6 @@ def moment_text(solution: Solution, t: float, q: FloatArray) -> str:
     """Time, index, gaps of the stops and clamping force: the machine's, not the drawing's.
 
     Args:
-        solution: The solution.
         t: Time [s].
         q: Configuration, shape (nv,) [rad or m].
     """

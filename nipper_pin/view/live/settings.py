@@ -98,7 +98,6 @@ def changed(mechanism: Mechanism, values: Mapping[str, float]) -> Mechanism:
     """The mechanism with the values of a setting; its tree is not built again.
 
     Args:
-        mechanism: The mechanism.
         values: Values in SI units, by key of the knobs.
     """
     stops = tuple(
@@ -154,7 +153,6 @@ def _knob(
     """A knob whose ends and step are round numbers; the ends hold the start between them.
 
     Args:
-        key: Key.
         name: What the number is.
         unit: Unit that people read.
         factor: SI value of one unit.

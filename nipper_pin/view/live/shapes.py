@@ -35,7 +35,6 @@ def coarse(mesh: trimesh.Trimesh, tolerance: float) -> trimesh.Trimesh:
     """A solid with fewer triangles, or the mesh itself where that is not possible.
 
     Args:
-        mesh: The mesh.
         tolerance: How far its surface may be moved, more or less, in the units of the mesh.
     """
     body = manifold3d.Manifold(

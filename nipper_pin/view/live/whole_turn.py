@@ -86,7 +86,6 @@ def turn_rows(
 
     Args:
         mechanism: The mechanism as loaded.
-        controls: The knobs.
         shown: Values of the knobs in their units, by key.
         why: Why there are no tables; empty if there are.
 

@@ -18,7 +18,6 @@ def export(solution: Solution, folder: str | Path) -> list[Path]:
     """Write everything about a solution into a folder.
 
     Args:
-        solution: The solution.
         folder: Folder, made if it does not exist. Its files of an earlier run are replaced
             together, in one step; what else it holds stays.
 

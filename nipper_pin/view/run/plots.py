@@ -26,7 +26,6 @@ def plot_solution(solution: Solution, folder: str | Path) -> list[Path]:
     need a collision and forces the window "cycle".
 
     Args:
-        solution: The solution.
         folder: Folder, made if it does not exist; files of the same names are replaced.
 
     Returns:

@@ -55,7 +55,6 @@ def lift(solution: Solution, event: Event) -> tuple[float, float] | None:
     """Largest gap of a released stop until its next event, and the time until then.
 
     Args:
-        solution: The solution.
         event: Release of one stop.
 
     Returns:

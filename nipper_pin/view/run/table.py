@@ -39,7 +39,6 @@ def print_solution(
     Times count from the start of the run. Of many turns the first two are printed.
 
     Args:
-        solution: The solution.
         console: Where to print, of any width.
         with_forces: Print the ranges of the forces of closed stops, too.
         turns: The command that simulates whole turns of the same settings.

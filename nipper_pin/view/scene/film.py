@@ -84,7 +84,6 @@ def film(solution: Solution, look: Look, frames: Pace | None = None) -> Film:
     """Sample a solution.
 
     Args:
-        solution: The solution.
         look: How it is shown.
         frames: Times of the frames, by default those that suit the solution. Outside of its run the
             machine stands still.
@@ -182,7 +181,6 @@ def poses(solution: Solution, q: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Where links stand.
 
     Args:
-        solution: The solution.
         q: Configurations, shape (K, nv).
 
     Returns:

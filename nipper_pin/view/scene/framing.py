@@ -23,7 +23,6 @@ def camera(
     """Target and position of the camera.
 
     Args:
-        mechanism: The mechanism.
         points: Places (x, z) that are to be seen besides the shapes, shape (K, 2) [m].
         near: Distance, by the size of what is to be seen [-].
         direction: From the mechanism to the camera (x, y, z).

@@ -68,7 +68,6 @@ def write_gif(solution: Solution, path: str | Path, look: Look | None = None) ->
     """Write a solution as a GIF in side view: the film of the page, ten pictures a second.
 
     Args:
-        solution: The solution.
         path: File to write; it appears only when it is complete.
         look: How the solution is shown.
 

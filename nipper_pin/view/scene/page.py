@@ -35,7 +35,6 @@ def write_page(solution: Solution, path: str | Path, look: Look | None = None) -
     """Write a solution as one HTML file that needs nothing else, not even a network.
 
     Args:
-        solution: The solution.
         path: File to write; it appears only when it is complete.
         look: How the solution is shown.
 
@@ -123,7 +122,6 @@ def cameras(mechanism: Mechanism, position: FloatArray) -> dict[str, object]:
     """Positions and targets of the cameras (x, y, z) [m], for views of all moving parts.
 
     Args:
-        mechanism: The mechanism.
         position: Places (x, z) that are to be seen, shape (..., 2) [m].
     """
     points = position.reshape(-1, 2)

@@ -57,7 +57,6 @@ def factors(
     else is drawn as it is.
 
     Args:
-        solution: The solution.
         t: Times of the frames [s], shape (K,).
         gap: Gaps of the transition stop there, shape (K,) [rad or m].
         factor: Factor on rebounds [-].

@@ -37,7 +37,6 @@ def write_sketch(mechanism: Mechanism, path: str | Path) -> Path:
     """Write the labelled drawing of a mechanism in its touch configuration.
 
     Args:
-        mechanism: The mechanism.
         path: File to write, ``NAME.svg``, ``.png`` or ``.pdf``; it appears when it is complete.
 
     Raises:

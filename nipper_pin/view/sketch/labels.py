@@ -37,7 +37,6 @@ def placed(labels: Sequence[Label], low: FloatArray, high: FloatArray) -> list[L
     """Labels with places: each at the nearest one that covers no other label and nothing named.
 
     Args:
-        labels: The labels.
         low: Lower left corner of the drawing, shape (2,).
         high: Upper right one.
     """

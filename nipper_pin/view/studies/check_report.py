@@ -21,7 +21,6 @@ def print_report(
     """Print what is wrong with a model, what it is, and what was found about it.
 
     Args:
-        report: The report.
         steps: What is missing, and commands to run next.
         console: Where to print, of any width.
         provenance: Print where each number comes from, too.

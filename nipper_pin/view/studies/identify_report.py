@@ -34,7 +34,6 @@ def print_fit(
     """Print what was identified, how good it is and what the targets determine.
 
     Args:
-        fit: The fit.
         judged: How good it is.
         known: What the targets determine.
         profiles: Profile likelihoods.

@@ -49,7 +49,6 @@ def held(
 
     Args:
         solution: The run.
-        stop: The stop.
         stretches: Begins and ends of the stretches on which it is closed [s].
         level: Force [N].
 

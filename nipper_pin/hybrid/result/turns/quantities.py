@@ -111,8 +111,6 @@ def read_of(turn: Turn, item: Quantity[Any], part: str) -> Turn | StopTurn | Dri
     """What a quantity of a turn is read from.
 
     Args:
-        turn: The turn.
-        item: The quantity.
         part: The stop or drive that it is of, as :func:`of_turn` tells; "" for the whole turn.
     """
     if not part:

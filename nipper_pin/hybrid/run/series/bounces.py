@@ -173,12 +173,8 @@ def rest_of_series(
     """Time at which a stop that bounces comes to rest, and its error.
 
     Args:
-        system: The system.
-        case: The case.
         state: State just after a bounce.
         a: Acceleration there, shape (nv,).
-        stop: The stop.
-        series: Its bounces.
         mates: The stops that bounce at this instant, itself among them.
 
     Returns:

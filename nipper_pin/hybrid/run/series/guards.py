@@ -37,8 +37,6 @@ def lowest_gap(gap: float, rate: float, acceleration: float, left: float) -> flo
 
     Args:
         gap: The gap [rad or m].
-        rate: Its rate.
-        acceleration: Its acceleration.
         left: The time [s].
     """
     if rate < 0.0 < acceleration:

@@ -59,7 +59,6 @@ def check_jam(mechanism: Mechanism, events: Sequence[Event], instant: float) -> 
     """Refuse to go on from a jam.
 
     Args:
-        mechanism: The mechanism.
         events: All events so far.
         instant: Times nearer than this are one [s].
 

@@ -98,8 +98,6 @@ def rest_of_nested(
     """Time at which stops that throw one another open come to rest together, and its error.
 
     Args:
-        system: The system.
-        case: The case.
         state: State just after a collision at one of them, the others having been at rest.
         a: Acceleration there, shape (nv,).
         names: Names of all of them.

@@ -23,8 +23,6 @@ def series_rules(system: System, case: Case, events: Sequence[Event]) -> tuple[S
     """Return the rules of a machine, in the order in which they are asked.
 
     Args:
-        system: The system.
-        case: The case.
         events: The events of the run, as they are written down.
     """
     bounces = Bounces(system, case)

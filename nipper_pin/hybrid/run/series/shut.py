@@ -16,7 +16,6 @@ def shut_together(
     """Bring stops to rest; None if one of them is not pressed shut then.
 
     Args:
-        system: The system.
         state: State just after the last collision.
         names: Names of the stops, open ones and closed ones of their parts.
         t: When they rest [s].

@@ -152,7 +152,6 @@ def goodness(fit: Fit, known: Determinability) -> Goodness:
     k numbers, p = k to the digits that are shown.
 
     Args:
-        fit: The fit.
         known: What the targets determine, at this fit.
     """
     problem = fit.objective.problem

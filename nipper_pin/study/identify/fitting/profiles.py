@@ -45,7 +45,6 @@ def profile(
     """Follow the best fit while one number is held at several values.
 
     Args:
-        fit: The fit.
         path: A free number.
         points: Number of values, spread evenly about the fit.
         reach: Farthest value, in standard deviations of the linear model; bounds cut it short.

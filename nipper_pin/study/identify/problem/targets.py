@@ -105,8 +105,6 @@ def predict(
     """Values that a mechanism gives for some targets.
 
     Args:
-        mechanism: The mechanism.
-        targets: The targets.
         tolerance: Relative accuracy of the transitions.
         rest_rate: Separation rate at which a transition ends; None: at its limit.
         true: Whether the transition of the turn is taken where the machine does not arrive as a
@@ -151,7 +149,6 @@ def transition_quantities(
     """All quantities of one transition; NaN where there are fewer rebounds.
 
     Args:
-        mechanism: The mechanism.
         at: Settings of the transition.
         tolerance: Relative accuracy.
         rest_rate: Separation rate at which it ends; None: at its limit.
@@ -182,8 +179,6 @@ def premises(
     """Say for each setting whether the machine arrives as a transition assumes.
 
     Args:
-        mechanism: The mechanism.
-        targets: The targets.
         tolerance: Relative accuracy of the transitions.
         rest_rate: Separation rate at which a transition ends; None: at its limit.
 
@@ -209,7 +204,6 @@ def with_settings(mechanism: Mechanism, at: Condition) -> Mechanism:
     """Return the mechanism with other settings; its tree does not depend on them.
 
     Args:
-        mechanism: The mechanism.
         at: Restitution and stiffness; its speed is left to the caller.
 
     Raises:

@@ -19,7 +19,6 @@ def sampled_once(
     """Sample the tables of a problem's machine, or say why there are none.
 
     Args:
-        problem: The problem.
         sample: Makes the tables; an error of it is the reason why there are none.
 
     Returns:

@@ -55,7 +55,6 @@ def slack_rows(
     """Slacks of limits, and the place of the limit that each belongs to.
 
     Args:
-        limits: The limits.
         values: Quantities by name.
         waiting: Least stop force in every interval of the initial phase [N]: a limit on it has a
             row for each, since the least of all has kinks.

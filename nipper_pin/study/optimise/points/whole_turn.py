@@ -73,7 +73,6 @@ class WholeTurns:
         """The turn of one design.
 
         Args:
-            mechanism: The mechanism.
             speed_rpm: Cylinder speed [r/min].
             coarse: Whether to compute it with a coarser tolerance, to see what that changes.
 
@@ -96,7 +95,6 @@ class WholeTurns:
         """Stated errors of the quantities of a turn, by name: what a coarser tolerance changes.
 
         Args:
-            mechanism: The mechanism.
             speed_rpm: Cylinder speed [r/min].
         """
         fine = self.at(mechanism, speed_rpm)

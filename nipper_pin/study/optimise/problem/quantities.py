@@ -86,7 +86,6 @@ def check_fit(names: Iterable[str], mechanism: Mechanism, where: str) -> None:
 
     Args:
         names: Names of known quantities.
-        mechanism: The mechanism.
         where: File and key, for messages.
 
     Raises:

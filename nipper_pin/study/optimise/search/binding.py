@@ -59,7 +59,6 @@ def account(problem: Problem, scales: Scales, z: tuple[float, ...]) -> Account:
 
     Args:
         problem: The problem; its first aim counts.
-        scales: Its scales.
         z: Unit coordinates of a usable point.
     """
     from scipy.optimize import nnls

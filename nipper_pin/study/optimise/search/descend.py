@@ -65,7 +65,6 @@ def descend(text: bytes, scales: Scales, start: tuple[float, ...]) -> Descent:
 
     Args:
         text: Text of the problem.
-        scales: Its scales.
         start: Unit coordinates of a usable point.
     """
     trace = Trace(evaluator(text), scales)
@@ -77,7 +76,6 @@ def restore(text: bytes, scales: Scales, start: tuple[float, ...]) -> Descent:
 
     Args:
         text: Text of the problem.
-        scales: Its scales.
         start: Unit coordinates of a usable point.
     """
     trace = Trace(evaluator(text), scales)

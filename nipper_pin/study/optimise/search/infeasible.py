@@ -24,7 +24,6 @@ def from_feasible_designs(
 
     Args:
         problem: The problem with one aim.
-        by: Its scales.
         tried: Descents, none of which meets the limits.
         work: Does the parts.
 

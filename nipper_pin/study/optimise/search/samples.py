@@ -113,8 +113,6 @@ def scales(problem: Problem, aim: Aim, seen: Sequence[Seen]) -> Scales:
     """Sizes of an aim and of the limits: how much they vary over the bounds.
 
     Args:
-        problem: The problem.
-        aim: The aim.
         seen: Samples, some of them usable.
     """
 
@@ -134,7 +132,6 @@ def begins(seen: Sequence[Seen], aim: Aim, by: Scales, count: int) -> tuple[tupl
 
     Args:
         seen: Samples, the model's own values first.
-        aim: The aim.
         by: Scales of aim and limits.
         count: Number of starts; fewer are returned if there are not that many usable samples.
     """
@@ -159,8 +156,6 @@ def evolve(text: bytes, by: Scales, seed: int, mapper: Mapper) -> Found:
 
     Args:
         text: Text of the problem.
-        by: Its scales.
-        seed: Its seed.
         mapper: Maps the merit over the members of a generation, in their order.
     """
     from scipy.optimize import differential_evolution
@@ -198,7 +193,6 @@ def merit(text: bytes, by: Scales, z: FloatArray) -> Merit:
 
     Args:
         text: Text of the problem.
-        by: Its scales.
         z: Unit coordinates, shape (parameters,).
     """
     source = evaluator(text)

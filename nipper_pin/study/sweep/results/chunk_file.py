@@ -242,7 +242,6 @@ def read_file(file: Path, columns: Sequence[str] | None = None) -> pa.Table:
     """Rows of a chunk on disk.
 
     Args:
-        file: The file.
         columns: Names of columns, or None for all.
 
     Raises:

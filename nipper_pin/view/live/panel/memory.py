@@ -45,7 +45,6 @@ class Memory:
 
         Args:
             now: Time at which it comes [s].
-            answer: The answer.
             turn: Numbers of its whole turn.
         """
         begins = now - self._changed > ONE_CHANGE

@@ -36,7 +36,6 @@ def difference(now: Number, other: Number | None) -> str:
     """The difference of a number to that of another setting: per cent, or indices.
 
     Args:
-        now: The number.
         other: The same of the other setting; None if that has none.
 
     Returns:
@@ -66,7 +65,6 @@ def table(name: str, rows: Sequence[Number], others: Sequence[Number] = ()) -> s
 
     Args:
         name: Identity of the table.
-        rows: The rows.
         others: Those of the setting that they are compared with.
     """
     known = {item.key: item for item in others}

@@ -16,7 +16,6 @@ def as_html(
     """The answer as HTML: the setting, its numbers or its message, and those of the whole turn.
 
     Args:
-        found: The answer.
         turn: Numbers of the turn.
         other: The setting that the numbers are compared with.
         pinned: Whether that one is pinned.

@@ -28,7 +28,6 @@ def framed(
     """An empty figure with its title, and below it the study, the model and the scenarios.
 
     Args:
-        sweep: The sweep.
         quantity: What is drawn.
         subject: The title.
         height_in: Height [inch].
