@@ -27,7 +27,6 @@ LONG = {
     "reduced/kernels/kernel.py _transition",
     "reduced/kernels/panel.py solve_panel",
     "reduced/kernels/turn.py follow",
-    "reduced/kernels/turn_torques.py run_torques",
 }
 MANY = {
     "dynamics/impact.py _still",
@@ -57,7 +56,6 @@ MANY = {
     "reduced/kernels/turn_events.py errors_after",
     "reduced/kernels/turn_quantities.py run_turns",
     "reduced/kernels/turn_quantities.py summed",
-    "reduced/kernels/turn_torques.py run_torques",
     "reduced/transition.py transition",
     "reduced/transition.py transitions",
     "reduced/turns/peak_torques.py turn_torques",

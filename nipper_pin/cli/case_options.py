@@ -90,7 +90,6 @@ def new_case(options: argparse.Namespace, mechanism: Mechanism, window: Window) 
     """Return the case of the arguments.
 
     Args:
-        options: The arguments.
         mechanism: The mechanism, for its rated speed.
         window: Window without ``--window``.
 

@@ -173,9 +173,7 @@ def close_positions(
     """Solve g(q) = 0 for the dependent coordinates by Newton's method.
 
     Args:
-        body: The multibody system.
         q: Guesses, shape (N, nv); the independent coordinates are kept to the last bit.
-        split: Dependent and independent coordinates.
         share: Gap that may be left, by the reach of the mechanism.
         anew: Take a step even from guesses whose gaps are as small as that: near a dead centre they
             leave dependent coordinates open by far more, and differently from guess to guess.
@@ -229,7 +227,6 @@ def close_velocities(
     Args:
         v: Velocities, shape (N, nv).
         jacobian: Closure Jacobian G, shape (N, m, nv).
-        split: Dependent and independent coordinates.
         inverse: What :func:`inverses` gives for them, where it is known already.
 
     Returns:
@@ -249,7 +246,6 @@ def inverses(jacobian: FloatArray, split: Partition) -> FloatArray:
 
     Args:
         jacobian: Closure Jacobian G, shape (N, m, nv).
-        split: Dependent and independent coordinates.
 
     Raises:
         SingularConfigurationError: A block is singular.

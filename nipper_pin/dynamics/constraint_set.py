@@ -66,7 +66,6 @@ def constraint_set(mechanism: Mechanism, closed: frozenset[str], *, held: bool) 
     """Return the constraints of the phase with these closed stops.
 
     Args:
-        closed: Names of the closed stops.
         held: True if the driven shafts are held, False if they have their inertia.
     """
     known = _KNOWN.setdefault(mechanism, {})

@@ -60,7 +60,6 @@ def impulse_sizes(system: System, q: FloatArray, stops: Sequence[int]) -> FloatA
     Args:
         system: The system; held drives do not yield.
         q: Configuration, shape (nv,).
-        stops: Coordinates of the stops.
 
     Raises:
         ImpactError: The mass matrix is singular.

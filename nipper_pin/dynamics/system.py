@@ -152,7 +152,6 @@ class System:
         Args:
             v: Velocity, shape (nv,); the independent rates are kept.
             jacobian: Closure Jacobian G, shape (m, nv).
-            split: Dependent and independent coordinates.
 
         Returns:
             Closed velocity, shape (nv,).
@@ -169,7 +168,6 @@ class System:
         """Condition number of the dependent block of the closures, cached for one configuration.
 
         Args:
-            split: Dependent and independent coordinates.
             jacobian: Closure Jacobian G, shape (m, nv).
         """
         place, dependent = self._checked
@@ -336,7 +334,6 @@ class System:
             v: Velocities, shape (N, nv).
             jacobian: Closure Jacobian G, shape (N, m, nv).
             phase: The phase; every independent coordinate is a held drive or a closed stop.
-            split: Dependent and independent coordinates.
             inverse: What :func:`inverses` gives for them, where it is known already.
 
         Returns:

@@ -48,7 +48,6 @@ def touch(body: Multibody, given: Sequence[int]) -> Touch:
     """The touch configuration of a multibody system; all its runs start from there.
 
     Args:
-        body: The multibody system.
         given: Places in q of the coordinates that are prescribed.
 
     Raises:
@@ -70,7 +69,6 @@ def assemble(
     """Assemble the mechanism at the end of a path of given coordinates that starts at q = 0.
 
     Args:
-        body: The multibody system.
         path: Given coordinates along the path, shape (K, given); short steps, the first one near
             the touch configuration, so that the mechanism stays on its branch. None: q = 0.
         given: Places of those coordinates in q.

@@ -71,7 +71,6 @@ def advance(
         state: The state; gaps of stops just left are exactly zero.
         a: Acceleration there, shape (nv,); None in a phase without freedom, which needs none.
         t_limit: Where to stop at the latest [s].
-        resolution: How finely the motion is resolved.
         place: Place of the motion among the segments of the run.
         watched: Names of the stops that end it; all if there are none.
 

@@ -114,8 +114,6 @@ def from_sources(
     """Rebuild a mechanism from its plain data, for saved runs and worker processes.
 
     Args:
-        name: Model name.
-        urdf: The URDF text.
         description: The TOML document as plain data.
         mesh_folder: Folder that relative mesh paths of the URDF start from.
 

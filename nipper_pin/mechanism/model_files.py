@@ -57,7 +57,6 @@ def model_folder(name: str, planned: str | Path) -> Path:
     """Folder of a model that was saved; on another machine that of the model which comes with it.
 
     Args:
-        name: Model name.
         planned: Its folder where it was saved.
     """
     folder = Path(planned)

@@ -21,8 +21,6 @@ def reach(model: pin.Model, joints: Sequence[Joint], places: Sequence[Stop | Sta
     """Length that the round-off of a closure gap is proportional to [m].
 
     Args:
-        model: The Pinocchio model.
-        joints: The tree joints.
         places: Where slides have stops, or start: they tell the size where no link has a length.
     """
     lengths = sum(np.linalg.norm(placement.translation) for placement in model.jointPlacements)

@@ -23,9 +23,6 @@ def complete_file(path: str | Path) -> Iterator[Path]:
     is written into and stays what it is. File and folder are synchronised with the disk, so that
     after a crash of the machine the old or the new content is there.
 
-    Args:
-        path: The file.
-
     Yields:
         An empty temporary file of a name that nobody else uses.
 

@@ -40,7 +40,6 @@ def transition(
     """Solve one transition.
 
     Args:
-        speed_rpm: Cylinder speed [r/min].
         restitution: e_N of the transition stop; by default that of the mechanism.
         stiffness: Spring rates, one number or shape (springs,) [N/m or N m/rad].
         preload: Deflections in the springs at zero, likewise [m or rad].

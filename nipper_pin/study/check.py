@@ -156,7 +156,6 @@ def check_model(
 
     Args:
         mechanism: The model, already validated by loading it.
-        speed_rpm: Cylinder speed [r/min].
         start_index: Index at which the cycle starts, in the initial phase.
 
     Returns:

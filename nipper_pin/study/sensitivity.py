@@ -183,7 +183,6 @@ def sensitivities(
 
     Args:
         mechanism: The model; the values in it are the baseline.
-        speed_rpm: Cylinder speed [r/min].
         paths: Numbers to ask for; by default :func:`every_path`.
         progress: Called with (numbers done, numbers in all).
         workers: Processes; 1: one. Neither their number nor that of threads of BLAS changes a bit
@@ -272,7 +271,6 @@ def _other(mechanism: Mechanism, speed_rpm: float, near: FloatArray, *, true: bo
     """The quantities by the reduced engine and from a simulated cycle.
 
     Args:
-        speed_rpm: Cylinder speed [r/min].
         near: Quantities of a mechanism nearby, shape (3,); they say how much to tabulate.
         true: Whether to solve the transition of the turn.
     """

@@ -138,7 +138,6 @@ def first_transition(solution: Solution, begin: float) -> TrueTransition | None:
     """The first transition of a run from a time on; None if the transition stop is not hit.
 
     Args:
-        solution: The run.
         begin: The time [s].
     """
     stop = solution.mechanism.transition_stop

@@ -62,11 +62,7 @@ _MOST, _MOST_WORDS = 6, 30
 
 
 def unread(root: ElementTree.Element) -> Iterator[str]:
-    """Sentences on what is not read, and on what counts once and is there more often.
-
-    Args:
-        root: The ``robot`` element.
-    """
+    """Sentences on what is not read, and on what counts once and is there more often."""
     found: Counter[str] = Counter()
     repeated: list[str] = []
     _look(root, "", found, repeated)

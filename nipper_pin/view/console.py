@@ -77,7 +77,6 @@ def show_table(
     """Print a table; one that is wider than the terminal becomes several with the first columns.
 
     Args:
-        console: Where to print.
         headings: Headings of the columns.
         rows: Texts of the cells; brackets and colons in them are printed.
         text: Places of columns of text; all others are numbers.

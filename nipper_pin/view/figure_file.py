@@ -20,7 +20,6 @@ def save_figure(
 
     Args:
         figure: The figure, complete but not yet drawn.
-        path: The file.
         kind: "svg", "png" or "pdf".
         dpi: Pixels of an inch, by default those of the figure.
     """

@@ -11,7 +11,6 @@ def shown(mechanism: Mechanism, name: str) -> Shown:
     """How people read a quantity of the transition stop or of a turn, or a parameter.
 
     Args:
-        mechanism: The machine.
         name: Its name in files, as :func:`~nipper_pin.terms.named` takes it, or a shortcut.
     """
     units = [
@@ -26,7 +25,6 @@ def coordinate_shown(mechanism: Mechanism, index: int, *, small: bool = False) -
     """How people read a coordinate: an angle or a stroke.
 
     Args:
-        mechanism: The machine.
         index: Its place in q.
         small: Whether it is one of rebounds, which are small.
     """
@@ -39,7 +37,6 @@ def rate_shown(mechanism: Mechanism, index: int) -> Shown:
     """How people read the rate of a coordinate.
 
     Args:
-        mechanism: The machine.
         index: Its place in q.
     """
     unit, factor = shown_in(f"{coordinate_unit(mechanism, index)}/s")

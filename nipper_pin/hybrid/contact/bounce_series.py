@@ -95,9 +95,6 @@ class BounceSeries:
     def limit(self, e_N: float) -> tuple[float, float]:
         """Extrapolate to rest.
 
-        Args:
-            e_N: Restitution of the stop.
-
         Returns:
             Time of rest [s] and an estimate of its error [s]; both infinite while three collisions
             do not show the rates falling, or if nothing presses the stop shut.

@@ -111,7 +111,6 @@ def _held(matrix: FloatArray, leaving: FloatArray, nothing: FloatArray) -> list[
     """Places of the stops that stay closed.
 
     Args:
-        matrix: The Delassus matrix.
         leaving: g_N_ddot of each stop without any force.
         nothing: Round-off of each of these.
 

@@ -38,7 +38,6 @@ def at_start(
     """Deviations of a state with which a motion begins.
 
     Args:
-        closed: Names of the closed stops.
         t: When [s].
         q: Configuration, shape (nv,).
         v: Velocity, shape (nv,).
@@ -104,7 +103,6 @@ def of_closures(
     """Deviations by open closures and by the round-off of positions, with the rates of the place.
 
     Args:
-        split: Dependent and independent coordinates.
         q: Configuration, shape (nv,).
         v: Velocity, shape (nv,).
         by: By how much closures are open, in the places of the dependent coordinates, and

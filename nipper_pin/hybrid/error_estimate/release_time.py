@@ -29,7 +29,6 @@ def release_error(
     """Error of the time at which a stop force vanishes: what it is wrong by over its slope.
 
     Args:
-        part: The part of the stop.
         phase: The phase before.
         panel: The panel on which the force vanishes.
         t: When it does so [s].

@@ -66,7 +66,6 @@ def still_apart(
     Within round-off of one time they are closed at that of the earliest.
 
     Args:
-        part: The part of the stops.
         event: The event, with the stops of all parts.
         segment: The motion to it; None if a run begins with it.
         found: Deviations of the part before it.
@@ -88,7 +87,6 @@ def beside(
     """Deviations where stops are struck in the event of another one.
 
     Args:
-        part: The part of the stops.
         a: Accelerations of the part before it, shape (n,).
         before: Deviations at the times at which the first stop is struck.
 
@@ -116,7 +114,6 @@ def after_all(
     """Deviations after an event, back at the times at which its first stop is struck.
 
     Args:
-        part: The part of the stops.
         stops: The stops that it strikes beside that one.
         after: Deviations after the impacts, of each part when it is struck itself.
     """

@@ -31,7 +31,6 @@ def lifts(jacobian: FloatArray, split: Partition, directions: FloatArray) -> Flo
 
     Args:
         jacobian: Closure Jacobians G, shape (N, m, nv).
-        split: Dependent and independent coordinates.
         directions: How fast independent coordinates move, shape (C, nv).
 
     Returns:
@@ -52,7 +51,6 @@ def tangents(
     Args:
         q: Configurations, shape (N, nv).
         v: Velocities, shape (N, nv).
-        split: Dependent and independent coordinates.
         along: Independent coordinates that count, moved in C directions.
 
     Returns:

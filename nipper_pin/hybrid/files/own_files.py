@@ -39,8 +39,6 @@ def need_own_files(
     """Refuse a model whose files are not those that it was saved with.
 
     Args:
-        name: Model name.
-        urdf: The URDF text.
         description: The TOML document as plain data.
         folder: Folder that the meshes are to be read from.
         digests: What :func:`mesh_digests` gave when it was saved.

@@ -41,7 +41,6 @@ def kinematic_panel(
     """Motion of a phase without freedom, where the drives determine everything.
 
     Args:
-        split: Dependent and independent coordinates.
         begin: Where it begins; the guess for the nodes is made from it.
         h: Length [s].
         resolution: Number of nodes, and what they may leave unresolved.

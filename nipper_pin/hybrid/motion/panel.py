@@ -258,7 +258,6 @@ def nearby(
     Args:
         q: Configurations, shape (N, nv).
         v: Velocities, shape (N, nv).
-        split: Dependent and independent coordinates.
 
     Returns:
         q and v, shape (N, nv).

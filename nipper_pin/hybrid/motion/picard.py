@@ -41,7 +41,6 @@ def flight_panel(
     """Motion of a phase with freedom.
 
     Args:
-        split: Dependent and independent coordinates.
         begin: Where it begins; its acceleration is that of the first node.
         h: Length [s].
         resolution: Number of nodes and relative accuracy of the positions.
@@ -87,7 +86,6 @@ def _swept(
     """Sweep over one grid after the other, until one of them resolves the motion.
 
     Args:
-        sweeps: The iteration.
         a: Acceleration at the first node, shape (1, nv).
         finest: Number of nodes of the finest grid.
         tolerance: Relative accuracy of the positions.

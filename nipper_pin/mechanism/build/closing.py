@@ -39,8 +39,6 @@ def closure_gaps(
     """Gap of every closure at q = 0, frame b minus frame a.
 
     Args:
-        closures: The cut joints.
-        model: The Pinocchio model.
         placements: World placement of every joint at q = 0.
 
     Returns:
@@ -60,7 +58,6 @@ def close_gaps(
     """Close what rounded numbers leave open; a machine that meets stays to the last bit.
 
     Args:
-        closures: The cut joints.
         stops: The stops, which tell the size of a machine of slides.
         tree: The tree; frames of its model are moved.
 

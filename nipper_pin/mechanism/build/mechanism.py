@@ -50,7 +50,6 @@ def build_mechanism(
     """Build and validate a mechanism.
 
     Args:
-        name: Model name.
         data: The TOML document, overrides applied and tables written out.
         mesh_folder: Folder that mesh files must lie in.
 

@@ -25,7 +25,6 @@ def build_stops(
     """Build the stops.
 
     Args:
-        description: The TOML file.
         joints: Tree joints by name.
         tree: The tree with its collision shapes.
 

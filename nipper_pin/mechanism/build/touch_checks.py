@@ -32,10 +32,8 @@ def closure_jacobian(
     """Jacobian of the closure gaps at q = 0.
 
     Args:
-        closures: The cut joints.
         joints: The tree joints in the order of their coordinates.
         urdf: The checked URDF.
-        model: The Pinocchio model.
         placements: World placement of every joint at q = 0.
 
     Returns:
@@ -114,7 +112,6 @@ def check_assembly(
     """Check that the mechanism, which is closed, moves as stated and can be driven.
 
     Args:
-        held: What holds its coordinates.
         phases: The working phases.
         degrees_of_freedom: Mobility stated in the TOML file.
 

@@ -49,7 +49,6 @@ def build_model(urdf: Urdf, gravity_m_s2: float, file: str) -> pin.Model:
     Args:
         urdf: The URDF, in the side view.
         gravity_m_s2: Gravity along -z [m/s2].
-        file: Name of the URDF file, for messages.
 
     Raises:
         ModelError: A joint moves nothing that resists.

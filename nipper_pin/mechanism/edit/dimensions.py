@@ -58,7 +58,6 @@ def change_dimensions(
         root: The ``robot`` element, changed in place.
         document: The TOML document, known to be well-formed.
         values: New values by path.
-        file: Name of the URDF file, for messages.
 
     Returns:
         The document with the axes of guides and cranks where their pins have gone.
@@ -124,7 +123,6 @@ def read_dimension(found: Layout, path: str, file: str) -> float:
     Args:
         found: Where everything stands.
         path: The path; its first step is one of ``HEADS``.
-        file: Name of the URDF file, for messages.
 
     Raises:
         UnknownNameError: The path leads nowhere.

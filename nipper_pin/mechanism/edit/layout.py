@@ -121,9 +121,7 @@ def read_layout(root: ElementTree.Element, document: Mapping[str, object], file:
     """Read where links and points stand at touch.
 
     Args:
-        root: The ``robot`` element.
         document: The TOML document, known to be well-formed (:mod:`.describe`).
-        file: Name of the URDF file, for messages.
 
     Raises:
         ModelError: The links are no tree, or a placement is no number.

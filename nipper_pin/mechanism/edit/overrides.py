@@ -28,7 +28,6 @@ def by_path(
     Args:
         overrides: New values by path, or by a shortcut that the document defines.
         data: The TOML document.
-        file: Name of the TOML file, for messages.
 
     Raises:
         UnknownNameError: A name without a dot is no shortcut and no key.
@@ -60,7 +59,6 @@ def with_tables(
         data: The TOML document, as written.
         overrides: New values by path. Those that name another CSV file count before it is read.
         folder: Model folder that the CSV files must lie in.
-        file: Name of the TOML file, for messages.
 
     Returns:
         The document with its tables, and the overrides that are left.
@@ -87,12 +85,10 @@ def apply_overrides(
 
     Args:
         data: The TOML document, its tables written out.
-        urdf: The URDF text.
         overrides: New values by path: a path into the TOML document such as
             ``stops.jaw.restitution`` (:mod:`.toml_paths`), or one of ``points.``, ``links.`` and
             ``urdf.`` into the URDF (:mod:`.dimensions`). Strings are converted to the type of the
             value that they replace.
-        file: Name of the TOML file, for messages.
         urdf_file: Name of the URDF file, for messages.
 
     Returns:

@@ -56,7 +56,6 @@ def move_points(
         found: Where everything stands; its elements are changed in place.
         document: The TOML document, known to be well-formed.
         places_mm: New world places (x, z) at touch [mm] by name of the point.
-        file: Name of the URDF file, for messages.
 
     Returns:
         The document with the axes of guides and cranks where their pins have gone.

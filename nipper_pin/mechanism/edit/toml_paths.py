@@ -29,7 +29,6 @@ def number_at(document: Mapping[str, object], path: str, file: str) -> float:
 
     Args:
         document: The TOML document, its tables written out.
-        file: Name of the file, for messages.
 
     Raises:
         UnknownNameError: The path leads nowhere.
@@ -52,7 +51,6 @@ def replace_value(document: dict[str, object], path: str, value: object, file: s
     Args:
         document: The TOML document, its tables written out.
         value: The new value; a string is converted to the type of the value that it replaces.
-        file: Name of the file, for messages.
 
     Raises:
         UnknownNameError: The path leads nowhere, or to a whole table.
@@ -81,7 +79,6 @@ def number_from(value: object, path: str, file: str) -> float:
     Args:
         value: A number, or a string that holds one.
         path: The path that it is for, for messages.
-        file: Name of the file, for messages.
 
     Raises:
         ModelError: It is none.

@@ -81,7 +81,6 @@ def find_value(root: ElementTree.Element, path: str) -> UrdfValue:
     """Follow a path into a URDF.
 
     Args:
-        root: The ``robot`` element.
         path: The path; its first step is ``urdf``.
 
     Raises:

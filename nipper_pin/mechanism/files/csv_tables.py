@@ -37,7 +37,6 @@ def inline_tables(data: Mapping[str, object], folder: Path, file: str) -> dict[s
     Args:
         data: The TOML document, as written.
         folder: Model folder that the CSV files must lie in.
-        file: Name of the TOML file, for messages.
 
     Returns:
         The document with the columns in place of each file name.

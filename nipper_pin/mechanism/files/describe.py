@@ -123,10 +123,6 @@ def _entries(data: Mapping[str, object], section: str, file: str) -> dict[str, A
 def optional_numbers(section: str, entry: Mapping[str, object]) -> dict[str, float]:
     """Defaults of the numbers that an entry omits.
 
-    Args:
-        section: Name of a table of entries, such as ``drives``.
-        entry: One of them.
-
     Returns:
         Defaults by key; 0 for a place that is not given. Empty for an unknown drive law.
     """

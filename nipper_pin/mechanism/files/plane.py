@@ -67,7 +67,6 @@ def find_plane(axes: Sequence[JointAxis], file: str) -> Plane:
 
     Args:
         axes: Axes of the joints that move.
-        file: File name, for messages.
 
     Raises:
         ModelError: There is none; names the joint that leaves the plane of most others.

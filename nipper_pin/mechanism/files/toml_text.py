@@ -42,7 +42,6 @@ def need_plain_text(document: object, file: str, where: str = "") -> None:
 
     Args:
         document: A TOML document as plain data, or a part of it.
-        file: Name of its file, for messages.
         where: Path of the part.
 
     Raises:

@@ -35,8 +35,6 @@ def check_urdf(root: ElementTree.Element, file: str, mesh_folder: Path) -> Urdf:
     """Read a URDF, check it, and turn it into the side view.
 
     Args:
-        root: The ``robot`` element.
-        file: File name, for messages.
         mesh_folder: Folder that mesh files must lie in.
 
     Raises:

@@ -49,7 +49,6 @@ def read_shapes(
     """Read the collision shapes of a link; the visual ones are only checked.
 
     Args:
-        file: File name, for messages.
         mesh_folder: Folder that mesh files must lie in.
 
     Raises:
@@ -147,7 +146,6 @@ def mesh_path(filename: str, mesh_folder: Path, key: str, file: str) -> Path:
             stands for that folder.
         mesh_folder: The model folder.
         key: Place in the URDF, for messages.
-        file: File name, for messages.
 
     Raises:
         ModelError: The path leaves the folder or names no file.

@@ -48,7 +48,6 @@ def finite(
         count: How many numbers it has.
         default: Its text where it is missing; None if it must be there.
         key: Place in the URDF, for messages.
-        file: File name, for messages.
 
     Raises:
         ModelError: It has others, or too large ones.

@@ -119,9 +119,7 @@ def edit(text: str, change: Callable[[ElementTree.Element], None], file: str) ->
     """Apply a change to URDF text, comments kept.
 
     Args:
-        text: The URDF.
         change: Called with the ``robot`` element.
-        file: File name, for messages.
     """
     root = parse_xml(text, file)
     change(root)

@@ -169,7 +169,6 @@ def arrives(grids: FloatArray, y: Tables, turn: Turn, work: Work, speed: float,
     """Decide in which phase the machine arrives at the touch.
 
     Args:
-        grids: Collocation grids.
         y: Functions of (u, y), combined for the case in ``work``.
         turn: The rest of the turn.
         work: Scratch arrays of these tables, with y'' along y = 0 combined for the case.

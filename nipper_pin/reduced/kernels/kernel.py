@@ -265,7 +265,6 @@ def run_batch(grids: FloatArray, tables: Tables, y: Tables, turn: Turn, speed: F
     """Transitions of a batch.
 
     Args:
-        grids: Collocation grids.
         tables: The reduced model.
         y: Its functions between opening and touch.
         turn: The rest of the turn.

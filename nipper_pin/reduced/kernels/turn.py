@@ -62,9 +62,7 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
     """Follow whole turns from event to event.
 
     Args:
-        grids: Collocation grids.
         charts: The functions of the machine.
-        work: Scratch arrays.
         speed: Cylinder speed [rad/s].
         restitution: e_N of the stops, shape (K,).
         stiffness: Spring rates, shape (springs,).

@@ -216,9 +216,7 @@ def run_turns(grids: FloatArray, charts: Charts, work: TurnWork, speed: FloatArr
     """Quantities of the last turns of many cases.
 
     Args:
-        grids: Collocation grids.
         charts: The functions of the machine.
-        work: Scratch arrays.
         speed: Cylinder speeds, shape (n,) [rad/s].
         restitution: e_N of the stops, shape (n, K).
         stiffness: Spring rates, shape (n, springs).

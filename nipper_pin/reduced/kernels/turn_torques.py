@@ -191,7 +191,6 @@ def largest_torques(charts: Charts, work: TurnWork, torques: Charts, mixed: Turn
     Args:
         charts: The charts of the turn.
         work: Combined for the case, with the motion.
-        torques: The functions of the torques.
         mixed: Scratch arrays of these, none of them combined yet.
         case: Cylinder speed [rad/s], gravity, spring rates and deflections at zero.
         most: Written, shape (drives,).
@@ -229,11 +228,8 @@ def run_torques(grids: FloatArray, charts: Charts, work: TurnWork, keeping: Turn
     The turns are followed once more, and the last of them again with their motion kept.
 
     Args:
-        grids: Collocation grids.
         charts: The functions of the machine.
-        work: Scratch arrays.
         keeping: Scratch arrays that keep the motion of a turn.
-        torques: The functions of the torques.
         mixed: Scratch arrays of these.
         speed: Cylinder speeds, shape (n,) [rad/s].
         restitution: e_N of the stops, shape (n, K).

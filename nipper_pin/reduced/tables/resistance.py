@@ -44,7 +44,6 @@ def inertial_forces(
 
     Args:
         system: The held system.
-        motion: The configurations.
         accelerations: Of the driven coordinates, at 1 rad/s of the cylinder, shape (N, drives).
         armature: Inertia added to the joints, shape (nv,): infinite where they are held.
 
@@ -83,7 +82,6 @@ def resisted(
         system: The held system.
         along: The direction, shape (N, nv).
         forces: As of :func:`inertial_forces`.
-        motion: The configurations.
 
     Returns:
         Shape (functions, N), in the order of the equation of motion.

@@ -89,7 +89,6 @@ def resolved(
     """Refine cells and degrees until the tails of all functions are below the tolerance.
 
     Args:
-        sampler: Evaluates the functions.
         weights: Weight of an error of each function, shape (functions,).
         tolerance: Largest weighted tail.
 
@@ -150,7 +149,6 @@ def checks(sampler: PointSampler, domain: Domain, tables: Tables) -> Checks:
     """Evaluate the functions at random points off the grid.
 
     Args:
-        sampler: Evaluates the functions.
         tables: The tables, for guesses of the configurations.
     """
     # The points do not depend on the run: a model is built the same way every time.

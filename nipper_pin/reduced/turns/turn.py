@@ -78,7 +78,6 @@ def turns(
     Tables with more room are made where flights leave those of the usual one.
 
     Args:
-        speed_rpm: Cylinder speed [r/min].
         cycles: Number of turns; fewer are computed once they repeat.
         start_index: Index at which turns start, in the initial phase.
         restitution: e_N of the transition stop, or of stops by name; by default the mechanism's.

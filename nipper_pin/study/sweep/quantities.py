@@ -28,7 +28,6 @@ def default(mechanism: Mechanism, *, turns: bool = False) -> tuple[str, ...]:
     """Quantities that are stored by default: those of the transition and its first collision.
 
     Args:
-        mechanism: The model.
         turns: Whether whole turns are followed; then some of theirs.
     """
     if turns:
@@ -51,7 +50,6 @@ def check_quantities(
 
     Args:
         names: Names such as ``duration_s`` or ``rebound_time_s_2`` (of the second collision).
-        mechanism: The model.
         where: File and key, for messages.
         turns: Whether whole turns are followed.
 
@@ -89,7 +87,6 @@ def quantity_unit(name: str, mechanism: Mechanism, *, turns: bool = False) -> st
     """SI unit of a quantity; empty for a number without one.
 
     Args:
-        mechanism: The model.
         turns: Whether it is one of whole turns.
     """
     item, part = of_turn(name, mechanism) if turns else (of_transition(name)[0], "")

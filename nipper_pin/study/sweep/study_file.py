@@ -217,7 +217,6 @@ def check_bounds(
     Args:
         target: What the parameter changes.
         bounds: Its least and its largest value, in the unit of the model's file.
-        mechanism: The model.
         key: Key of the study, for messages.
         file: Name of the study, for messages.
 

@@ -20,7 +20,6 @@ def units_of(
     Args:
         axes: The parameters.
         quantities: What is kept.
-        mechanism: The model.
         turns: Whether the quantities are those of whole turns.
     """
     found = {name: quantity_unit(name, mechanism, turns=turns) or NONE for name in quantities}

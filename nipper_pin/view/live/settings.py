@@ -153,7 +153,6 @@ def _knob(
     """A knob whose ends and step are round numbers; the ends hold the start between them.
 
     Args:
-        name: What the number is.
         unit: Unit that people read.
         factor: SI value of one unit.
         scale: Usual value, SI.

@@ -59,8 +59,6 @@ def premise(solution: Solution, console: Console, turns: str) -> None:
     """Print a remark if no turn of the machine reaches this transition.
 
     Args:
-        solution: The run.
-        console: Where to print.
         turns: The command that simulates whole turns; empty if unknown.
     """
     if solution.premise_holds is not False:

@@ -84,7 +84,6 @@ def film(solution: Solution, look: Look, frames: Pace | None = None) -> Film:
     """Sample a solution.
 
     Args:
-        look: How it is shown.
         frames: Times of the frames, by default those that suit the solution. Outside of its run the
             machine stands still.
 

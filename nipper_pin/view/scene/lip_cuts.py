@@ -34,7 +34,6 @@ def lip_cuts(body: Multibody, drawn: Sequence[Solid], across: float) -> list[Lip
     """Cut all solids of moving links.
 
     Args:
-        body: The multibody system.
         drawn: What the mechanism is drawn with.
         across: Place of the plane along the hinge [m].
 

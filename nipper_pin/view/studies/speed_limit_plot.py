@@ -47,7 +47,6 @@ def plot_speed_limit(result: SpeedLimit, path: str | Path) -> Path:
     """Write the figure; the file appears only when it is complete.
 
     Args:
-        result: The study.
         path: The file, in the format of its suffix.
 
     Raises:

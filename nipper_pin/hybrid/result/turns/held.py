@@ -48,7 +48,6 @@ def held(
     roots of polynomials.
 
     Args:
-        solution: The run.
         stretches: Begins and ends of the stretches on which it is closed [s].
         level: Force [N].
 
@@ -71,8 +70,6 @@ def largest_torque(solution: Solution, drive: str, begin: float, end: float) -> 
     """Largest magnitude of the torque of a drive between the events of a stretch.
 
     Args:
-        solution: The run.
-        drive: Name of the drive.
         begin: Begin of the stretch [s].
         end: Its end [s].
 

@@ -96,7 +96,6 @@ def turn_names(mechanism: Mechanism, *, drives: bool = False) -> tuple[str, ...]
     """Names of the quantities of a machine's turn.
 
     Args:
-        mechanism: The machine.
         drives: Whether those of its drives are among them.
     """
     return (*_named(mechanism), *(_of_drives(mechanism) if drives else ()))

@@ -101,7 +101,6 @@ class SeriesRule(Protocol):
         """Add a collision to its series.
 
         Args:
-            struck: The collision.
             a: Acceleration just after it, shape (nv,).
 
         Returns:

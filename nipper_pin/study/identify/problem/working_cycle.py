@@ -82,7 +82,6 @@ def working_cycle(mechanism: Mechanism, speed_rpm: float) -> WorkingCycle:
 
     Args:
         mechanism: A mechanism with two stops that are closed in turn, one at a time.
-        speed_rpm: Cylinder speed [r/min].
 
     Raises:
         InputError: The mechanism has not got these two phases.

@@ -111,7 +111,6 @@ def control(text: bytes, design: Design) -> Control:
     """Simulate turns of a design, and compare.
 
     Args:
-        text: Text of the problem.
         design: The design, as it is reported.
     """
     problem, z = read_text(text), np.array(design.z)

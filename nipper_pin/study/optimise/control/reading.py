@@ -217,7 +217,6 @@ def control_turn(mechanism: Mechanism, speed_rpm: float, rest_rate: float | None
     """Simulate turns until they repeat.
 
     Args:
-        speed_rpm: Cylinder speed [r/min].
         rest_rate: Separation rate at which bounces end; None: at their limit.
 
     Raises:

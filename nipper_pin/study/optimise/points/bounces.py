@@ -101,7 +101,6 @@ class Transitions:
         """The transition of one design, as its turns have it.
 
         Args:
-            speed_rpm: Cylinder speed [r/min].
             dense: Whether turns must give the motion of all links, and so be simulated.
 
         Raises:
@@ -123,7 +122,6 @@ class Transitions:
         """The transition of a simulated turn.
 
         Args:
-            speed_rpm: Cylinder speed [r/min].
             why: Why it is not taken alone.
             before: Part of a turn before the touch at which the turns start.
 

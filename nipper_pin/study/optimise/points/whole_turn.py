@@ -73,7 +73,6 @@ class WholeTurns:
         """The turn of one design.
 
         Args:
-            speed_rpm: Cylinder speed [r/min].
             coarse: Whether to compute it with a coarser tolerance, to see what that changes.
 
         Raises:
@@ -92,11 +91,7 @@ class WholeTurns:
         return self._read(table, TURN)
 
     def errors(self, mechanism: Mechanism, speed_rpm: float) -> dict[str, float]:
-        """Stated errors of the quantities of a turn, by name: what a coarser tolerance changes.
-
-        Args:
-            speed_rpm: Cylinder speed [r/min].
-        """
+        """Stated errors of the quantities of a turn, by name: what a coarser tolerance changes."""
         fine = self.at(mechanism, speed_rpm)
         coarse = self.at(mechanism, speed_rpm, coarse=True).values
         return {

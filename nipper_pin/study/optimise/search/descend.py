@@ -64,7 +64,6 @@ def descend(text: bytes, scales: Scales, start: tuple[float, ...]) -> Descent:
     """Minimise the first aim of a problem from one start.
 
     Args:
-        text: Text of the problem.
         start: Unit coordinates of a usable point.
     """
     trace = Trace(evaluator(text), scales)
@@ -75,7 +74,6 @@ def restore(text: bytes, scales: Scales, start: tuple[float, ...]) -> Descent:
     """Make the largest violation of a problem's limits as small as it can be, from one start.
 
     Args:
-        text: Text of the problem.
         start: Unit coordinates of a usable point.
     """
     trace = Trace(evaluator(text), scales)

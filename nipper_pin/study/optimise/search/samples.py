@@ -92,7 +92,6 @@ def look(text: bytes, places: Sequence[tuple[float, ...]]) -> tuple[Seen, ...]:
     """Evaluate samples.
 
     Args:
-        text: Text of the problem.
         places: Unit coordinates.
     """
     source = evaluator(text)
@@ -155,7 +154,6 @@ def evolve(text: bytes, by: Scales, seed: int, mapper: Mapper) -> Found:
     """Search the whole box by differential evolution.
 
     Args:
-        text: Text of the problem.
         mapper: Maps the merit over the members of a generation, in their order.
     """
     from scipy.optimize import differential_evolution
@@ -192,7 +190,6 @@ def merit(text: bytes, by: Scales, z: FloatArray) -> Merit:
     """Value that the evolution minimises: lower at any feasible point than at any infeasible one.
 
     Args:
-        text: Text of the problem.
         z: Unit coordinates, shape (parameters,).
     """
     source = evaluator(text)
