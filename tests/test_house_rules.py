@@ -56,6 +56,7 @@ MANY = {
     "reduced/kernels/turn_events.py errors_after",
     "reduced/kernels/turn_quantities.py run_turns",
     "reduced/kernels/turn_quantities.py summed",
+    "reduced/kernels/turn_torques.py run_torques",
     "reduced/transition.py transition",
     "reduced/transition.py transitions",
     "reduced/turns/peak_torques.py turn_torques",
