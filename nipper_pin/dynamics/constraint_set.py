@@ -23,7 +23,6 @@ class ConstraintSet:
     """The constraints of one phase (contact mode) beside the closures.
 
     Attributes:
-        closed: Names of the closed stops.
         shut: The closed stops, of those that close together their leader.
         stops: Their coordinates.
         columns: The same as an index, a slice where that is possible.

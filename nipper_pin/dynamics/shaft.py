@@ -23,7 +23,6 @@ class ShaftMotion:
     """Constant cylinder speed and the driven coordinates that follow from it.
 
     Attributes:
-        mechanism: The mechanism.
         speed_rad_s: Cylinder speed, positive [rad/s].
         start_angle_rad: Cylinder angle psi at time zero [rad].
     """

@@ -17,7 +17,6 @@ class Segment:
     Attributes:
         t_start: Start [s].
         t_end: End [s].
-        closed: Names of the closed stops.
         panels: Panels in order of time; the last one may reach beyond the end.
         kinematic: True if the drives determine the motion.
         source: Place in the run of the segment that this one is a copy of; its own if it is none.

@@ -15,7 +15,6 @@ class ModelFiles:
 
     Attributes:
         name: Name of the model: that of its folder, or of a TOML file that was asked for.
-        urdf: The URDF.
         toml: The TOML file.
     """
 

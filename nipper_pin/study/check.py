@@ -27,7 +27,6 @@ class Extreme:
     """An extreme value over a cycle.
 
     Attributes:
-        value: The value.
         index: Index at which it occurs.
     """
 
@@ -40,7 +39,6 @@ class ModelReport:
     """Findings about a model at one speed.
 
     Attributes:
-        mechanism: The model.
         speed_rpm: Speed of the cycle that was walked [r/min].
         start_index: Index at which it starts.
         condition: Largest condition number of the closures over the cycle, the columns of the

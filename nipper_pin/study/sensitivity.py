@@ -64,7 +64,6 @@ class Sensitivity:
 
     Attributes:
         path: The number.
-        value: Its value.
         unit: Unit of ``per``: "mm", "deg", "%" of the value for all others, or an amount (such as
             "0.01" of a restitution) where the value is smaller than that.
         per: Relative change of each of :data:`QUANTITIES` for one unit more [%], as a function of
@@ -97,7 +96,6 @@ class Sensitivities:
     Attributes:
         model: Name of the model.
         stop: Name of its transition stop.
-        speed_rpm: Cylinder speed [r/min].
         premise_holds: Whether the machine arrives as a transition assumes; where it does not,
             amplitude and time are those of the turn.
         amplitude_rad: First rebound amplitude [rad].

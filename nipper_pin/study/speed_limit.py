@@ -70,7 +70,6 @@ class SpeedLimit:
 
     Attributes:
         model: Name of the model.
-        title: Its title.
         stop: The clamping stop.
         speed_rpm: Cylinder speeds, increasing [r/min].
         status: How the turns of each speed ended; "followed" is the usual one.

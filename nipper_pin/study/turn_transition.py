@@ -31,7 +31,6 @@ class TurnCase:
     """One case of a machine.
 
     Attributes:
-        speed_rpm: Cylinder speed [r/min].
         restitution: e_N of the transition stop.
         stiffness: Spring rates, shape (springs,) [N/m or N m/rad].
         preload: Deflections in the springs at zero, likewise [m or rad].

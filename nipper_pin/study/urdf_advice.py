@@ -66,7 +66,6 @@ class _Limit:
     """A limit of a joint that no stop enforces.
 
     Attributes:
-        joint: The joint.
         side: Side of the stop that would enforce it.
         at: The limit [rad or m].
         passed: Whether the cycle passes it.

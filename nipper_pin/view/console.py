@@ -36,7 +36,6 @@ class _Column:
     Attributes:
         place: Its place in the rows.
         text: Whether it is text, which may be broken between words.
-        heading: Its heading.
         least: Width of its longest word, of numbers that of the longest cell.
         most: Width at which no cell is broken.
     """

@@ -140,7 +140,6 @@ class _State(NamedTuple):
 
     Attributes:
         deviations: Of the motion, at the time of the event of each source.
-        error: Errors of the event.
     """
 
     deviations: Deviations
@@ -154,7 +153,6 @@ class _Step(NamedTuple):
         t: Time of the event [s].
         before: What was known before it.
         after: What is known after it.
-        stated: Its errors.
     """
 
     t: float
@@ -172,7 +170,6 @@ class _Arrival(NamedTuple):
     """Motion of a part from one event to the next.
 
     Attributes:
-        event: The event.
         last: The segment that ends there, if there is one.
         flown: Time since the event before [s].
         flights: Flights of some length since then, or since a segment without freedom.

@@ -42,7 +42,6 @@ class Beside(NamedTuple):
     """A stop that is struck in the event of another one.
 
     Attributes:
-        name: Its name.
         late: By how much later than the first one each source has it struck [s], shape (K,).
         moved: What its impulse adds to the velocities of the part, shape (n,).
         along: True where it does, shape (n,).

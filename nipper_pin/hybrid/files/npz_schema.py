@@ -22,8 +22,6 @@ class Model(_Record, frozen=True):
     """Sources of the mechanism.
 
     Attributes:
-        name: Model name.
-        urdf: The URDF text.
         description: The TOML document as plain data.
         folder: Folder that relative mesh paths start from.
     """
@@ -67,7 +65,6 @@ class Setting(_Record, frozen=True, kw_only=True):
         version: Of the package that wrote it.
         mechanism: Sources of the mechanism.
         meshes: SHA-256 of its mesh files by their names in the URDF.
-        case: The case.
     """
 
     format: int

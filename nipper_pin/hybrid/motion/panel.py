@@ -59,7 +59,6 @@ class Panel:
         q: Configurations at the nodes, shape (N, nv).
         v: Velocities at the nodes, shape (N, nv).
         a: Accelerations at the nodes, shape (N, nv).
-        split: Dependent and independent coordinates.
         integrated: True if the free coordinates are integrals of ``a`` from the first node; False
             if all follow from the drives, node by node.
     """

@@ -30,7 +30,6 @@ class EnergyBalance:
     Attributes:
         drive_work: Work of the drives' torques between events.
         drive_impulse_work: Work of the held drives' impulses.
-        gravity_work: Work of gravity.
         spring_change: Growth of the energy stored in springs.
         kinetic_change: Growth of the kinetic energy (with the shafts' where these are free).
         impact_losses: Energy lost in collisions and at rests.

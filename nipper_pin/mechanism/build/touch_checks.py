@@ -73,10 +73,8 @@ class Held(NamedTuple):
     """What holds the coordinates of a mechanism.
 
     Attributes:
-        closures: The cut joints.
         couplings: The joints that follow others.
         drives: The driven joints.
-        stops: The stops.
         jacobian: Of closures and couplings in the touch configuration, by coordinates in their
             units, shape (rows, nv).
     """

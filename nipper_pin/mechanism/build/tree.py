@@ -25,7 +25,6 @@ class Tree(NamedTuple):
     """The tree of a model, and where its messages come from.
 
     Attributes:
-        model: The Pinocchio model.
         joints: The tree joints in the order of their coordinates.
         placements: World placement of every joint at q = 0.
         urdf: The checked URDF.

@@ -103,12 +103,10 @@ class Drive:
     """A driven joint, of the same name in the tables of the model.
 
     Attributes:
-        joint: The joint.
         law: Name of the law.
         keys: Keys of the law.
         inertia: Of shaft and drive train, seen at the joint [kg m2 or kg].
         frequency_hz: Of the elastic drive train [Hz].
-        damping_ratio: Its damping ratio.
     """
 
     joint: str
@@ -126,7 +124,6 @@ class Spring:
     In the model it is called as its joint is, and a second one ``NAME_2``; dampers likewise.
 
     Attributes:
-        joint: The joint.
         stiffness: Stiffness [N/m; N m/rad on a hinge].
         preload: Deflection at zero [mm; deg on a hinge].
     """
@@ -141,7 +138,6 @@ class Tie:
     """A spring between points of two links.
 
     Attributes:
-        name: Its name.
         ends: Link and point of either end, as in ``"jaw E"``.
         stiffness: Stiffness [N/m].
         free_mm: Length without force [mm].
@@ -158,7 +154,6 @@ class Damper:
     """A linear damper on a joint.
 
     Attributes:
-        joint: The joint.
         damping: Damping [N s/m; N m s/rad on a hinge].
     """
 
@@ -171,7 +166,6 @@ class Force:
     """A force element with a registered law on a joint; in the model it is called as a spring is.
 
     Attributes:
-        joint: The joint.
         law: Name of the law.
         keys: Keys of the law.
     """
@@ -186,7 +180,6 @@ class Start:
     """Initial position of a joint without a drive.
 
     Attributes:
-        joint: The joint.
         at: Coordinate [mm; deg on a hinge].
         rate: Its rate [mm/s; rad/s on a hinge].
     """
@@ -201,7 +194,6 @@ class Stop:
     """A stop on a joint.
 
     Attributes:
-        joint: The joint.
         side: "lower" or "upper".
         at: Coordinate at which it is closed [mm; deg on a hinge].
         restitution: Coefficient of restitution.

@@ -16,7 +16,6 @@ class Tree:
     """The bodies of a drawing as they hang on one another.
 
     Attributes:
-        drawing: The drawing.
         bodies: The bodies by name.
         carried: Joints that carry a body, by their names, the frame's first.
         cut: Pins and slots that close loops, by their names.

@@ -25,7 +25,6 @@ class Layout:
     """Places of links and points at touch, in the world of the side view.
 
     Attributes:
-        root: The ``robot`` element.
         order: Joint elements, parents before children.
         place: World place of every link frame [m], shape (3,) each.
         turn: World rotation of every link frame, shape (3, 3) each.

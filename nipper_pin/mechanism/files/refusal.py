@@ -20,7 +20,6 @@ class Refusal:
 
     Attributes:
         path: Keys and places from the outermost value to this one.
-        value: The value.
         kind: What it should be, a type hint.
         unknown: A key of it that its type does not have; None if that is not what is wrong.
         missing: A key that it lacks; None if that is not what is wrong.

@@ -49,7 +49,6 @@ class JointForce:
         name: Name of the element.
         kind: Name of its law in the model file.
         index: Place of the coordinate in q and v.
-        law: The law.
     """
 
     name: str

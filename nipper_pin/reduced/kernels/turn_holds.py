@@ -75,7 +75,6 @@ class _Stretch(NamedTuple):
     """A stretch on which a stop is closed, and a level of its force.
 
     Attributes:
-        charts: The charts.
         work: Combined for the case.
         c: The chart.
         begin: Travel in the chart [rad].

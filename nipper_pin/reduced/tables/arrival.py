@@ -69,7 +69,6 @@ class Waiting(NamedTuple):
     """The stop of the initial phase, from its opening on.
 
     Attributes:
-        stop: The stop.
         sampler: Functions of (u, y).
         weights: Weights of the functions in y'', shape (functions,).
         gap_max: Largest y.

@@ -33,7 +33,6 @@ class Arc:
     """A stretch of a turn along which one stop can be closed.
 
     Attributes:
-        stop: The stop.
         begin: Travel from the start of the turn [rad].
         end: Likewise, at most a turn.
         after: The stop that is closed beyond ``end``.

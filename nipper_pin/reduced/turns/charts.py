@@ -39,7 +39,6 @@ class Chart:
     """Tables around one arc.
 
     Attributes:
-        arc: The arc.
         domain: Travels and gaps of the tables.
         kept: The series of the equation of motion, trimmed.
         slopes: Series of the derivatives of the other gaps, trimmed likewise.

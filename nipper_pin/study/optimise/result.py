@@ -29,7 +29,6 @@ class Optimum:
     """Result of an optimisation.
 
     Attributes:
-        problem: The problem.
         seed: Seed of starts and of the global check.
         before: The model's own numbers; None if they make no machine that can be simulated.
         best: The best design by the first aim.

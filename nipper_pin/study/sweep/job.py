@@ -40,7 +40,6 @@ class Job(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """One sweep, without its rows.
 
     Attributes:
-        name: Model name.
         urdf: The URDF text with everything that is fixed at its value, without visuals.
         document: The TOML document likewise.
         folder: Folder that collision meshes start from, where the study was read.

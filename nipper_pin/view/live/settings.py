@@ -29,12 +29,10 @@ class Knob:
 
     Attributes:
         key: Name of the number among the values of a setting.
-        name: What the number is.
         unit: Unit of the values below.
         factor: SI value of one unit.
         low: Left end.
         high: Right end.
-        step: Step.
         start: Where the slider stands at first.
     """
 

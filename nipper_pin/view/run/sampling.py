@@ -23,7 +23,6 @@ class ForceRange:
 
     Attributes:
         closed: Closed stops of the phase.
-        stop: Stop.
         lowest: [N], of a hinge's stop without a contact [N m].
         t_lowest: Its time [s].
         highest: In the same unit.

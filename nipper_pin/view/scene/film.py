@@ -54,8 +54,6 @@ class Film:
     """Frames of a solution.
 
     Attributes:
-        solution: The solution.
-        look: How it is shown.
         pace: Times of the frames on both clocks.
         q: Configurations of the machine, shape (K, nv) [rad or m].
         drawn: Configurations of the drawing; those of the machine unless gaps are exaggerated.

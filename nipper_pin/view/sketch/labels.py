@@ -21,7 +21,6 @@ class Label:
     """A text and what it names.
 
     Attributes:
-        text: The text.
         at: What it names, shape (2,), in the unit of the drawing.
         colour: As in #RRGGBB.
         text_at: Middle of the text, shape (2,).

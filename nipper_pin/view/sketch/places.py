@@ -22,7 +22,6 @@ class Link:
     """A moving link.
 
     Attributes:
-        name: Its name.
         body: Its place in ``mechanism.joints``.
         points: Where something is joined to it or touches it, shape (K, 2) [m].
     """
@@ -37,7 +36,6 @@ class Node:
     """A joint.
 
     Attributes:
-        name: Its name.
         kind: "pin", "slide", "slot" or "cut pin": a pin that the tree leaves open and a closure
             closes.
         body: Place in ``mechanism.joints`` of the link that carries it.
@@ -63,7 +61,6 @@ class Mark:
     """A stop.
 
     Attributes:
-        name: Its name.
         body: Place in ``mechanism.joints`` of the link that carries it; ``FIXED`` for the frame.
         place: Its place, shape (2,) [m].
         along: Direction in which the stop opens, shape (2,); zero for a hinge without contact.
@@ -83,7 +80,6 @@ class Sketch:
         title: Title of the model.
         links: The moving links.
         nodes: Joints of the tree, then closures.
-        stops: The stops.
         struts: Springs and dampers between two points: name, and both ends, shape (2, 2) [m].
         crank: Axis of the cylinder's crank and its radius [m]; None if no drive has one.
     """

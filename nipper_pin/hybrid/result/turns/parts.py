@@ -88,8 +88,6 @@ class DriveTurn:
     """A drive in one turn.
 
     Attributes:
-        solution: The run.
-        drive: Name of the drive.
         begin: Begin of the turn [s].
         end: Its end [s].
     """

@@ -27,7 +27,6 @@ class Objective:
     A unit coordinate z runs from 0 at the lower bound of a free number to 1 at the upper one.
 
     Attributes:
-        problem: The problem.
         unusable: Residual of values that make no machine, or one that cannot be simulated: above
             all residuals of a machine that a descent may start from.
         true: Whether the transition of the turn is taken where the machine does not arrive as a

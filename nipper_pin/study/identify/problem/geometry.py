@@ -16,8 +16,6 @@ class Sources:
     """The two texts of a model.
 
     Attributes:
-        name: Model name.
-        urdf: The URDF text.
         document: The TOML document as plain data.
         folder: Folder that mesh and table files start from.
     """

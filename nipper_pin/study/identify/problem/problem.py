@@ -102,7 +102,6 @@ class Parameter:
     """A free number of the model.
 
     Attributes:
-        path: Its path.
         low: Lower bound, in the unit of the path's name.
         high: Upper bound.
         start: Value in the model.
@@ -145,7 +144,6 @@ class Problem:
     """An identification problem.
 
     Attributes:
-        title: What it is.
         sources: Texts of the model that it starts from.
         parameters: Free numbers.
         targets: Numbers to come out.

@@ -41,7 +41,6 @@ class Condition(NamedTuple):
     """Settings of one transition; None leaves the model's own value.
 
     Attributes:
-        speed_rpm: Cylinder speed [r/min].
         restitution: Of the transition stop.
         stiffness: Of the only spring [N/m or N m/rad]; its preload length is kept.
     """

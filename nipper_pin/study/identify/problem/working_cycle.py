@@ -50,7 +50,6 @@ class WorkingCycle:
     """Timing and forces of the working cycle at one speed.
 
     Attributes:
-        speed_rpm: Cylinder speed [r/min].
         closing_index: Index of touch.
         opening_index: Index at which the other stop is reached again and opens the jaw.
         waiting: The phase before touch: the transition stop is open.

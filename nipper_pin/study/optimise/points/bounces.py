@@ -38,7 +38,6 @@ class Bounces:
 
     Attributes:
         engine: One of :data:`ENGINES`.
-        found: The transition.
     """
 
     engine: str

@@ -85,7 +85,6 @@ class Problem:
         model: Name or folder of the model, as ``load`` takes it.
         changes: What is fixed, by path: overrides of the model.
         sources: The model's texts with these changes.
-        speed_rpm: Cylinder speed [r/min].
         parameters: Free numbers.
         aims: One, or two for a Pareto front.
         limits: What has to hold.

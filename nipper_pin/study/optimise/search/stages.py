@@ -38,7 +38,6 @@ class Search:
     """Descents and checks from one screen.
 
     Attributes:
-        problem: The problem.
         seen: Its screen.
         starts: Number of descents by each aim.
         seed: Seed of the global check.

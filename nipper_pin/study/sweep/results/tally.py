@@ -22,7 +22,6 @@ class Tally:
     """Counts over all rows that were added.
 
     Attributes:
-        rows: Rows.
         outcomes: Rows by outcome.
         engines: Rows by engine.
         direct: Rows of the direct engine by the reason why it served.

@@ -26,7 +26,6 @@ class Controls:
         sliders: The sliders, by key.
         fields: The fields beside them, by key.
         refusals: What is said of a text that cannot be used, by key.
-        buttons: The buttons.
     """
 
     def __init__(
