@@ -211,12 +211,9 @@ def test_units_are_suspected_by_the_fit_where_the_model_itself_fails(
 
     aims = [replace(target("a", "duration_s"), value=4.0),
             replace(target("b", "duration_s"), value=6.0)]  # fmt: skip
-    fit: Any = SimpleNamespace(
-        objective=SimpleNamespace(mechanism=lambda _: None, predicted=predicted, start=None,
-                                  problem=SimpleNamespace(targets=aims)),
-        best=SimpleNamespace(z=None), predicted=np.array([4e-3, 6e-3]),
-    )  # fmt: skip
-    (told,) = suspects.suspected_units(fit)
+    objective: Any = SimpleNamespace(mechanism=lambda _: None, predicted=predicted, start=None,
+                                     problem=SimpleNamespace(targets=aims))  # fmt: skip
+    (told,) = suspects.suspected_units(objective, np.zeros(0), np.array([4e-3, 6e-3]))
     assert told == "duration_s is wanted about 1000 times what? 1000"
 
 

@@ -10,9 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import FloatArray
-from ...hybrid.result.turns import of_turn
+from ...frames import Column, data_frame
+from ...hybrid.result.turns import of_turn, turn_names
 from ...mechanism import Mechanism
+from ...notebook import html
+from ..table_summary import outcomes, spring_columns
 
+# Columns that a notebook shows beside parameters and outcome.
+_SHOWN = ("turns", "repeats_after", "clamped_share", "closing_index", "rest_index", "opening_index")
 FOLLOWED = "followed"
 """Outcome of a case whose turns were followed to the last one, or until they repeat."""
 
@@ -23,8 +28,8 @@ class TurnTable:
 
     A turn that repeats the one before stands for all that follow. Arrays have shape (n,), NaN where
     a turn has no such event or a case no result. The transition stop is the one that clamps.
-    Indices count from 24, at which turns start, to 64; forces act at the contact point of the stop,
-    or along the joint of one without.
+    Indices are from 0 to below 40; forces act at the contact point of the stop, or along the joint
+    of one without.
 
     Attributes:
         model: Name of the model.
@@ -110,14 +115,16 @@ class TurnTable:
 
     def __repr__(self) -> str:
         """One line."""
-        from .summary import line
-
-        return line(self)
+        count = len(self)
+        cases = f"{count:,} case{'' if count == 1 else 's'}"
+        return f"<TurnTable of {self.model}: {cases}, {outcomes(self)}; {self.why}>"
 
     def _repr_html_(self) -> str:
-        from .summary import page
-
-        return page(self)
+        every = self._columns()
+        head = ("engine", "outcome", "message", "speed_rpm", *_SHOWN)
+        rows = list(zip(*(list(every[name]) for name in head), strict=True))
+        title = f"Turns of {self.model}: {len(self):,} cases"
+        return html(title, {"outcomes": outcomes(self), "engine": self.why}, head, rows)
 
     def quantity(self, name: str) -> FloatArray:
         """Values of a quantity by its name in files, such as ``rest_index``, shape (n,).
@@ -141,7 +148,26 @@ class TurnTable:
         Raises:
             InputError: It is not installed.
         """
-        from ...frames import data_frame
-        from .summary import columns
+        return data_frame(self._columns(), library)
 
-        return data_frame(columns(self), library)
+    def _columns(self) -> dict[str, Column]:
+        """A table as columns: parameters by their paths in the model, quantities by their names.
+
+        Returns:
+            Numbers as arrays, shape (n,), NaN where a case has none; all else as lists.
+        """
+        return {
+            "engine": self.engine.tolist(),
+            "outcome": self.outcome.tolist(),
+            "message": list(self.message),
+            "speed_rpm": self.speed_rpm,
+            **{f"stops.{name}.restitution": e_N for name, e_N in self.restitution.items()},
+            **spring_columns(self),
+            "turns": self.turns,
+            "repeats_after": self.repeats_after,
+            **{
+                name: self.quantity(name)
+                for name in turn_names(self.mechanism, drives=bool(self.largest_torque))
+                if name != "repeats_after"
+            },
+        }

@@ -13,7 +13,7 @@ from scipy.stats import t as student
 
 from nipper_pin.errors import MisfitError
 from nipper_pin.study.identify.fitting import outliers as outliers_module
-from nipper_pin.study.identify.fitting.goodness import Goodness, Verdict, goodness
+from nipper_pin.study.identify.fitting.goodness import Goodness, Verdict
 from nipper_pin.study.identify.fitting.outliers import leverages, outliers
 from nipper_pin.study.identify.fitting.profiles import profile
 from nipper_pin.study.identify.fitting.suspects import suspected_units
@@ -125,9 +125,9 @@ def test_goodness_of_a_fit(weight: float, absolute: bool) -> None:
     assert found.absolute_sigma is absolute
     assert (found.probability is None) is not absolute
     assert found.outliers == outliers(off, slopes[:, [0, 2]], weight, absolute=absolute)
-    assert found.suspects == suspected_units(fit)
+    assert found.suspects == suspected_units(fit.objective, fit.best.z, fit.predicted)
     for bound, inside in ((1e-3 - 1e-6, False), (1e-3 + 1e-6, True)):
-        numbers = goodness(at := fitted(objective, 0.52, 1.0 - bound, bound), at.known).fitted
+        numbers = fitted(objective, 0.52, 1.0 - bound, bound).goodness.fitted
         chosen = [0, 1, 2] if inside else [0]
         assert numbers == pytest.approx(np.trace(hat(slopes[:, chosen], weight)), rel=1e-6)
 

@@ -12,7 +12,12 @@ import pytest
 from linear_problem import Linear, fitted, problem
 
 from nipper_pin.study.identify.fitting import suspects
+from nipper_pin.study.identify.fitting.fit import Fit
 from nipper_pin.study.identify.fitting.suspects import suspected_units
+
+
+def of_fit(fit: Fit) -> tuple[str, ...]:
+    return suspected_units(fit.objective, fit.best.z, fit.predicted)
 
 
 @pytest.mark.parametrize(
@@ -42,7 +47,7 @@ def test_units_that_were_mistaken(name: str, factor: float, words: str | None) -
     objective = Linear(
         problem(wanted, np.abs(wanted), (name,) * 3), matrix=np.zeros((3, 3)), offset=values
     )
-    found = suspected_units(fitted(objective, 0.5, 0.5, 0.5))
+    found = of_fit(fitted(objective, 0.5, 0.5, 0.5))
     if words is None:
         assert found == ()
     else:
@@ -60,12 +65,12 @@ def test_no_unit_is_suspected_of_what_a_fit_meets() -> None:
         # 1 at the model's own value, 0.375 of the range, so 10 times less than wanted.
         fit = fitted(objective, end, 0.5, 0.5)
         fit = replace(fit, predicted=np.array([{0.55: 5.1, 0.45: 4.9, 1.9: 19.0, 2.1: 21.0}[end]]))
-        assert bool(suspected_units(fit)) is told
+        assert bool(of_fit(fit)) is told
     base = problem(np.array([25.0]), np.array([1.0]))
     (target,) = base.targets
     change = replace(base, targets=(replace(target, since=target.at._replace(speed_rpm=450.0)),))
     objective = Linear(change, matrix=np.zeros((1, 3)), offset=np.array([0.25]))
-    assert suspected_units(fitted(objective, 0.5, 0.5, 0.5)) == (
+    assert of_fit(fitted(objective, 0.5, 0.5, 0.5)) == (
         "change of duration_s is wanted about 100 times what the model gives: is it in percent?",
     )
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -14,13 +13,10 @@ from ....errors import MisfitError, NipperError
 from ....hybrid.result.premise import Premise
 from ....tolerances.study import AT_BOUND, FIT_END, FIT_LAST_STEP, FIT_START
 from ..problem.targets import Condition, Target
+from .determine import Determinability, determinability
+from .goodness import Goodness, goodness
 from .limits import broken_limits
 from .objective import Objective
-
-if TYPE_CHECKING:
-    from .determine import Determinability
-    from .goodness import Goodness
-
 
 _MAX_STEPS = 60
 
@@ -73,16 +69,12 @@ class Fit:
     @cached_property
     def known(self) -> Determinability:
         """Information of the targets on the free numbers at this fit."""
-        from .determine import determinability
-
         return determinability(self.objective, self.best.z)
 
     @cached_property
     def goodness(self) -> Goodness:
         """How good it is: chi-square, outliers, and whether its data contradict it."""
-        from .goodness import goodness
-
-        return goodness(self, self.known)
+        return goodness(self.objective, self.best.z, self.predicted, self.known)
 
     def check(self) -> None:
         """Refuse a fit that cannot be used.

@@ -12,7 +12,7 @@ from ....arrays import FloatArray
 from ....errors import MisfitError
 from ....tolerances.study import CONTRADICTED
 from .determine import Determinability
-from .fit import Fit
+from .objective import Objective
 from .outliers import leverages, outliers
 from .suspects import suspected_units
 
@@ -143,7 +143,9 @@ class Goodness:
         return text
 
 
-def goodness(fit: Fit, known: Determinability) -> Goodness:
+def goodness(
+    objective: Objective, z: FloatArray, predicted: FloatArray, known: Determinability
+) -> Goodness:
     """Return the goodness of a fit by the residuals of its targets.
 
     The targets see n - p degrees of freedom, p = trace(J C J'), with the derivatives J of the
@@ -152,11 +154,14 @@ def goodness(fit: Fit, known: Determinability) -> Goodness:
     k numbers, p = k to the digits that are shown.
 
     Args:
+        objective: The problem as residuals.
+        z: Unit coordinates of the fit, shape (free,).
+        predicted: Values of the targets there, shape (targets,).
         known: What the targets determine, at this fit.
     """
-    problem = fit.objective.problem
-    residuals = fit.objective.misfit(fit.predicted)
-    jacobian = known.jacobian[:, _inside(fit.best.z)]
+    problem = objective.problem
+    residuals = objective.misfit(predicted)
+    jacobian = known.jacobian[:, _inside(z)]
     leverage = leverages(jacobian, problem.prior_weight)
     fitted, chi_square = float(leverage.sum()), float(residuals @ residuals)
     freedom = len(residuals) - fitted
@@ -175,7 +180,7 @@ def goodness(fit: Fit, known: Determinability) -> Goodness:
         )
         if tested
         else (),
-        suspects=suspected_units(fit),
+        suspects=suspected_units(objective, z, predicted),
         absolute_sigma=problem.absolute_sigma,
     )
 

@@ -7,10 +7,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from ....arrays import FloatArray
 from ....errors import NipperError
 from ....mechanism import Mechanism
 from ....units import DEG_PER_RAD, MM_PER_M, MRAD_PER_RAD, MS_PER_S, US_PER_S
-from .fit import Fit
+from .objective import Objective
 
 _FAR = 5.0
 # A fit as close as this needs no other unit, wherever its numbers are.
@@ -19,23 +20,27 @@ _MET = 2.0
 _NEAR = 1.25
 
 
-def suspected_units(fit: Fit) -> tuple[str, ...]:
+def suspected_units(objective: Objective, z: FloatArray, predicted: FloatArray) -> tuple[str, ...]:
     """Return the quantities whose targets differ from the model by the factor of a unit.
 
     The values are compared at the model's own numbers: a fit may have gone to its bounds to come
     nearer to a wrong unit.
 
+    Args:
+        objective: The problem as residuals.
+        z: Unit coordinates of the fit, shape (free,).
+        predicted: Values of the targets there, shape (targets,).
+
     Returns:
         A sentence for each such quantity.
     """
-    objective = fit.objective
-    mechanism = objective.mechanism(fit.best.z)
+    mechanism = objective.mechanism(z)
     try:
         expected = objective.predicted(objective.start)
     except NipperError:
-        expected = fit.predicted
+        expected = predicted
     factors: dict[str, list[tuple[float, float]]] = {}
-    for target, *values in zip(objective.problem.targets, expected, fit.predicted, strict=True):
+    for target, *values in zip(objective.problem.targets, expected, predicted, strict=True):
         if all(values) and target.value:
             name = target.quantity if target.since is None else f"change of {target.quantity}"
             first, last = (target.value / value for value in values)
