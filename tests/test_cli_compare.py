@@ -97,8 +97,8 @@ def test_turns_and_drives_are_in_the_next_command(capsys: pytest.CaptureFixture[
     assert text.splitlines()[0] == "A: e62, 450 r/min, 2 turns from index 24, inertial drive"
     following = text.splitlines()[-1].removeprefix("Next: nipper-pin ")
     assert following == "compare e62 --cycles 2 --drive inertial --speed 450 495"
-    assert told_settings(Source("e62", "", (), "", "inertial")) == [
-        "simulate", "e62", "--drive", "inertial",
+    assert told_settings(Source("e62", "", (), "", "inertial"), ["--cycles", "2"]) == [
+        "simulate", "e62", "--cycles", "2", "--drive", "inertial",
     ]  # fmt: skip
     with pytest.raises(SystemExit):
         main(["compare", "--drive", "e62"])
@@ -233,6 +233,17 @@ def test_a_machine_against_itself_says_so(capsys: pytest.CaptureFixture[str]) ->
     assert following == "compare e62 --set preload=9 --start-index 22.0 --speed 450 495"
     assert main(shlex.split(following)) == 0
     assert "cylinder speed 450 -> 495 r/min" in capsys.readouterr().out
+
+
+def test_the_command_after_a_film_shows_the_same_window(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A machine that rides on its cam has no transition: the turn that was compared is shown."""
+    folder = Path(__file__).parent / "strangers" / "ecc_jump_stopname"
+    text = told(f"{folder} --speed 600 650 --html {tmp_path / 'both.html'}", capsys)
+    following = text.splitlines()[-1].removeprefix("Next: nipper-pin ")
+    assert following == f"simulate {folder} --window cycle --speed 650.0"
+    assert main(shlex.split(following)) == 0
 
 
 def test_a_run_that_never_rests_is_told(capsys: pytest.CaptureFixture[str]) -> None:

@@ -190,4 +190,5 @@ def _next(options: argparse.Namespace, comparison: Comparison) -> str:
         ])  # fmt: skip
     if options.html is None and not options.browser:
         return shlex.join(["nipper-pin", *options.words, "--html", "compare.html"])
-    return shlex.join(["nipper-pin", *told_settings(other)])
+    window = [] if hasattr(options, "window") else ["--window", Window.CYCLE.value]
+    return shlex.join(["nipper-pin", *told_settings(other, [*window, *told_window(options)])])

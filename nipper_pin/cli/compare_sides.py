@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -98,13 +99,19 @@ def simulated(source: Source, options: argparse.Namespace) -> Solution:
     return simulate(mechanism, changed_case(case, argparse.Namespace(**settings)))
 
 
-def told_settings(source: Source) -> list[str]:
-    """Words of the command that shows one side alone."""
+def told_settings(source: Source, window: Sequence[str]) -> list[str]:
+    """Words of the command that shows one side alone.
+
+    Args:
+        source: The side.
+        window: Words of what both show, where no saved case says it.
+    """
     case = Path(source.file).with_name("case.json") if source.file else None
     if case is not None and not (source.given and case.is_file()):
         return ["view", "--solution", source.file]
     machine = told_machine(source)
-    words = ["simulate", *(machine if case is None else ["--case", str(case), *machine[1:]])]
+    begin = [*machine, *window] if case is None else ["--case", str(case), *machine[1:]]
+    words = ["simulate", *begin]
     words += told_drive(source)
     speed = dict(source.given).get(_SPEED)
     return words if speed is None else [*words, "--speed", f"{speed}"]
