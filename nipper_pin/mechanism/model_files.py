@@ -87,13 +87,16 @@ def find_files(model: str | Path) -> ModelFiles:
         ) from error
     if not found:
         _need_file(Path(model))
+        if path.is_file():
+            allowed = "a folder with a URDF and a TOML file, or the TOML file of one"
+            raise ModelError(file=str(path.parent), key="model", value=path.name, allowed=allowed)
         raise UnknownNameError(kind="model or model folder", name=str(model), known=known)
     pair = _pair(path, path.name)
     _need_file(pair.urdf)
     _need_file(pair.toml)
     if pair.urdf.is_file() and pair.toml.is_file():
         return pair
-    return ModelFiles(path.name, _only(path, ".urdf"), _only(path, ".toml"))
+    return ModelFiles(path.name, _only(path, ".urdf", path.name), _only(path, ".toml", path.name))
 
 
 def find_model(model: str | Path) -> Path:
@@ -111,7 +114,7 @@ def _with_toml(toml: Path) -> ModelFiles:
     _need_file(pair.urdf)
     if pair.urdf.is_file():
         return pair
-    return ModelFiles(toml.stem, _only(toml.parent, ".urdf"), toml)
+    return ModelFiles(toml.stem, _only(toml.parent, ".urdf", toml.stem), toml)
 
 
 def _need_file(path: Path) -> None:
@@ -122,8 +125,8 @@ def _need_file(path: Path) -> None:
         raise ModelError(file=str(path.parent), key=path.name, value=kind, allowed=allowed)
 
 
-def _only(folder: Path, suffix: str) -> Path:
-    """The only file of a kind in a folder.
+def _only(folder: Path, suffix: str, name: str) -> Path:
+    """The only file of a kind in a folder; if there are several, one of a name would be taken.
 
     Raises:
         ModelError: There is none, or there are several.
@@ -136,11 +139,13 @@ def _only(folder: Path, suffix: str) -> Path:
     for item in called if not found else ():
         _need_file(item)
     listed = ", ".join(item.name for item in found or inside) or "nothing"
-    one = f"a model folder holds one {suffix[1:].upper()} file, or one called {folder.name}{suffix}"
-    which = f"several; name the TOML file that counts, or rename it: {listed}"
+    one = f"a model folder holds one {suffix[1:].upper()} file, or one called {name}{suffix}"
+    by_path = "name the TOML file that counts, or rename it"
+    choice = by_path if suffix == ".toml" else "rename the one that counts"
+    which = f"several; {choice}: {listed}"
     raise ModelError(
         file=str(folder),
-        key=f"{folder.name}{suffix}",
+        key=f"{name}{suffix}",
         value=None,
         allowed=f"{one}; found {which if found else listed}",
     )

@@ -143,3 +143,21 @@ def test_what_is_no_model(tmp_path: Path) -> None:
         load(tmp_path / "nothing")
     with pytest.raises(ModelError, match="found nothing"):
         load(tmp_path)
+
+
+def test_a_urdf_alone_is_no_model(copied: Path) -> None:
+    with pytest.raises(ModelError, match=r"'e62\.urdf' cannot be used: a folder .* TOML file"):
+        load(copied / "e62.urdf")
+
+
+def test_the_urdf_that_counts_is_renamed(copied: Path) -> None:
+    """Of several beside a TOML file that was named, the one of its name is taken."""
+    (copied / "e62.toml").rename(copied / "fast.toml")
+    for name in ("a.urdf", "b.urdf"):
+        shutil.copy(copied / "e62.urdf", copied / name)
+    (copied / "e62.urdf").unlink()
+    told = r"one called fast\.urdf; found several; rename the one that counts: a\.urdf, b\.urdf"
+    with pytest.raises(ModelError, match=told):
+        load(copied / "fast.toml")
+    (copied / "b.urdf").rename(copied / "fast.urdf")
+    assert load(copied / "fast.toml").name == "fast"
