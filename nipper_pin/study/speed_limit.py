@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import FloatArray
-from ..errors import InputError, SimulationError
+from ..errors import InputError, SimulationError, with_words
 from ..given import number, whole
 from ..mechanism import Mechanism
 from ..mechanism.cylinder import INDEX_PER_TURN, within_turn
@@ -34,6 +34,12 @@ _MOST_SPEEDS = 10_000
 _BLOCK = 64
 # As of a case of the direct engine.
 _FASTEST_RPM = 1e9
+# What tables of turns are told to do where the reduced engine cannot follow them.
+_OTHER_ENGINE = "use the direct engine"
+_SINGLE_SPEEDS = (
+    "a speed limit takes no other engine: simulate whole turns (simulate --window cycle --speed "
+    "RPM), or tables of them in Python (turn_table), at speeds of your choice"
+)
 _NAMES = {int(status): status.name.lower() for status in TurnStatus}
 _FOLLOWED = _NAMES[TurnStatus.FOLLOWED]
 
@@ -194,7 +200,10 @@ def speed_limit(
             mechanism, speed_rpm=rpm, turns=turns, least_force=least_force, last=_LAST
         )
 
-    blocks = [followed(speed[i : i + _BLOCK]) for i in range(0, speeds, _BLOCK)]
+    try:
+        blocks = [followed(speed[i : i + _BLOCK]) for i in range(0, speeds, _BLOCK)]
+    except InputError as error:
+        raise with_words(error, {_OTHER_ENGINE: _SINGLE_SPEEDS}) from error
     found = _joined(blocks)
     _need_followed(found)
     goes_on, closing = _goes_on(found), _index(found.closed_at)
