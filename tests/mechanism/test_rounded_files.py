@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -272,6 +273,16 @@ def test_pins_off_their_slots_are_no_rounding() -> None:
     assert with_numbers(mechanism, {"points.pin.x_mm": 26.188}).closures == mechanism.closures
     with pytest.raises(nip.AssemblyError, match=r"closures\.s"):
         with_numbers(mechanism, {"points.pin.x_mm": 26.189})
+
+
+def test_the_slot_of_a_frame_that_is_turned_says_which_line_it_is() -> None:
+    """Half a turn about its x: the y axis points out of the page, and z is that of the view."""
+    urdf, document = ((STRANGERS / "yoke_6dec" / f"yoke_6dec.{kind}").read_text(encoding="utf-8")
+                      for kind in ("urdf", "toml"))  # fmt: skip
+    turned = urdf.replace('rpy="0 0.20944 0"', 'rpy="3.141592653589793 0.20944 0"')
+    told = r"along z of slot to pin' .* z of the side view, as the y axis of slot does not point"
+    with pytest.raises(nip.AssemblyError, match=told):
+        from_sources("yoke", turned, tomllib.loads(document), ".")
 
 
 @pytest.mark.parametrize("factor", [2.0**-10, 2.0**10])

@@ -76,7 +76,7 @@ def close_gaps(
     most_m = max(within_m, ROUNDED_SHARE * reach_m)
     for closure, gap, length in zip(closures, gaps, lengths, strict=True):
         if length > most_m:
-            raise _gaping(closure, gap, within_m, most_m, tree.file)
+            raise _gaping(closure, gap, within_m, most_m, tree)
     gaps[lengths <= within_m] = 0.0
     _move_frames(closures, gaps, tree)
     pairs = [(float(x), float(z)) for x, z in gaps]
@@ -111,20 +111,25 @@ def _move_frames(closures: Sequence[Closure], gaps: FloatArray, tree: Tree) -> N
 
 
 def _gaping(
-    closure: Closure, gap: FloatArray, within_m: float, most_m: float, file: str
+    closure: Closure, gap: FloatArray, within_m: float, most_m: float, tree: Tree
 ) -> AssemblyError:
     """The error of a closure whose frames do not meet."""
     x, z = MM_PER_M * gap
     meet, rounded = "the frames meet", ""
     if closure.slot_frame is not None:
         meet = "the pin stands on the line of its slot"
+        if closure.slot_frame in tree.urdf.own_axes:
+            meet += (
+                f" (that is the {closure.slot_axis} of the side view, as the y axis of "
+                f"{closure.slot_frame} does not point into the page)"
+            )
     if most_m > within_m:
         rounded = (
             f"; up to {MM_PER_M * most_m:.3g} mm, {ROUNDED_SHARE:g} of the machine's reach, would "
             "be taken for rounded numbers and closed"
         )
     return AssemblyError(
-        file=file,
+        file=tree.file,
         key=f"closures.{closure.name}",
         value=f"a gap of {np.hypot(x, z):.6g} mm (x {x:.6g}, z {z:.6g}) from {closure.first_side} "
         f"to {closure.frame_b}",
