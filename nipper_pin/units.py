@@ -25,3 +25,19 @@ S_PER_MIN: Final = 60.0
 S_PER_H: Final = 3600.0
 MJ_PER_J: Final = 1e3
 DEG_PER_TURN: Final = 360.0
+
+
+def coordinate_text(coordinate: float, kind: str) -> str:
+    """A coordinate of a joint as people read it: "12 mm" of a slide, "0.5 deg" of a hinge.
+
+    Args:
+        coordinate: The coordinate, or a difference of two [m or rad].
+        kind: Kind of the joint: "prismatic", or one that turns.
+    """
+    factor, unit = (MM_PER_M, "mm") if kind == "prismatic" else (DEG_PER_RAD, "deg")
+    return f"{factor * coordinate:.6g} {unit}"
+
+
+def rate_text(rate: float, kind: str) -> str:
+    """A rate of a joint likewise: "300 mm/s", "4 rad/s"; arguments as of `coordinate_text`."""
+    return f"{MM_PER_M * rate:.6g} mm/s" if kind == "prismatic" else f"{rate:.6g} rad/s"

@@ -222,8 +222,8 @@ class Stop:
         kind = type(self.law).__name__
         message = (
             f"the restitution law {kind} of stop {self.name!r} returns {found!r} at a rate of "
-            f"approach of {-rate:.6g}, and a coefficient of restitution is a number from 0 to 1: "
-            "more would make energy; mend the law or its numbers"
+            f"approach of {-rate:.6g} m/s (rad/s of a hinge), and a coefficient of restitution is "
+            "a number from 0 to 1: more would make energy; mend the law or its numbers"
         )
         raise ImpactError(message, stops=self.name, law=kind, coefficient=found, rate=-rate)
 

@@ -13,7 +13,7 @@ from ..hybrid.result.solution import Solution
 from ..mechanism import Joint, Mechanism
 from ..mechanism.files.toml_writing import toml
 from ..mechanism.files.urdf import parse_xml
-from ..units import DEG_PER_RAD, MM_PER_M
+from ..units import DEG_PER_RAD, MM_PER_M, coordinate_text
 from .masses import link_masses
 from .urdf_unread import unread
 
@@ -27,7 +27,7 @@ _LARGE_M, _LIGHT_KG_PER_M, _LARGEST_M = 5.0, 0.1, 100.0
 # least, by that of the machine.
 _WIDE_GYRATION, _LINK_SHARE = 3.0, 1.0 / 3.0
 _SAMPLES = 240
-_STOP_PLACES = {"prismatic": ("at_mm", MM_PER_M, "mm"), "revolute": ("at_deg", DEG_PER_RAD, "deg")}
+_STOP_PLACES = {"prismatic": ("at_mm", MM_PER_M), "revolute": ("at_deg", DEG_PER_RAD)}
 
 
 @dataclass(frozen=True)
@@ -56,6 +56,7 @@ def urdf_advice(solution: Solution) -> UrdfAdvice:
         *unread(root),
         *_large(mechanism),
         *_heavy_turning(root, mechanism),
+        *_without_room(root, mechanism),
         *_unenforced(limits),
     ]
     return UrdfAdvice(tuple(sentences), _stops(limits, mechanism))
@@ -79,26 +80,55 @@ class _Limit:
     @property
     def text(self) -> str:
         """The limit in the unit of people."""
-        _, factor, unit = _STOP_PLACES[self.joint.kind]
-        return f"{factor * self.at:.6g} {unit}"
+        return coordinate_text(self.at, self.joint.kind)
+
+
+def _limited(
+    root: ElementTree.Element, mechanism: Mechanism
+) -> Iterator[tuple[Joint, dict[str, float]]]:
+    """Joints that forces move, each with the limits that its element has, by side [rad or m]."""
+    written = {item.get("name"): item for item in root.findall("joint")}
+    driven = {drive.index for drive in mechanism.drives}
+    for joint in mechanism.joints:
+        element = written.get(joint.name)
+        if element is None or joint.index in driven or element.get("type") == "continuous":
+            continue
+        limit = element.find("limit")
+        if limit is not None:
+            found = {side: _number(limit.get(side)) for side in ("lower", "upper")}
+            yield joint, {side: at for side, at in found.items() if at is not None}
+
+
+def _no_room(places: dict[str, float]) -> bool:
+    """Whether no coordinate lies between both limits."""
+    return len(places) == 2 and not places["lower"] < places["upper"]
+
+
+def _without_room(root: ElementTree.Element, mechanism: Mechanism) -> Iterator[str]:
+    """Limits that would let a joint stand at most, and that no stops can be."""
+    for joint, places in _limited(root, mechanism):
+        if _no_room(places):
+            low, high = (_Limit(joint, side, at, False).text for side, at in places.items())
+            exchanged = ": exchange the two" if places["lower"] > places["upper"] else ""
+            yield (
+                f"limits of joint {joint.name} in the URDF (lower {low} and upper {high}) leave it "
+                f"no room, and nothing enforces them{exchanged}; where nothing limits, leave them "
+                "out"
+            )
 
 
 def _limits(root: ElementTree.Element, solution: Solution) -> Iterator[_Limit]:
     """Limits that mean something, on joints that forces move."""
     mechanism = solution.mechanism
-    written = {item.get("name"): item for item in root.findall("joint")}
-    driven = {drive.index for drive in mechanism.drives}
     q = solution.trajectory.evaluate(np.linspace(*solution.trajectory.span, _SAMPLES)).q
-    for joint in mechanism.joints:
-        element = written.get(joint.name)
-        limit = None if element is None else element.find("limit")
-        if limit is None or joint.index in driven or element.get("type") == "continuous":  # type: ignore[union-attr]
+    for joint, places in _limited(root, mechanism):
+        if _no_room(places):
             continue
         stops = [stop for stop in mechanism.stops if stop.index == joint.index]
         x = q[:, joint.index]
-        for side, sense in (("lower", 1.0), ("upper", -1.0)):
-            at = _number(limit.get(side))
-            if at is None or any(stop.sense == sense for stop in stops):
+        for side, at in places.items():
+            sense = 1.0 if side == "lower" else -1.0
+            if any(stop.sense == sense for stop in stops):
                 continue
             passed = bool((sense * (x - at)).min() < 0.0)
             if abs(at) < _widest(joint, mechanism) and (passed or not stops):
@@ -125,7 +155,7 @@ def _stops(limits: tuple[_Limit, ...], mechanism: Mechanism) -> str:
     """The stops as a part of a TOML file."""
     tables = {}
     for limit in limits:
-        key, factor, _ = _STOP_PLACES[limit.joint.kind]
+        key, factor = _STOP_PLACES[limit.joint.kind]
         tables[f"{limit.joint.name}_{limit.side}"] = {
             "joint": limit.joint.name,
             "side": limit.side,

@@ -110,7 +110,7 @@ def test_a_stop_beyond_its_contact_at_the_start_is_refused() -> None:
     """
     stops = {"a": {"joint": "x", "restitution": 0.5, "side": "upper", "at_mm": -5.0}}
     case = Case(speed_rpm=60.0, window=Window.CYCLE, start_index=0.0)
-    with pytest.raises(InputError, match=r"stop 'a' would be 0\.005 beyond its contact"):
+    with pytest.raises(InputError, match=r"stop 'a' would be 5 mm beyond its contact"):
         simulate(machine(PARTS, 2, stops=stops), case)
     closed = [{"number": 1, "name": "at the wall", "closed": ["a"]}]
     springs = {"k": {"joint": "x", "stiffness_N_per_m": 5.0, "preload_length_mm": -10.0}}
@@ -124,7 +124,7 @@ def test_a_stop_beyond_its_contact_at_the_start_is_refused() -> None:
 def test_a_transition_needs_a_stop_that_is_closed_at_touch() -> None:
     """A transition starts where its stop collides; one that stands open there is told so."""
     stops = {"a": {"joint": "x", "restitution": 0.5, "at_mm": -5.0}}
-    with pytest.raises(InputError, match=r"stop 'a' stands open by 0\.005 .*whole turns"):
+    with pytest.raises(InputError, match=r"stop 'a' stands open by 5 mm .*whole turns"):
         simulate(machine(PARTS, 2, stops=stops), Case(speed_rpm=60.0))
 
 

@@ -64,6 +64,17 @@ def test_limits_become_stops_that_enforce_them() -> None:
     assert advised(mended) == UrdfAdvice((), "")
 
 
+@pytest.mark.parametrize(("lower", "told"), [(0.3, "them: exchange the two"), (0.2, "them; where")])
+def test_limits_without_room_become_no_stops(lower: float, told: str) -> None:
+    """A lower limit above the upper one, or at its place: no two stops can be there."""
+    written = LIMITED.replace('lower="-0.1"', f'lower="{lower}"')
+    advice = advised(built([link("hoist"), written]))
+    (sentence,) = advice.sentences
+    assert f"(lower {1000 * lower:g} mm and upper 200 mm) leave it no room" in sentence
+    assert told in sentence
+    assert advice.stops == ""
+
+
 def test_text_of_stops_can_be_pasted_below_others(tmp_path: Path) -> None:
     urdf, description = sources([link("hoist"), LIMITED], 1, gravity=9.81)
     folder = tmp_path / "hoist"

@@ -12,6 +12,7 @@ from ...dynamics.touch import assemble, touch
 from ...errors import ConvergenceError, InputError, SimulationError, SingularConfigurationError
 from ...mechanism import Start, Stop
 from ...tolerances.hybrid import GAP_ROUND_OFF
+from ...units import coordinate_text
 from ..case import Case, Window
 from ..state import State
 from .diagnosis import located
@@ -110,8 +111,9 @@ def initial_state(system: System, start_index: float, starts: Sequence[Start] = 
         if abs(gap) <= GAP_ROUND_OFF * system.body.unit_of[stop.index]:
             q[stop.index] = stop.at
         elif stop.name not in closed and gap < 0.0:
+            beyond = coordinate_text(-gap, mechanism.joints[stop.index].kind)
             message = (
-                f"stop {stop.name!r} would be {-gap:.3g} beyond its contact at the "
+                f"stop {stop.name!r} would be {beyond} beyond its contact at the "
                 f"start, index {start_index:g}; start_index has to lie in phase "
                 f"{mechanism.initial_phase}"
             )

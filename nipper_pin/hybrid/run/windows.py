@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from ...errors import InputError
 from ...tolerances.hybrid import SHORTEST_PANEL
+from ...units import coordinate_text, rate_text
 from ..event import Event, EventKind
 from ..segment import Segment
 from .outcome import Outcome
@@ -76,11 +77,12 @@ def _closing_stop(manager: PhaseManager) -> str:
         raise InputError(message, model=mechanism.name)
     stop = mechanism.stop(name)
     gap, rate = stop.gap(state.q), stop.rate(state.v)
+    kind = mechanism.joints[stop.index].kind
     if gap != 0.0:
         message = (
-            f"stop {name!r} stands open by {gap:.3g} in the touch configuration, where a "
-            "transition starts: simulate whole turns (window cycle), or make transition_stop "
-            "one that is closed there"
+            f"stop {name!r} stands open by {coordinate_text(gap, kind)} in the touch "
+            "configuration, where a transition starts: simulate whole turns (window cycle), or "
+            "make transition_stop one that is closed there"
         )
         raise InputError(message, stop=name, gap=gap)
     if rate >= 0.0:
@@ -90,7 +92,7 @@ def _closing_stop(manager: PhaseManager) -> str:
             how = "without a drive nothing moves there"
         message = (
             f"stop {name!r} is not closing in the touch configuration, where a transition starts "
-            f"(rate {rate:.3g}): {how}; or simulate whole turns (window cycle)"
+            f"(rate {rate_text(rate, kind)}): {how}; or simulate whole turns (window cycle)"
         )
         raise InputError(message, stop=name, rate=rate)
     return name

@@ -12,7 +12,7 @@ import pinocchio as pin
 
 from ...errors import ModelError, UnknownNameError
 from ...tolerances.mechanics import ACROSS_PLANE, DISTANCE_ACCURACY_M, TOUCH_TOLERANCE_M
-from ...units import MM_PER_M
+from ...units import MM_PER_M, coordinate_text
 from ..files.description import ContactDescription
 from ..files.urdf_parts import UrdfJoint
 from ..mechanism import Contact
@@ -166,7 +166,8 @@ def _check_touch(meeting: Meeting, within_m: float, joint: UrdfJoint, asked: _As
     apart = f"{MM_PER_M * meeting.distance:.6g} mm apart"
     if meeting.distance == -math.inf:
         apart = "overlapping"
-    value = f"{asked.pair}, {apart} at {joint.name} = {_place(asked.at, joint)}"
+    at, closing = (coordinate_text(item, joint.kind) for item in (asked.at, meeting.closing))
+    value = f"{asked.pair}, {apart} at {joint.name} = {at}"
     if not math.isfinite(meeting.closing):
         allowed = (
             f"a {'growing' if asked.sense > 0.0 else 'falling'} coordinate of {joint.name} must "
@@ -175,14 +176,6 @@ def _check_touch(meeting: Meeting, within_m: float, joint: UrdfJoint, asked: _As
     else:
         allowed = (
             f"the bodies must touch within {MM_PER_M * within_m:g} mm where the "
-            f"coordinate is {_place(asked.at, joint)}; their shapes in the URDF touch at "
-            f"{joint.name} = {_place(meeting.closing, joint)}"
+            f"coordinate is {at}; their shapes in the URDF touch at {joint.name} = {closing}"
         )
     raise ModelError(file=asked.file, key=asked.key, value=value, allowed=allowed)
-
-
-def _place(coordinate: float, joint: UrdfJoint) -> str:
-    """Return a coordinate as text, in mm or degrees."""
-    if joint.kind == "revolute":
-        return f"{math.degrees(coordinate):.6g} deg"
-    return f"{MM_PER_M * coordinate:.6g} mm"
