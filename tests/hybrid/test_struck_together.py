@@ -84,6 +84,21 @@ def test_each_stop_has_a_row_with_its_own_loss(three: Solution) -> None:
         assert hit.energy_lost == pytest.approx(mass * G * 0.2 * (1.0 - e_N**2), rel=1e-13)
 
 
+@pytest.mark.parametrize("slow", [0, 1, 2])
+def test_the_time_error_of_an_event_is_that_of_its_least_certain_stop(slow: int) -> None:
+    """One ball is thrown up to arrive with the others, and more slowly: its time is less sure."""
+    fall = math.sqrt(2.0 * 0.2 / G)
+    thrown = 0.4 * G * fall
+    heights, rates = [0.2] * 3, [0.0] * 3
+    heights[slow], rates[slow] = 0.5 * G * fall**2 - thrown * fall, thrown
+    (first, second, third), (one, two, other) = heights, rates
+    solution = simulate(falling((first, second, third), rates=(one, two, other)), TURN)
+    assert solution.events[0].stops == ("s0", "s1", "s2")
+    strikes = {name: strike.time for name, strike in solution.errors[0].strikes.items()}
+    assert max(strikes, key=lambda name: strikes[name]) == f"s{slow}"
+    assert solution.errors[0].time == strikes[f"s{slow}"]
+
+
 def test_losses_of_the_rows_are_those_of_the_run(three: Solution) -> None:
     """The rows of an event add up to it, and with the rests they balance the energy of the run."""
     for event in three.events:

@@ -143,6 +143,21 @@ def test_the_command_says_what_it_found(
     assert len(drawn) > 10_000
 
 
+def test_a_stop_also_opens_where_its_force_is_lost() -> None:
+    """No other stop throws it open: its force falls to zero, where the direct engine has it."""
+    machine = drawn_mechanism(GALLERY["chebyshev"]())
+    found = speed_limit(machine, low_rpm=100.0, high_rpm=101.0, speeds=2, turns=30)
+    run = simulate(machine, Case(speed_rpm=100.0, window="cycle", cycles=2))
+    period, stop = run.shaft.period, machine.transition_stop
+    (released,) = (
+        event.t - period
+        for event in run.events
+        if event.kind is EventKind.RELEASE and stop in event.stops and event.t > period
+    )
+    index = (24.0 + 40.0 * released / period) % 40.0
+    assert found.opening[0] == pytest.approx(index, abs=1e-6)
+
+
 def test_ranges_and_machines_that_cannot_be_used(e62: Mechanism) -> None:
     for low, high, speeds in ((0.0, 1.0, 3), (5.0, 2.0, 3), (1.0, 2.0, 1), (1.0, np.inf, 3)):
         with pytest.raises(InputError, match="cannot be used"):

@@ -22,13 +22,21 @@ pytest.importorskip("viser", reason="viser is not installed (extra `live`)")
 
 import viser
 import zstandard
+from websockets.asyncio import server as sockets
 from websockets.asyncio.client import connect
 from websockets.exceptions import InvalidStatus, WebSocketException
 
-from nipper_pin.view.live.guard import Filter
+from nipper_pin.view.live.guard import Filter, only_local
 from nipper_pin.view.local import is_local
 
 T = TypeVar("T")
+CAMERA = msgspec.msgpack.encode({
+    "type": "ViewerCameraMessage", "wxyz": (1.0, 0.0, 0.0, 0.0),
+    "position": (1.0, 1.0, 1.0), "fov": 0.8, "near": 0.01, "far": 100.0,
+    "image_height": 600, "image_width": 800, "look_at": (0.0, 0.0, 0.0),
+    "up_direction": (0.0, 0.0, 1.0),
+})  # fmt: skip
+"""Where a camera stands, as a browser says first."""
 
 
 @pytest.mark.parametrize(("host", "origin", "local"), [
@@ -94,6 +102,34 @@ def served() -> Iterator[tuple[int, subprocess.Popen[str]]]:
         assert "Traceback" not in process.stderr.read()
 
 
+FOREIGN = ["http://evil.example", "null", "http://127.0.0.1:1"]
+
+
+@pytest.mark.parametrize("origin", [*FOREIGN, None, "own"])
+def test_servers_of_the_guard_admit_their_own_pages(origin: str | None) -> None:
+    """A server of websockets, as that of the page is, started where only local ones are served."""
+
+    async def echo(connection: Any) -> None:
+        await connection.send(await connection.recv())
+
+    async def asked() -> str | bytes:
+        with only_local():
+            serving = sockets.serve(echo, "127.0.0.1", 0, process_request=lambda *_: None)
+        async with serving as server:
+            port = server.sockets[0].getsockname()[1]
+            own = f"http://127.0.0.1:{port}" if origin == "own" else origin
+            async with connect(f"ws://127.0.0.1:{port}/", origin=own) as socket:
+                await socket.send(CAMERA)
+                return await socket.recv()
+
+    if origin in FOREIGN:
+        with pytest.raises(InvalidStatus) as caught:
+            finished(asked())
+        assert caught.value.response.status_code == 403
+    else:
+        assert finished(asked()) == CAMERA
+
+
 def page(port: int, origin: str | None) -> Any:
     protocols = [f"viser-v{viser.__version__}"]
     return connect(f"ws://127.0.0.1:{port}/", origin=origin, subprotocols=protocols, max_size=None)  # type: ignore[arg-type]
@@ -124,13 +160,7 @@ class Browser:
 
     async def begin(self) -> None:
         """Say where the camera stands, as a browser does first."""
-        camera = {
-            "type": "ViewerCameraMessage", "wxyz": (1.0, 0.0, 0.0, 0.0),
-            "position": (1.0, 1.0, 1.0), "fov": 0.8, "near": 0.01, "far": 100.0,
-            "image_height": 600, "image_width": 800, "look_at": (0.0, 0.0, 0.0),
-            "up_direction": (0.0, 0.0, 1.0),
-        }  # fmt: skip
-        await self.socket.send(msgspec.msgpack.encode(camera))
+        await self.socket.send(CAMERA)
 
     async def set(self, control: str, value: object) -> None:
         message = {"type": "GuiUpdateMessage", "uuid": control, "updates": {"value": value}}
@@ -138,7 +168,7 @@ class Browser:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("origin", ["http://evil.example", "null", "http://127.0.0.1:1"])
+@pytest.mark.parametrize("origin", FOREIGN)
 def test_a_foreign_page_cannot_connect(
     served: tuple[int, subprocess.Popen[str]], origin: str
 ) -> None:

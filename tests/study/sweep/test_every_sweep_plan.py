@@ -99,6 +99,12 @@ def test_samples_that_are_added_to_stored_ones(tmp_path: Path) -> None:
     more = continued(found, stored, tmp_path).samples
     assert more is not None
     assert more.earlier == (100, 200, 500)
+    # Added in parts, the points are those of a sweep that asks for all of them at once.
+    grown = continued(found, stored, tmp_path)
+    parts = [
+        np.concatenate([rows for _, rows in item.rows(item.chunks())]) for item in (found, grown)
+    ]
+    np.testing.assert_array_equal(*(np.unique(rows, axis=0) for rows in parts))
     stored["samples"]["count"] = 600
     same = continued(found, stored, tmp_path).samples
     assert same is not None
