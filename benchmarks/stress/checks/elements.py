@@ -5,24 +5,24 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-import pinocchio as pin
 
 from nipper_pin.arrays import FloatArray
-from nipper_pin.dynamics.system import System
 from nipper_pin.hybrid.result.solution import Solution
 from nipper_pin.mechanism import Strut
 
 from ...tolerances import EPS, POWER, TABLE_LEFT
+from ..mechanics.planar_tree import PlanarTree
 from ..observations import beyond, samples
 
 
 def elements(solution: Solution) -> Iterator[str]:
     """Check the power of springs and dampers against places and rates of their points.
 
-    Places come from the placements of the links and rates from their angular and centroid
-    velocities, where the engine has Jacobians. Tables stay between their rows and their ends.
+    Places and rates of points come from the text of the model, where the engine has Jacobians.
+    Tables stay between their rows and their ends.
     """
     mechanism, system = solution.mechanism, solution.system
+    tree, reach_m = PlanarTree.of(mechanism), system.body.reach_m
     for segment, _, t in samples(solution):
         where = f"segment at {segment.t_start:.9g} s"
         motion = solution.trajectory.evaluate(t)
@@ -42,12 +42,12 @@ def elements(solution: Solution) -> Iterator[str]:
                 terms.append(-force * v[table.index])
                 yield from _between_rows(where, table.name, x, force, rows.coordinate, rows.force)
             for strut in mechanism.struts:
-                length, rate, error = _line(system, strut, q, v)
+                length, rate, error = _line(tree, reach_m, strut, q, v)
                 tension = strut.stiffness * (length - strut.free_length) + strut.damping * rate
                 terms.append(-(tension - strut.damping * rate) * rate)
                 lost.append(strut.damping * rate**2)
                 unsure += (abs(tension) + strut.damping * (abs(rate) + error)) * error
-                unsure += 64.0 * EPS * system.body.reach_m * strut.stiffness * abs(rate)
+                unsure += 64.0 * EPS * reach_m * strut.stiffness * abs(rate)
             power = float(system.applied_forces(q[None], v[None])[0] @ v)
             heat = float(system.dissipation(q[None], v[None])[0])
             size = sum(map(abs, terms)) + sum(lost)
@@ -80,29 +80,16 @@ def _between_rows(
                       most)  # fmt: skip
 
 
-def _line(system: System, strut: Strut, q: FloatArray, v: FloatArray) -> tuple[float, float, float]:
+def _line(
+    tree: PlanarTree, reach_m: float, strut: Strut, q: FloatArray, v: FloatArray
+) -> tuple[float, float, float]:
     """Distance of two points [m], its rate [m/s] and the round-off of that."""
-    model = system.mechanism.model
-    placements = system.body.placements(q)
-    spin, centroid = system.body.link_velocities(q, v)
-    places, rates = [], []
-    names = [joint.name for joint in system.mechanism.joints]
-    for name in (strut.frame_a, strut.frame_b):
-        frame = model.frames[model.getFrameId(name, pin.FrameType.BODY)]
-        local = frame.placement.translation
-        if frame.parentJoint == 0:
-            places.append(local[[0, 2]])
-            rates.append(np.zeros(2))
-            continue
-        link = names.index(model.names[frame.parentJoint])
-        point = placements[link].act(local)[[0, 2]]
-        centre = placements[link].act(model.inertias[frame.parentJoint].lever)[[0, 2]]
-        arm = point - centre
-        places.append(point)
-        rates.append(centroid[link] + spin[link] * np.array([-arm[1], arm[0]]))
+    motion = tree.motion(q, v, np.zeros(len(q)))
+    places, rates, _ = motion.points([tree.frames[strut.frame_a], tree.frames[strut.frame_b]])
     line, moving = places[1] - places[0], rates[1] - rates[0]
-    length = float(np.hypot(*line))
-    reach = system.body.reach_m + float(np.abs(places).max())
+    length = float(np.abs(line))
+    reach = reach_m + float(np.abs([places.real, places.imag]).max())
     fastest = float(np.abs(v).max()) * max(reach, 1.0)
     error = 64.0 * EPS * fastest * (1.0 + reach / max(length, EPS * reach))
-    return length, float(line @ moving) / length if length else 0.0, error
+    along = float((line.conjugate() * moving).real)
+    return length, along / length if length else 0.0, error

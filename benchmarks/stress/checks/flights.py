@@ -28,10 +28,7 @@ def flights(solution: Solution) -> Iterator[str]:
         motion = solution.trajectory.evaluate(t)
         told = interpolated(panel.a, (t - panel.t) / panel.h)
         longest = max(item.h for item in segment.panels)
-        off = np.stack([
-            _beside(equations, panel, segment.closed, longest, state)
-            for state in zip(t.tolist(), motion.q, motion.v, told, strict=True)
-        ])  # fmt: skip
+        off = _beside(equations, panel, segment.closed, longest, (t, motion.q, motion.v, told))
         loose = equations.loose(segment.closed)
         share = float((off * panel.h**2 / _moved(solution, panel))[:, loose].max(initial=0.0))
         most = LEFT_OUT * (2.0 * panel.order) ** 2 * tolerance + 1e4 * EPS
@@ -44,17 +41,17 @@ def _beside(
     panel: Panel,
     closed: frozenset[str],
     longest: float,
-    state: tuple[float, FloatArray, FloatArray, FloatArray],
+    states: tuple[FloatArray, FloatArray, FloatArray, FloatArray],
 ) -> FloatArray:
-    """Error of the stored accelerations in excess of round-off, shape (nv,)."""
-    t, q, v, told = state
+    """Error of the stored accelerations in excess of round-off, shape (K, nv)."""
+    t, q, v, told = states
     there = equations.accelerations(t, q, v, closed)
     unsure = equations.round_off(t, q, v, closed)
     off = np.abs(told - there)
     # What the closures determine is integrated, too, and drifts by what it is off; that may be
     # little for itself, and more for another coordinate that hardly moves.
     drift = panel.h * off
-    drift[list(panel.split.independent)] = 0.0
+    drift[:, list(panel.split.independent)] = 0.0
     drifted = equations.accelerations(t, q, v + drift, closed)
     # The round-off of a state is that of the sums that it is.
     aside = equations.accelerations(t, q + POSITION_TERMS * EPS * equations.sizes(q), v, closed)

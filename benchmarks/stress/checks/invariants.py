@@ -169,8 +169,7 @@ def _motion(solution: Solution) -> Iterator[str]:
         if not all(np.isfinite(item).all() for item in parts):
             yield f"{where}: not finite"
             continue
-        gaps, rows = zip(*(equations.tree.closures(state) for state in q), strict=True)
-        g, G = np.stack(gaps), np.stack(rows)
+        g, G = equations.closures(q)
         yield from beyond(f"{where}: closure gap [m]", _most(g), 300.0 * EPS * system.body.reach_m)
         size = np.einsum("nij,nj->ni", np.abs(G), np.abs(v))
         rate = np.einsum("nij,nj->ni", G, v)
@@ -218,8 +217,7 @@ def _forces(
     system, tolerance = solution.system, solution.case.resolution.tolerance
     q, v, a = seen.q, seen.v, seen.a
     inverse = system.body.inverse_dynamics(q, v, a)
-    applied = [equations.forces.of_elements(*state) for state in zip(q, v, strict=True)]
-    spring = np.stack([tau for tau, _ in applied])
+    spring, _ = equations.forces.of_elements(q, v)
     left = inverse - spring - np.einsum("nij,ni->nj", G, seen.closures)
     size = np.abs(inverse) + np.abs(spring)
     # In free fall inertia and weight are the only forces and cancel.
@@ -299,8 +297,8 @@ def _energy(solution: Solution) -> Iterator[str]:
         springs = system.spring_energy(panel.q)
         scale, stored = max(scale, float(springs.max())), max(stored, _most(springs))
         heights.append(system.body.gravity_energy(panel.q))
-        for q in panel.q[:: max(len(panel.q) // 4, 1)]:
-            condition = max(condition, equations.condition(q, segment.closed))
+        some_of = panel.q[:: max(len(panel.q) // 4, 1)]
+        condition = max(condition, float(equations.condition(some_of, segment.closed).max()))
     # Energy that is exchanged repeatedly adds round-off, too.
     scale += float(np.ptp(np.concatenate(heights))) if heights else 0.0
     # Forces lose the digits that the impact matrix loses.

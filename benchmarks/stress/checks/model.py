@@ -13,7 +13,7 @@ from nipper_pin.hybrid.result.solution import Solution
 from nipper_pin.mechanism import Mechanism
 
 from ...tolerances import EPS, SAME_MODEL
-from ..mechanics.model_text import Text
+from ..mechanics.planar_tree import PlanarTree
 from ..observations import beyond, samples
 
 _STATES = 4
@@ -21,22 +21,24 @@ _STATES = 4
 
 def built(solution: Solution) -> Iterator[str]:
     """Masses, places, weight, springs, stops and speed are those of the texts."""
-    mechanism, description = solution.mechanism, solution.mechanism.description
-    text = Text(mechanism.urdf, description, [joint.name for joint in mechanism.joints])
-    body = solution.system.body
+    mechanism, body = solution.mechanism, solution.system.body
+    tree = PlanarTree.of(mechanism)
+    carried = tree.masses @ tree.moved[:-1]
     ends = chain.from_iterable((p.q[0], p.q[-1]) for _, p, _ in samples(solution))
     states = list(ends)
     for q in states[:: max(len(states) // _STATES, 1)]:
-        told, found = text.inertias(q), body.mass_matrix(q)
-        # The plane is exact where the text leans out of it; light links hang on heavy ones.
-        heavy = np.sqrt(np.outer(*[np.diag(told.mass_matrix)] * 2))
-        off = np.abs(found - told.mass_matrix) / np.maximum(heavy, 1e-300)
+        told, found = tree.mass_matrix(q), body.mass_matrix(q)
+        # Light links hang on heavy ones.
+        heavy = np.sqrt(np.outer(*[np.diag(told)] * 2))
+        off = np.abs(found - told) / np.maximum(heavy, 1e-300)
         yield from beyond(
             "mass matrix is not that of the text [share]", float(off.max()), SAME_MODEL
         )
         still = np.zeros((1, len(q)))
         weight = body.inverse_dynamics(q[None], still, still)[0]
-        off = np.abs(weight - told.weight) / np.maximum(told.weight_size, 1e-300)
+        off = np.abs(weight - tree.inverse_dynamics(q, still[0], still[0]))
+        # At least the sum of m g times the levers, also where these cancel (Cauchy and Schwarz).
+        off /= np.maximum(tree.gravity * np.sqrt(carried * np.diag(told)), 1e-300)
         yield from beyond("weight is not that of the text [share]", float(off.max()), SAME_MODEL)
     period = 60.0 / solution.case.speed_rpm
     yield from beyond("period is not that of the speed [share]",

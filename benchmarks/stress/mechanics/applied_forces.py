@@ -2,16 +2,39 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from math import pi
+from typing import NamedTuple
 
 import numpy as np
 
-from nipper_pin.arrays import FloatArray
 from nipper_pin.hybrid.result.solution import Solution
+from nipper_pin.mechanism import Strut
 
 from ...tolerances import EPS
 from .chain_sizes import ChainSizes
-from .plain_tree import PlainTree
+from .model_text import Real
+from .planar_tree import Complex, PlanarTree
+
+
+class Pull(NamedTuple):
+    """A strut at states of any shape (...).
+
+    Attributes:
+        strut: The strut.
+        tension: Its pull [N].
+        line: From its first point to its second [m].
+        length: Of the line [m], not zero.
+        rate: Of the length [m/s].
+        jacobian: Of the line, shape (..., nv).
+    """
+
+    strut: Strut
+    tension: Real
+    line: Complex
+    length: Real
+    rate: Real
+    jacobian: Complex
 
 
 class AppliedForces:
@@ -23,7 +46,7 @@ class AppliedForces:
         chains: How long their chains are.
     """
 
-    def __init__(self, solution: Solution, tree: PlainTree, chains: ChainSizes) -> None:
+    def __init__(self, solution: Solution, tree: PlanarTree, chains: ChainSizes) -> None:
         """Read the numbers of the drive trains."""
         self._machine, self._shaft = solution.mechanism, solution.shaft
         self._tree, self._chains = tree, chains
@@ -35,49 +58,67 @@ class AppliedForces:
         self.stiffness = self.inertia * turning**2
         self._damping = 2.0 * ratio * turning * self.inertia
 
-    def of_elements(self, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Forces of springs and dampers, shape (nv,), and the size of what they are sums of."""
-        tau, size = np.zeros(len(q)), np.zeros(len(q))
+    def of_elements(self, q: Real, v: Real) -> tuple[Real, Real]:
+        """Forces of springs and dampers, shape (..., nv), and the size of what they are sums of."""
+        tau, size = np.zeros(q.shape), np.zeros(q.shape)
         for spring in self._machine.springs:
-            x = float(q[spring.index])
-            tau[spring.index] -= spring.stiffness * (spring.preload + x)
-            size[spring.index] += spring.stiffness * (abs(spring.preload) + abs(x))
+            x = q[..., spring.index]
+            tau[..., spring.index] -= spring.stiffness * (spring.preload + x)
+            size[..., spring.index] += spring.stiffness * (abs(spring.preload) + np.abs(x))
         for damper in self._machine.dampers:
-            pull = damper.damping * float(v[damper.index])
-            tau[damper.index] -= pull
-            size[damper.index] += abs(pull)
+            pull = damper.damping * v[..., damper.index]
+            tau[..., damper.index] -= pull
+            size[..., damper.index] += np.abs(pull)
         for table in self._machine.tabulated_springs:
-            x = float(q[table.index])
-            found = table.characteristic.forces(np.array([x, (1.0 + EPS) * x]))
-            pull, beside = found.tolist()
-            tau[table.index] -= pull
-            size[table.index] += abs(pull) + abs(beside - pull) / EPS
-        for strut, tension, line, length, jacobian in self._tree.pulls(q, v):
-            tau -= tension * (line / length @ jacobian)
+            x = np.ravel(q[..., table.index])
+            pull, beside = (
+                table.characteristic.forces(factor * x).reshape(q.shape[:-1])
+                for factor in (1.0, 1.0 + EPS)
+            )
+            tau[..., table.index] -= pull
+            size[..., table.index] += np.abs(pull) + np.abs(beside - pull) / EPS
+        reach = self._chains.reach(q) if self._machine.struts else 0.0
+        for strut, tension, line, length, _, jacobian in self.pulls(q, v):
+            along = (line / length)[..., None]
+            tau -= tension[..., None] * (along.conj() * jacobian).real
             # A length is a difference of places, and so is the direction of its line.
-            reach, levers = self._chains.reach(q), np.abs(jacobian).max(axis=0)
-            rate = strut.damping * float(levers @ np.abs(v))
+            levers = np.maximum(np.abs(jacobian.real), np.abs(jacobian.imag))
+            rate = strut.damping * (levers * np.abs(v)).sum(axis=-1)
             stretched = strut.stiffness * (reach + strut.free_length)
-            size += (stretched + rate + (abs(tension) + rate) * reach / length) * levers
+            sizes = stretched + rate + (np.abs(tension) + rate) * reach / length
+            size += sizes[..., None] * levers
         return tau, size
 
-    def of_trains(self, t: float, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Torques of elastic drive trains, shape (drives,), and the size of their terms."""
+    def pulls(self, q: Real, v: Real) -> Iterator[Pull]:
+        """Springs and dampers between two points."""
+        if not self._machine.struts:
+            return
+        motion = self._tree.motion(q, v, np.zeros(q.shape))
+        for strut in self._machine.struts:
+            ends = [self._tree.frames[name] for name in (strut.frame_a, strut.frame_b)]
+            (place, speed, _), columns = motion.points(ends), self._tree.jacobian(motion, ends)
+            line, moving = place[..., 1] - place[..., 0], speed[..., 1] - speed[..., 0]
+            length = np.maximum(np.abs(line), np.finfo(float).tiny)
+            rate = (line.conj() * moving).real / length
+            tension = strut.stiffness * (length - strut.free_length) + strut.damping * rate
+            jacobian = columns[..., 1, :] - columns[..., 0, :]
+            yield Pull(strut, tension, line, length, rate, jacobian)
+
+    def of_trains(self, t: Real, q: Real, v: Real) -> tuple[Real, Real]:
+        """Torques of elastic drive trains, shape (..., drives), and the size of their terms."""
         q_law, v_law, a_law = self.laws(t)
         parts = (
             self.inertia * a_law,
-            self.stiffness * q_law, -self.stiffness * q[self.driven],
-            self._damping * v_law, -self._damping * v[self.driven],
+            self.stiffness * q_law, -self.stiffness * q[..., self.driven],
+            self._damping * v_law, -self._damping * v[..., self.driven],
         )  # fmt: skip
         return np.sum(parts, axis=0), np.sum(np.abs(parts), axis=0)
 
-    def laws(self, t: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Driven coordinates, rates and accelerations, shape (drives,) each."""
-        q_law, v_law, a_law = self._shaft.driven(np.array([t]))
-        return q_law[0], v_law[0], a_law[0]
+    def laws(self, t: Real) -> tuple[Real, Real, Real]:
+        """Driven coordinates, rates and accelerations at times (...), shape (..., drives) each."""
+        q, v, a = (x.reshape(*np.shape(t), -1) for x in self._shaft.driven(np.ravel(t)))
+        return q, v, a
 
-    def tension(self, q: FloatArray, v: FloatArray) -> float:
+    def tension(self, q: Real, v: Real) -> float:
         """Largest pull of a strut at some states, shape (N, nv) each [N]."""
-        states = zip(q, v, strict=True)
-        pulls = [abs(pull.tension) for state in states for pull in self._tree.pulls(*state)]
-        return max(pulls, default=0.0)
+        return max((float(np.abs(p.tension).max()) for p in self.pulls(q, v)), default=0.0)

@@ -11,39 +11,41 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nipper_pin.arrays import FloatArray
 from nipper_pin.hybrid.result.solution import Solution
 
 from ...tolerances import EPS, ROUNDINGS_PER_LINK
 from .applied_forces import AppliedForces
 from .chain_sizes import ChainSizes
-from .plain_tree import PlainTree
+from .model_text import Real
+from .planar_tree import PlanarTree
 
 
 class _Solved(NamedTuple):
-    """The linear system at one state: accelerations that nothing prescribes, closure forces.
+    """The linear systems of states: accelerations that nothing prescribes, closure forces.
 
     Attributes:
-        a: All accelerations, shape (nv,).
+        a: All accelerations, shape (..., nv).
         loose: Coordinates that nothing prescribes.
-        unknowns: Their accelerations and the closure forces.
-        matrix: Of the system.
+        unknowns: Their accelerations and the closure forces, shape (..., n).
+        matrix: Of the systems, shape (..., n, n).
         inverse: Sizes of the elements of its inverse.
-        jacobian: Of the closures, shape (m, nv).
-        applied: Size of what the applied forces are sums of, shape (nv,).
+        jacobian: Of the closures, shape (..., m, nv).
+        applied: Size of what the applied forces are sums of, shape (..., nv).
     """
 
-    a: FloatArray
+    a: Real
     loose: list[int]
-    unknowns: FloatArray
-    matrix: FloatArray
-    inverse: FloatArray
-    jacobian: FloatArray
-    applied: FloatArray
+    unknowns: Real
+    matrix: Real
+    inverse: Real
+    jacobian: Real
+    applied: Real
 
 
 class Equations:
     """Equations of motion of the machine of a solution.
+
+    States have any shape before that of the coordinates; each is solved by itself.
 
     Args:
         solution: The solution; its model, springs, drives and stops are taken, not its motion.
@@ -52,11 +54,11 @@ class Equations:
     def __init__(self, solution: Solution) -> None:
         """Lay out the links and the forces on them."""
         self._mechanism, self._held = solution.mechanism, solution.system.held
-        self._sizes = ChainSizes(solution.mechanism)
-        self.tree = PlainTree(solution.mechanism)
+        self.tree = PlanarTree.of(solution.mechanism)
+        self._sizes = ChainSizes(self.tree)
         self.forces = AppliedForces(solution, self.tree, self._sizes)
         self._driven, self.nv = self.forces.driven, self.tree.nv
-        self._rows = 2 * len(solution.mechanism.closures)
+        self._rows = 2 * len(self.tree.closures)
 
     def prescribed(self, closed: frozenset[str]) -> list[int]:
         """Coordinates that held drives and closed stops prescribe."""
@@ -72,17 +74,23 @@ class Equations:
         given = self.prescribed(closed)
         return [place for place in range(self.nv) if place not in given]
 
-    def opened(self, q: FloatArray, closed: frozenset[str]) -> FloatArray:
-        """Errors of coordinates for closure gaps of round-off size, shape (nv,)."""
-        gaps, jacobian = self.tree.closures(q)
+    def opened(self, q: Real, closed: frozenset[str]) -> Real:
+        """Errors of coordinates for closure gaps of round-off size, shape (..., nv)."""
+        gaps, jacobian = self.closures(q)
         loose = self.loose(closed)
-        off = np.zeros(self.nv)
+        off = np.zeros(q.shape)
         # A closure gap has the round-off of the places whose difference it is.
-        open_by = np.abs(gaps) + self._roundings() * self._sizes.reach(q)
-        off[loose] = np.abs(np.linalg.pinv(jacobian[:, loose])) @ open_by
+        open_by = np.abs(gaps) + self._roundings() * self._sizes.reach(q)[..., None]
+        off[..., loose] = _times(np.abs(np.linalg.pinv(jacobian[..., loose])), open_by)
         return off
 
-    def condition(self, q: FloatArray, closed: frozenset[str]) -> float:
+    def closures(self, q: Real) -> tuple[Real, Real]:
+        """Gaps of the cut joints in world axes, (..., m) [m], and their Jacobian, (..., m, nv)."""
+        nothing = np.zeros(q.shape)
+        gaps = self.tree.closure(q, nothing, nothing, world=True)[0]
+        return gaps, self.tree.closure_jacobian(q, world=True)
+
+    def condition(self, q: Real, closed: frozenset[str]) -> Real:
         """Condition of G M^-1 G' with closures and closed stops, each scaled to the size of one.
 
         Forces of constraint lose that many digits: the closures' own, and those by which bodies of
@@ -91,103 +99,115 @@ class Equations:
         """
         held = self._driven if self._held else []
         moving = [place for place in range(self.nv) if place not in held]
-        stops = [stop.index for stop in self._mechanism.stops if stop.name in closed]
-        rows = np.vstack([self.tree.closures(q)[1], np.eye(self.nv)[stops]])[:, moving]
-        if not len(rows):
-            return 1.0
-        mass = self._mass(q)[np.ix_(moving, moving)]
-        matrix = rows @ np.linalg.solve(mass, rows.T)
-        diagonal = np.diag(matrix)
-        if not (diagonal > 0.0).all():
-            return np.inf
-        pins = diagonal[: self._rows].reshape(-1, 2).mean(axis=1)
-        size = np.sqrt(np.concatenate([np.repeat(pins, 2), diagonal[self._rows :]]))
-        return float(np.linalg.cond(matrix / size / size[:, None]))
+        stops = np.eye(self.nv)[[s.index for s in self._mechanism.stops if s.name in closed]]
+        pins = self.tree.closure_jacobian(q, world=True)
+        stops = np.broadcast_to(stops, (*q.shape[:-1], *stops.shape))
+        rows = np.concatenate([pins, stops], axis=-2)[..., moving]
+        found = np.full(q.shape[:-1], 1.0)
+        if not rows.shape[-2]:
+            return found
+        matrix = rows @ np.linalg.solve(_square(self._mass(q), moving), np.swapaxes(rows, -1, -2))
+        diagonal = np.diagonal(matrix, axis1=-2, axis2=-1).copy()
+        possible = (diagonal > 0.0).all(axis=-1)
+        pairs = diagonal[..., : self._rows]
+        diagonal[..., : self._rows] = np.repeat(0.5 * (pairs[..., ::2] + pairs[..., 1::2]), 2, -1)
+        size = np.sqrt(diagonal[possible])
+        scaled = matrix[possible] / size[..., None] / size[..., None, :]
+        found[possible], found[~possible] = np.linalg.cond(scaled), np.inf
+        return found
 
-    def sizes(self, q: FloatArray) -> FloatArray:
-        """Sums of the terms of the coordinates with alternating signs, shape (nv,).
+    def sizes(self, q: Real) -> Real:
+        """Sums of the terms of the coordinates with alternating signs, shape (..., nv).
 
         The length of a strut is a difference of places, which have the round-off of the reach.
         """
-        size = np.abs(q) + (self._sizes.reach(q) if self._mechanism.struts else 0.0)
-        return np.asarray((-1.0) ** np.arange(self.nv) * size)
+        reach = self._sizes.reach(q)[..., None] if self._mechanism.struts else 0.0
+        return np.asarray((-1.0) ** np.arange(self.nv) * (np.abs(q) + reach))
 
-    def accelerations(
-        self, t: float, q: FloatArray, v: FloatArray, closed: frozenset[str]
-    ) -> FloatArray:
-        """Solve M a + h = tau + G' la, G a + G_dot v = 0 with what is prescribed, shape (nv,).
+    def accelerations(self, t: Real, q: Real, v: Real, closed: frozenset[str]) -> Real:
+        """Solve M a + h = tau + G' la, G a + G_dot v = 0 with what is prescribed, shape (..., nv).
 
         Args:
-            t: Time [s].
-            q: Configuration, shape (nv,).
-            v: Velocity, shape (nv,).
+            t: Times [s], shape (...).
+            q: Configurations, shape (..., nv).
+            v: Velocities, shape (..., nv).
             closed: Names of the closed stops.
         """
         return self._solve(t, q, v, closed).a
 
-    def round_off(
-        self, t: float, q: FloatArray, v: FloatArray, closed: frozenset[str]
-    ) -> FloatArray:
+    def round_off(self, t: Real, q: Real, v: Real, closed: frozenset[str]) -> Real:
         """Errors of the accelerations by round-off in the equations; arguments as there."""
         found = self._solve(t, q, v, closed)
         count, loose = len(found.loose), found.loose
         forces, opened = self._sizes.of(q, v, found.a)
-        pulled = np.abs(found.jacobian.T) @ np.abs(found.unknowns[count:])
+        pulled = _times(np.swapaxes(np.abs(found.jacobian), -1, -2),
+                        np.abs(found.unknowns[..., count:]))  # fmt: skip
         # In one linear system coordinates at rest have the round-off of moving ones.
-        opened = np.full(len(opened), opened.max(initial=0.0))
-        pushed = (forces + found.applied + pulled)[loose]
+        opened = np.ones(opened.shape) * opened.max(axis=-1, keepdims=True, initial=0.0)
+        pushed = (forces + found.applied + pulled)[..., loose]
         # Closures may be met by forces, as the difference of what these and the others do alone.
-        moved = np.abs(np.linalg.pinv(found.matrix[:count, :count])) @ pushed
-        opened += np.abs(found.jacobian[:, loose]) @ moved
-        wrong = np.concatenate([pushed, opened])
+        moved = _times(np.abs(np.linalg.pinv(found.matrix[..., :count, :count])), pushed)
+        opened += _times(np.abs(found.jacobian[..., loose]), moved)
+        wrong = np.concatenate([pushed, opened], axis=-1)
         # Gaussian elimination of n unknowns: that of equations off by 3 n roundings (Higham, 2002).
-        eliminated = 1.5 * EPS * len(wrong)
+        eliminated = 1.5 * EPS * wrong.shape[-1]
         wrong = self._roundings() * wrong
-        wrong += eliminated * np.abs(found.matrix) @ np.abs(found.unknowns)
+        wrong += eliminated * _times(np.abs(found.matrix), np.abs(found.unknowns))
         unsure = eliminated * self._sizes.still(q, found.a)
-        unsure[self.prescribed(closed)] = 0.0
-        unsure[loose] += (found.inverse @ wrong)[:count]
-        return unsure
+        unsure[..., self.prescribed(closed)] = 0.0
+        unsure[..., loose] += _times(found.inverse, wrong)[..., :count]
+        return np.asarray(unsure)
 
-    def _solve(self, t: float, q: FloatArray, v: FloatArray, closed: frozenset[str]) -> _Solved:
-        given = np.zeros(self.nv)
+    def _solve(self, t: Real, q: Real, v: Real, closed: frozenset[str]) -> _Solved:
+        given = np.zeros(q.shape)
         tau, size = self.forces.of_elements(q, v)
         if self._held:
-            given[self._driven] = self.forces.laws(t)[2]
+            given[..., self._driven] = self.forces.laws(t)[2]
         else:
             torques, sizes = self.forces.of_trains(t, q, v)
-            tau[self._driven] += torques
-            size[self._driven] += sizes
+            tau[..., self._driven] += torques
+            size[..., self._driven] += sizes
         loose = self.loose(closed)
-        mass, (_, jacobian) = self._mass(q), self.tree.closures(q)
-        drawn, opening = self.tree.held_back(q, v), self.tree.opening(q, v)
-        count, rows = len(loose), len(opening)
-        matrix = np.zeros((count + rows, count + rows))
-        matrix[:count, :count] = mass[np.ix_(loose, loose)]
-        matrix[count:, :count] = jacobian[:, loose]
-        matrix[:count, count:] = jacobian[:, loose].T
-        right = np.concatenate([(tau - drawn - mass @ given)[loose], -opening - jacobian @ given])
+        mass, jacobian = self._mass(q), self.tree.closure_jacobian(q, world=True)
+        drawn = self.tree.inverse_dynamics(q, v, np.zeros(q.shape))
+        opening = self.tree.closure(q, v, np.zeros(q.shape), world=True)[2]
+        count, rows = len(loose), opening.shape[-1]
+        matrix = np.zeros((*q.shape[:-1], count + rows, count + rows))
+        matrix[..., :count, :count] = _square(mass, loose)
+        matrix[..., count:, :count] = jacobian[..., loose]
+        matrix[..., :count, count:] = np.swapaxes(jacobian[..., loose], -1, -2)
+        pushes = (tau - drawn - _times(mass, given))[..., loose]
+        right = np.concatenate([pushes, -opening - _times(jacobian, given)], axis=-1)
         solution, inverse = _solved(matrix, right)
         a = given.copy()
-        a[loose] = solution[:count]
+        a[..., loose] = solution[..., :count]
         return _Solved(a, loose, solution, matrix, inverse, jacobian, size)
 
     def _roundings(self) -> float:
         """Relative round-off of what is added up from link to link along the longest chain."""
         return 0.5 * EPS * ROUNDINGS_PER_LINK * (self._sizes.longest + 2.0)
 
-    def _mass(self, q: FloatArray) -> FloatArray:
-        mass = self.tree.mass(q)
+    def _mass(self, q: Real) -> Real:
+        mass = self.tree.mass_matrix(q)
         if not self._held:
-            mass[self._driven, self._driven] += self.forces.inertia
+            mass[..., self._driven, self._driven] += self.forces.inertia
         return mass
 
 
-def _solved(matrix: FloatArray, right: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Solution, refined once, and the sizes of the elements of the inverse."""
+def _times(matrices: Real, vectors: Real) -> Real:
+    return np.asarray((matrices @ vectors[..., None])[..., 0])
+
+
+def _square(matrices: Real, places: list[int]) -> Real:
+    return matrices[..., places, :][..., places]
+
+
+def _solved(matrix: Real, right: Real) -> tuple[Real, Real]:
+    """Solutions, refined once, and the sizes of the elements of the inverses."""
     # Rows and columns of masses and of metres are brought to one size first.
-    size = np.sqrt(np.maximum(np.abs(matrix).max(axis=1), np.finfo(float).tiny))
-    inverse = np.linalg.inv(matrix / size / size[:, None]) / size / size[:, None]
-    solution = inverse @ right
-    solution = solution + inverse @ (right - matrix @ solution)
-    return np.asarray(solution), np.abs(inverse)
+    size = np.sqrt(np.maximum(np.abs(matrix).max(axis=-1), np.finfo(float).tiny))
+    both = size[..., None] * size[..., None, :]
+    inverse = np.linalg.inv(matrix / both) / both
+    solution = _times(inverse, right)
+    solution = solution + _times(inverse, right - _times(matrix, solution))
+    return solution, np.abs(inverse)

@@ -1,188 +1,251 @@
-"""A machine read from the texts of its model, without the package's reader.
+"""The moving links of a model, read from its URDF without the package's reader.
 
-The URDF is read here anew, by textbook formulae for rotations, so that a wrong mass, place or axis
-in the building of a model is seen.
+All is brought into the side view by textbook formulae for rotations, so that a wrong mass, place,
+axis or plane in the building of a model is seen. Places are complex numbers x + i z [m]. Axes are
+those of the side view in the touch configuration, where all coordinates are zero.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
 from xml.etree import ElementTree
 
 import numpy as np
+from numpy.typing import NDArray
 
-from nipper_pin.arrays import FloatArray
-
-_SLOT_AXES = {"x": (1.0, 0.0, 0.0), "z": (0.0, 0.0, 1.0)}
-
-
-@dataclass(frozen=True)
-class _Joint:
-    """A joint of the text: where it is on its parent, and how it moves its child."""
-
-    name: str
-    kind: str
-    parent: str
-    child: str
-    place: FloatArray
-    turn: FloatArray
-    axis: FloatArray
+Real = NDArray[np.float64]
+_Y, _UP = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
+# Frames whose y leaves the normal of the plane by less, by its cosine, are turned in the plane.
+_UPRIGHT = 1.0 - 1e-9
 
 
-@dataclass(frozen=True)
-class _Mass:
-    """Mass [kg], its centre [m] and moments of inertia about that [kg m^2], in axes of the link."""
-
-    mass: float
-    centre: FloatArray
-    inertia: FloatArray
-
-
-@dataclass(frozen=True)
-class Inertias:
-    """Mass properties of a configuration, from masses and places.
+class Frame(NamedTuple):
+    """Axes of a link of the text.
 
     Attributes:
-        mass_matrix: M, shape (nv, nv).
-        weight: Generalised forces of gravity, taken with the opposite sign, shape (nv,).
-        weight_size: Sum of the sizes of the terms of these, shape (nv,).
+        body: Number of the moving link that it is fixed to; -1 is the frame of the machine.
+        place: Its origin, from the joint of that link.
+        axes: Direction of its x axis; 1 if it is turned out of the plane.
     """
 
-    mass_matrix: FloatArray
-    weight: FloatArray
-    weight_size: FloatArray
+    body: int
+    place: complex
+    axes: complex
 
 
-class Text:
-    """Links and joints of a model, from its URDF and TOML document.
+@dataclass
+class Link:
+    """A moving link with all that is fixed to it, and the joint that carries it.
+
+    Attributes:
+        name: Its name.
+        joint: Name of the joint.
+        parent: Number of the link that carries the joint; -1 is the frame.
+        offset: Place of the joint, from the joint of the parent.
+        slide: Direction of sliding; None of a hinge.
+        sense: 1 of a hinge that turns counter-clockwise as its coordinate grows, else -1.
+        damping: Of the joint, by the text [N m s/rad or N s/m].
+        mass: [kg].
+        com: Centre of mass, from the joint.
+        inertia: About that [kg m^2].
+    """
+
+    name: str
+    joint: str
+    parent: int
+    offset: complex
+    slide: complex | None
+    sense: float = 1.0
+    damping: float = 0.0
+    mass: float = 0.0
+    com: complex = 0j
+    inertia: float = 0.0
+
+    def add(self, mass: float, com: complex, inertia: float) -> None:
+        """Fix more matter to it."""
+        if mass > 0.0:
+            apart = com - self.com
+            self.inertia += self.mass * mass / (self.mass + mass) * abs(apart) ** 2
+            self.com += mass / (self.mass + mass) * apart
+            self.mass += mass
+        self.inertia += inertia
+
+
+@dataclass
+class Links:
+    """Moving links in the order of their coordinates.
+
+    Attributes:
+        links: The links.
+        frames: All axes, by name.
+        steepness: Part of gravity that acts in the plane.
+        couplings: Pairs of coordinates, the second one followed by the first, and their ratio.
+    """
+
+    links: list[Link] = field(default_factory=list)
+    frames: dict[str, Frame] = field(default_factory=dict)
+    steepness: float = 1.0
+    couplings: list[tuple[int, int, float]] = field(default_factory=list)
+
+    def touch(self, frame: Frame) -> complex:
+        """Place of a frame in the touch configuration."""
+        place, body = frame.place, frame.body
+        while body >= 0:
+            place += self.links[body].offset
+            body = self.links[body].parent
+        return place
+
+
+def read_links(
+    text: str, order: Sequence[str] = (), closures: Mapping[str, Any] | None = None
+) -> Links:
+    """Read a URDF.
 
     Args:
-        urdf: The URDF text.
-        description: The TOML document.
-        order: Names of the joints in the order of their coordinates.
+        text: The URDF.
+        order: Names of the joints in the order of their coordinates; as in the text by default.
+        closures: Those of the TOML document: a slot among them adds its block, a point of mass.
     """
+    root = ElementTree.fromstring(text)
+    moving = [item for item in root.findall("joint") if item.get("type") != "fixed"]
+    names = list(order) or [str(item.get("name")) for item in moving]
+    number = {name: place for place, name in enumerate(names)}
+    at = _Placed(root, number)
+    axes = [at.link(_end(item, "child"))[2] @ _axis(item) for item in moving]
+    view = _side_view(axes, [item.get("type") != "prismatic" for item in moving])
 
-    def __init__(self, urdf: str, description: Mapping[str, Any], order: list[str]) -> None:
-        """Read the texts."""
-        root = ElementTree.fromstring(urdf)
-        self._gravity = float(description["gravity_m_s2"])
-        self._order = {name: place for place, name in enumerate(order)}
-        self._masses = {
-            str(link.get("name")): _mass(link.find("inertial")) for link in root.findall("link")
-        }
-        self._joints = {str(item.get("name")): _joint(item) for item in root.findall("joint")}
-        for name, closure in description.get("closures", {}).items():
-            if closure.get("slot_axis"):
-                self._add_block(name, closure)
-        self._above = {joint.child: joint for joint in self._joints.values()}
+    def flat(vector: Real) -> complex:
+        return complex(view[0] @ vector, view[2] @ vector)
 
-    def _add_block(self, name: str, closure: Mapping[str, Any]) -> None:
-        """The block of a slot slides from where it is nearest to the pin at touch."""
-        self._above = {joint.child: joint for joint in self._joints.values()}
-        still = np.zeros(len(self._order))
-        (pin, _), (slot, turn) = (
-            self._frame(closure[key], still)[:2] for key in ("frame_b", "frame_a")
-        )
-        axis = np.array(_SLOT_AXES[closure["slot_axis"]])
-        along = float((turn.T @ (pin - slot)) @ axis)
-        block, one = f"{name}_block", np.eye(3)
-        frame = closure["frame_a"]
-        self._joints[name] = _Joint(name, "prismatic", frame, block, along * axis, one, axis)
-        mass = float(closure["block_mass_kg"])
-        self._masses[block] = _Mass(mass, np.zeros(3), np.zeros((3, 3)))
-
-    def _frame(self, link: str, q: FloatArray) -> tuple[FloatArray, FloatArray, list[_Moving]]:
-        """Place and axes of a link in the world, and the joints that move it."""
-        chain = []
-        while link in self._above:
-            chain.append(self._above[link])
-            link = chain[-1].parent
-        place, turn = np.zeros(3), np.eye(3)
-        moving: list[_Moving] = []
-        for joint in reversed(chain):
-            place = place + turn @ joint.place
-            turn = turn @ joint.turn
-            if joint.kind == "fixed":
-                continue
-            row = self._order[joint.name]
-            slides = joint.kind == "prismatic"
-            moving.append((row, slides, turn @ joint.axis, place))
-            if slides:
-                place = place + turn @ joint.axis * q[row]
-            else:
-                turn = turn @ _rotation(joint.axis, float(q[row]))
-        return place, turn, moving
-
-    def inertias(self, q: FloatArray) -> Inertias:
-        """Mass matrix and weight at one configuration, shape (nv,)."""
-        count = len(q)
-        matrix, weight, size = np.zeros((count, count)), np.zeros(count), np.zeros(count)
-        for link, item in self._masses.items():
-            if item is None:
-                continue
-            place, turn, moving = self._frame(link, q)
-            centre = place + turn @ item.centre
-            linear, angular = np.zeros((3, count)), np.zeros((3, count))
-            for row, slides, axis, origin in moving:
-                if slides:
-                    linear[:, row] = axis
-                else:
-                    linear[:, row] = np.cross(axis, centre - origin)
-                    angular[:, row] = axis
-            about = turn @ item.inertia @ turn.T
-            matrix += item.mass * linear.T @ linear + angular.T @ about @ angular
-            weight += item.mass * self._gravity * linear[2]
-            size += item.mass * self._gravity * np.abs(linear).max(axis=0, initial=0.0)
-        return Inertias(matrix, weight, size)
+    links = [Link("", "", -1, 0j, None) for _ in names]
+    for item, axis in zip(moving, axes, strict=True):
+        name, hinge = str(item.get("name")), item.get("type") != "prismatic"
+        parent, place, turn = at.link(_end(item, "parent"))
+        slide = None if hinge else flat(axis) / abs(flat(axis))
+        # A rotation about +y is clockwise in the side view.
+        sense = -float(np.sign(view[1] @ axis)) if hinge else 1.0
+        offset = flat(place + turn @ _origin(item.find("origin"))[0])
+        damping = _number(item.find("dynamics"), "damping")
+        child = _end(item, "child")
+        links[number[name]] = Link(child, name, parent, offset, slide, sense, damping)
+    frames = {}
+    for item in root.findall("link"):
+        body, place, turn = at.link(name := str(item.get("name")))
+        upright = bool(view[1] @ turn[:, 1] > _UPRIGHT)
+        frames[name] = Frame(body, flat(place), flat(turn[:, 0]) if upright else 1.0)
+        if body >= 0 and (inertial := item.find("inertial")) is not None:
+            step, rotation = _origin(inertial.find("origin"))
+            across = view[1] @ turn @ rotation
+            moment = float(across @ _moments(inertial.find("inertia")) @ across)
+            mass = _number(inertial.find("mass"), "value")
+            links[body].add(mass, flat(place + turn @ step), moment)
+    result = Links(links, frames, float(view[2, 2]), _couplings(moving, number))
+    for name, closure in (closures or {}).items():
+        if closure.get("slot_axis"):
+            _add_block(result, number[name], name, closure)
+    return result
 
 
-_Moving = tuple[int, bool, FloatArray, FloatArray]
+class _Placed:
+    """Where the links of a text are in the touch configuration."""
+
+    def __init__(self, root: ElementTree.Element, number: Mapping[str, int]) -> None:
+        self._above = {_end(item, "child"): item for item in root.findall("joint")}
+        self._number = number
+        self._known: dict[str, tuple[int, Real, Real]] = {}
+
+    def link(self, name: str) -> tuple[int, Real, Real]:
+        """Moving link of a link, its origin from the joint of that, its axes in the root's."""
+        if name not in self._known:
+            body, place, turn = -1, np.zeros(3), np.eye(3)
+            if (joint := self._above.get(name)) is not None:
+                body, place, turn = self.link(_end(joint, "parent"))
+                step, rotation = _origin(joint.find("origin"))
+                place, turn = place + turn @ step, turn @ rotation
+                if joint.get("type") != "fixed":
+                    body, place = self._number[str(joint.get("name"))], np.zeros(3)
+            self._known[name] = body, place, turn
+        return self._known[name]
 
 
-def _mass(item: ElementTree.Element | None) -> _Mass | None:
-    if item is None:
-        return None
-    place, turn = _origin(item.find("origin"))
-    moments = np.zeros((3, 3))
-    of = item.find("inertia")
-    for row, first in enumerate("xyz"):
-        for column, second in enumerate("xyz"):
-            name = "i" + "".join(sorted(first + second))
-            moments[row, column] = float(of.get(name, "0")) if of is not None else 0.0
-    mass = item.find("mass")
-    value = float(mass.get("value", "0")) if mass is not None else 0.0
-    return _Mass(value, place, turn @ moments @ turn.T)
+def _add_block(links: Links, place: int, name: str, item: Mapping[str, Any]) -> None:
+    """The block of a slot slides from where it is nearest to the pin at touch."""
+    slot, pin = links.frames[item["frame_a"]], links.frames[item["frame_b"]]
+    direction = slot.axes * {"x": 1.0, "z": 1.0j}[item["slot_axis"]]
+    along = (direction.conjugate() * (links.touch(pin) - links.touch(slot))).real
+    offset, block = slot.place + along * direction, f"{name}_block"
+    links.links[place] = Link(block, name, slot.body, offset, direction, mass=item["block_mass_kg"])
+    links.frames[block] = Frame(place, 0j, slot.axes)
 
 
-def _joint(item: ElementTree.Element) -> _Joint:
-    place, turn = _origin(item.find("origin"))
-    axis = item.find("axis")
-    direction = _numbers(axis.get("xyz", "1 0 0") if axis is not None else "1 0 0")
-    ends = [item.find(side) for side in ("parent", "child")]
-    parent, child = (str(end.get("link")) if end is not None else "" for end in ends)
-    return _Joint(
-        str(item.get("name")), str(item.get("type")), parent, child, place, turn,
-        direction / np.linalg.norm(direction),
-    )  # fmt: skip
+def _couplings(
+    joints: list[ElementTree.Element], number: Mapping[str, int]
+) -> list[tuple[int, int, float]]:
+    return [
+        (number[str(item.get("name"))], number[str(mimic.get("joint"))],
+         float(mimic.get("multiplier", "1")))
+        for item in joints
+        if (mimic := item.find("mimic")) is not None
+    ]  # fmt: skip
 
 
-def _origin(item: ElementTree.Element | None) -> tuple[FloatArray, FloatArray]:
+def _side_view(axes: Sequence[Real], turns: Sequence[bool]) -> Real:
+    """Axes x, y (into the page) and z of the side view, in those of the root link.
+
+    It looks at the plane of the joints with z upwards, from where x of the text, or else y, points
+    to the right.
+    """
+    hinges = [axis for axis, hinge in zip(axes, turns, strict=True) if hinge]
+    # Of slides alone the x-z plane, if they move in that.
+    across = [_Y, *(np.cross(axes[0], other) for other in (*axes[1:], _UP))] if axes else [_Y]
+    sizes = [float(np.linalg.norm(item)) for item in across]
+    normals = [item / size for item, size in zip(across, sizes, strict=True) if size > 1e-6]
+    slides = [axis for axis, hinge in zip(axes, turns, strict=True) if not hinge]
+    normal = next(n for n in hinges or normals if all(abs(n @ axis) < 1e-6 for axis in slides))
+    if abs(normal[2]) > _UPRIGHT:
+        return np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+    up = _UP - normal[2] * normal
+    up /= np.linalg.norm(up)
+    right = np.cross(normal, up)
+    sense = np.sign(right[np.argmax(np.abs(right))])
+    return np.array([sense * right, sense * normal, up])
+
+
+def _end(joint: ElementTree.Element, side: str) -> str:
+    end = joint.find(side)
+    return "" if end is None else str(end.get("link"))
+
+
+def _axis(joint: ElementTree.Element) -> Real:
+    axis = joint.find("axis")
+    direction = _numbers("1 0 0" if axis is None else axis.get("xyz", "1 0 0"))
+    return np.asarray(direction / np.linalg.norm(direction))
+
+
+def _number(item: ElementTree.Element | None, key: str) -> float:
+    return 0.0 if item is None else float(item.get(key, "0"))
+
+
+def _moments(item: ElementTree.Element | None) -> Real:
+    return np.array(
+        [[_number(item, "i" + "".join(sorted(one + other))) for other in "xyz"] for one in "xyz"]
+    )
+
+
+def _origin(item: ElementTree.Element | None) -> tuple[Real, Real]:
+    """Translation and rotation, which is about the fixed axes x, y and z in turn."""
     if item is None:
         return np.zeros(3), np.eye(3)
-    roll, pitch, yaw = _numbers(item.get("rpy", "0 0 0"))
-    x, y, z = np.eye(3)
-    turn = _rotation(z, yaw) @ _rotation(y, pitch) @ _rotation(x, roll)
+    turn = np.eye(3)
+    for place, angle in enumerate(_numbers(item.get("rpy", "0 0 0"))):
+        about, (one, other) = np.eye(3), ((place + 1) % 3, (place + 2) % 3)
+        about[one, one] = about[other, other] = np.cos(angle)
+        about[one, other], about[other, one] = -np.sin(angle), np.sin(angle)
+        turn = about @ turn
     return _numbers(item.get("xyz", "0 0 0")), turn
 
 
-def _numbers(text: str) -> FloatArray:
+def _numbers(text: str) -> Real:
     return np.array([float(number) for number in text.split()])
-
-
-def _rotation(axis: FloatArray, angle: float) -> FloatArray:
-    """Rotation matrix by Rodrigues' formula."""
-    x, y, z = axis
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.asarray(np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross)

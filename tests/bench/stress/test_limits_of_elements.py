@@ -12,9 +12,8 @@ from machine_of_all_elements import everything
 from made_up_runs import EPS, Said, compared, mechanism, watched
 
 from benchmarks.stress.checks import elements as element_invariants
-from nipper_pin.dynamics.shaft import ShaftMotion
-from nipper_pin.dynamics.system import System
-from nipper_pin.mechanism import from_sources
+from benchmarks.stress.mechanics.planar_tree import PlanarTree
+from nipper_pin.mechanism import Mechanism, from_sources
 
 # Springs, dampers, tables, struts, how stiff the struts are and how fast all moves.
 ELEMENTS: dict[str, tuple[int, int, int, int, float, float]] = {
@@ -46,12 +45,14 @@ def test_limits_of_powers(monkeypatch: pytest.MonkeyPatch, case: str) -> None:
         applied_forces=lambda q, v: np.sin(q) + v**2, dissipation=lambda _, v: -v.sum(axis=1) - 3.0,
     )  # fmt: skip
 
-    def line(of: Any, strut: Any, q: Any, v: Any) -> tuple[float, float, float]:
-        assert of is system
+    def line(of: Any, reach_m: float, strut: Any, q: Any, v: Any) -> tuple[float, float, float]:
+        assert (of, reach_m) == ("the tree", 0.7)
         return 1.0 + q[strut.k] ** 2, fast * (-2.0 + strut.k), 1e-9 * abs(v[0] + strut.k)
 
     rows: list[tuple[Any, ...]] = []
     monkeypatch.setattr(element_invariants, "_line", line)
+    tree = SimpleNamespace(of=lambda told: "the tree" if told is machine else "")
+    monkeypatch.setattr(element_invariants, "PlanarTree", tree)
     monkeypatch.setattr(element_invariants, "_between_rows", lambda *a: rows.append(a) or ["row"])
     times = np.array([0.1, 0.2, 0.3])
     segment = SimpleNamespace(t_start=0.5)
@@ -77,7 +78,7 @@ def test_limits_of_powers(monkeypatch: pytest.MonkeyPatch, case: str) -> None:
         given += [-(np.cos(state[t.index]) + t.index) * rate[t.index]
                   for t in machine.tabulated_springs]  # fmt: skip
         for s in machine.struts:
-            length, opening, error = line(system, s, state, rate)
+            length, opening, error = line("the tree", 0.7, s, state, rate)
             spring = s.stiffness * (length - s.free_length)
             given.append(-spring * opening)
             taken.append(s.damping * opening**2)
@@ -120,24 +121,19 @@ def test_limits_of_tables(
 
 
 @pytest.fixture(scope="module")
-def system() -> System:
+def machine() -> Mechanism:
     source = everything()
-    machine = from_sources(source.name, source.urdf, source.description, source.folder)
-    return System(machine, ShaftMotion(machine, 9.0, 0.0))
+    return from_sources(source.name, source.urdf, source.description, source.folder)
 
 
 @pytest.mark.parametrize("fast", [1.0, 1e-6])
 @pytest.mark.parametrize("swapped", [False, True])
 @pytest.mark.parametrize("far", [1.0, 9.0])
-def test_lines_of_struts(system: System, fast: float, swapped: bool, far: float) -> None:
+def test_lines_of_struts(machine: Mechanism, fast: float, swapped: bool, far: float) -> None:
     """Length and rate by Pinocchio's frames; the points are far apart, near, or one on another."""
-    (strut, *_) = system.mechanism.struts
-    model = system.mechanism.model
+    (strut, *_) = machine.struts
+    tree, model, reach_m = PlanarTree.of(machine), machine.model, far * machine.reach_m
     data = model.createData()
-    body = system.body
-    like: Any = SimpleNamespace(mechanism=system.mechanism, body=SimpleNamespace(
-        reach_m=far * body.reach_m, placements=body.placements,
-        link_velocities=body.link_velocities))  # fmt: skip
     ends = (strut.frame_b, strut.frame_a) if swapped else (strut.frame_a, strut.frame_b)
     for names in (ends, ("frame", ends[1]), (ends[0], "frame"), (ends[0], ends[0])):
         item: Any = SimpleNamespace(frame_a=names[0], frame_b=names[1])
@@ -153,10 +149,10 @@ def test_lines_of_struts(system: System, fast: float, swapped: bool, far: float)
             rates = [pin.getFrameVelocity(model, data, k, axes).linear[[0, 2]] for k in frames]
             line, moving = places[1] - places[0], rates[1] - rates[0]
             length = float(np.hypot(*line))
-            reach = far * body.reach_m + max(abs(x) for place in places for x in place)
+            reach = reach_m + max(abs(x) for place in places for x in place)
             error = 64.0 * EPS * max(abs(v)) * max(reach, 1.0)
             error *= 1.0 + reach / max(length, EPS * reach)
-            told = element_invariants._line(like, item, q, v)
+            told = element_invariants._line(tree, reach_m, item, q, v)
             assert told[0] == pytest.approx(length, rel=1e-12, abs=0.0)
             rate = float(line @ moving) / length if length else 0.0
             assert told[1] == pytest.approx(rate, rel=1e-11, abs=1e-11 * fast)

@@ -66,11 +66,12 @@ class Balance:
     def stored(self, q: Any) -> Any:
         return self.springs * ((q**2).sum(axis=1) - 0.5)
 
-    def conditions(self, q: Any, closed: frozenset[str]) -> float:
-        at = [(k, j) for k, rows in enumerate(self.states) for j in range(len(rows))
-              if np.array_equal(rows[j], q)]  # fmt: skip
-        self.asked.append((*at[0], closed))
-        return float(self.condition * (1.0 + np.abs(q).max() + 7.0 * len(closed)))
+    def conditions(self, q: Any, closed: frozenset[str]) -> Any:
+        for state in q:
+            at = [(k, j) for k, rows in enumerate(self.states) for j in range(len(rows))
+                  if np.array_equal(rows[j], state)]  # fmt: skip
+            self.asked.append((*at[0], closed))
+        return self.condition * (1.0 + np.abs(q).max(axis=1) + 7.0 * len(closed))
 
     @property
     def solution(self) -> Any:
@@ -93,7 +94,7 @@ def test_limit_of_energy(monkeypatch: pytest.MonkeyPatch, case: str) -> None:
     low = frozenset({"low"})
     asked = [(k, j, low if k % 2 else frozenset()) for k in range(4) for j in counts[k]]
     assert run.asked == asked
-    condition = max(run.conditions(run.states[k][j], closed) for k, j, closed in asked)
+    condition = max(run.conditions(run.states[k][j][None], closed)[0] for k, j, closed in asked)
     energies = np.concatenate([run.stored(q) for q in run.states])
     scale = max(run.scale, energies.max())
     heights = [float(q @ run.body.w) for rows in run.states for q in rows]

@@ -27,13 +27,14 @@ class Equations:
         self.noise = noise * rng.uniform(0.5, 2.0, 5)
         self.A, self.B = stiff * rng.normal(size=(2, 5, 5))
 
-    def accelerations(self, t: float, q: Any, v: Any, closed: Any) -> Any:
+    def accelerations(self, t: Any, q: Any, v: Any, closed: Any) -> Any:
         assert closed == CLOSED
-        return 9.0 * t + self.A @ q + self.B @ v + 0.1 * v[::-1] ** 2 + 0.2 * q**2
+        late = 9.0 * np.asarray(t)[..., None]
+        return late + q @ self.A.T + v @ self.B.T + 0.1 * v[..., ::-1] ** 2 + 0.2 * q**2
 
-    def round_off(self, t: float, q: Any, v: Any, closed: Any) -> Any:
+    def round_off(self, t: Any, q: Any, v: Any, closed: Any) -> Any:
         assert closed == CLOSED
-        return self.noise * (t + abs(q) + 2.0 * abs(v))
+        return self.noise * (np.asarray(t)[..., None] + abs(q) + 2.0 * abs(v))
 
     def sizes(self, q: Any) -> Any:
         return self.size * (q + np.arange(5.0))
@@ -259,30 +260,35 @@ def built(patch: pytest.MonkeyPatch, states: int, off: float, speed: float) -> t
     M, h = one @ one.T, rng.normal(size=5)
     asked: list[Any] = []
 
-    class Text:
-        def __init__(self, urdf: str, description: Any, order: list[str]) -> None:
-            assert (urdf, description, order) == ("urdf", {"a": 1}, ["j", "k"])
+    class Tree:
+        gravity, masses = 9.0, np.array([1.0, 2.0, 0.0])
+        moved = np.array([[1, 1, 1, 0, 0], [0, 1, 1, 0, 1], [1, 1, 1, 1, 0], [0, 0, 0, 0, 0]])
 
-        def inertias(self, q: Any) -> Any:
+        @classmethod
+        def of(cls, told: Any) -> Tree:
+            assert told is machine
+            return cls()
+
+        def mass_matrix(self, q: Any) -> Any:
             asked.append(q)
-            size = np.abs(h) + np.arange(5.0)
-            size[4] = 0.0
-            return SimpleNamespace(mass_matrix=M, weight=h, weight_size=size)
+            return M
+
+        def inverse_dynamics(self, _: Any, v: Any, a: Any) -> Any:
+            assert not np.any([v, a])
+            return h
 
     def dynamics(q: Any, v: Any, a: Any) -> Any:
         assert not v.any()
         assert not a.any()
         return h + off * q
 
-    machine = SimpleNamespace(
-        urdf="urdf", description={"a": 1}, joints=[SimpleNamespace(name=n) for n in "jk"]
-    )
+    machine = SimpleNamespace()
     body = SimpleNamespace(
         mass_matrix=lambda q: M - off * np.outer(q, q), inverse_dynamics=dynamics
     )
     q = rng.normal(size=(2 * states, 5))
     looked = [(None, SimpleNamespace(q=q[2 * k : 2 * k + 2]), None) for k in range(states)]
-    patch.setattr(model_invariants, "Text", Text)
+    patch.setattr(model_invariants, "PlanarTree", Tree)
     patch.setattr(model_invariants, "samples", lambda _: looked)
     told = {"spring s": (1.0, -2.0), "damper d": (3.0,)}
     found = {"spring s": (1.0 - 20.0 * EPS, -2.0 + 20.0 * EPS), "damper d": (3.0,)}
@@ -302,7 +308,8 @@ def built(patch: pytest.MonkeyPatch, states: int, off: float, speed: float) -> t
             for i in range(5) for j in range(5)
         )  # fmt: skip
         wanted.append(("mass matrix is not that of the text [share]", share, 1e-10))
-        size = [*(abs(h) + np.arange(5.0))[:4], 1e-300]
+        sizes = [9.0 * math.sqrt(m * M[k, k]) for k, m in enumerate([1.0, 3.0, 3.0, 0.0, 2.0])]
+        size = [max(item, 1e-300) for item in sizes]
         share = max(abs(off * state[i]) / size[i] for i in range(5))
         wanted.append(("weight is not that of the text [share]", share, 1e-10))
     wanted.append(("period is not that of the speed [share]", abs(0.25 * speed / 60.0 - 1.0),

@@ -40,16 +40,17 @@ class Equations:
 
     def __init__(self, springs: float, train: float, drives: int, rows: int) -> None:
         rng = np.random.default_rng(8)
-        self.tree, self.forces = self, self
+        self.forces = self
         self.k, self.d = springs * rng.normal(size=5), springs * rng.normal(size=5)
         self.stiffness = train * np.array([0.5, 1.0][:drives])
         self.G = rng.normal(size=(rows, 5))
 
     def closures(self, q: Any) -> Any:
-        return 1e-3 * (q[: len(self.G)] - 0.5), self.G * (1.0 + q[1] ** 2)
+        rows = self.G * (1.0 + q[..., 1, None, None] ** 2)
+        return 1e-3 * (q[..., : len(self.G)] - 0.5), rows
 
     def of_elements(self, q: Any, v: Any) -> Any:
-        return -self.k * q - self.d * v, np.full(5, np.nan)
+        return -self.k * q - self.d * v, np.full(q.shape, np.nan)
 
     def tension(self, q: Any, v: Any) -> float:
         return float(np.abs(q).sum() + 3.0 * np.abs(v).sum())

@@ -24,6 +24,7 @@ from benchmarks.stress.machines.parts import (
 from benchmarks.stress.machines.small_machines import four_bar
 from benchmarks.stress.mechanics.chain_sizes import ChainSizes
 from benchmarks.stress.mechanics.equations import Equations
+from benchmarks.stress.mechanics.planar_tree import PlanarTree
 from nipper_pin.mechanism import Mechanism, from_sources
 
 AXES, BODY = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED, pin.FrameType.BODY
@@ -154,7 +155,7 @@ class Ways:
 @pytest.mark.parametrize("name", MACHINES)
 def test_sizes_of_chains(machines: dict[str, Mechanism], name: str) -> None:
     machine = machines[name]
-    sizes = ChainSizes(machine)
+    sizes = ChainSizes(PlanarTree.of(machine))
     parents = machine.model.parents
     longest = 0
     for body in range(machine.model.njoints):
@@ -291,7 +292,7 @@ class Plain:
         return a, unknowns, matrix, G, size
 
     def roundings(self) -> float:
-        return 2.0 * EPS * (ChainSizes(self.machine).longest + 2.0)
+        return 2.0 * EPS * (ChainSizes(PlanarTree.of(self.machine)).longest + 2.0)
 
     def round_off(self, t: float, q: Any, v: Any, closed: frozenset[str]) -> Any:
         a, unknowns, matrix, G, size = self.solved(t, q, v, closed)
@@ -304,7 +305,7 @@ class Plain:
         opened += abs(G[:, loose]) @ (abs(np.linalg.pinv(matrix[:n, :n])) @ pushed)
         wrong, eliminated = np.concatenate([pushed, opened]), 1.5 * EPS * (n + len(G))
         wrong = self.roundings() * wrong + eliminated * (abs(matrix) @ abs(unknowns))
-        unsure = eliminated * ChainSizes(self.machine).still(q, a)
+        unsure = eliminated * ChainSizes(PlanarTree.of(self.machine)).still(q, a)
         unsure[[k for k in range(len(q)) if k not in loose]] = 0.0
         unsure[loose] += (abs(np.linalg.inv(matrix)) @ wrong)[:n]
         return unsure
@@ -360,20 +361,21 @@ def test_equations_and_their_round_off(
 def test_places_of_cuts_and_struts(machines: dict[str, Mechanism], name: str) -> None:
     """Gaps go from frame b to frame a, lines of struts from their first point to the second."""
     plain = Plain(machines[name], True)
-    tree = Equations(plain.solution).tree
+    asked = Equations(plain.solution)
     for q, v, _ in states(plain.model.nv):
         plain.look(q, v)
         gaps, G, opening = plain.closures()
-        for one, other in zip((*tree.closures(q), tree.opening(q, v)), (gaps, G, opening),
-                              strict=True):  # fmt: skip
+        told = *asked.closures(q), asked.tree.closure(q, v, np.zeros(len(q)), world=True)[2]
+        for one, other in zip(told, (gaps, G, opening), strict=True):
             assert one.shape == other.shape
             assert one == pytest.approx(other, rel=1e-9, abs=1e-9)
-        for strut, pull in zip(plain.machine.struts, tree.pulls(q, v), strict=True):
+        pulls = asked.forces.pulls(q, v)
+        for strut, pull in zip(plain.machine.struts, pulls, strict=True):
             first, second = plain.at(strut.frame_a), plain.at(strut.frame_b)
             assert pull.strut is strut
-            assert pull.line == pytest.approx(second[0] - first[0], abs=1e-12)
-            assert pull.jacobian == pytest.approx(second[1] - first[1], abs=1e-12)
-            assert pull.length == pytest.approx(float(np.hypot(*pull.line)), rel=1e-14, abs=0.0)
+            assert pull.line == pytest.approx((second[0] - first[0]) @ [1.0, 1.0j], abs=1e-12)
+            assert pull.jacobian == pytest.approx([1.0, 1.0j] @ (second[1] - first[1]), abs=1e-12)
+            assert pull.length == pytest.approx(abs(pull.line), rel=1e-14, abs=0.0)
 
 
 @pytest.mark.parametrize("name", MACHINES)
@@ -435,7 +437,7 @@ def test_small_machines(links: int) -> None:
     """Lengths, forces and accelerations below one: no size has a least one."""
     plain = Plain(small(np.random.default_rng(links), links), True)
     plain.law = plain.law * 1e-3
-    sizes, equations = ChainSizes(plain.machine), Equations(plain.solution)
+    sizes, equations = ChainSizes(PlanarTree.of(plain.machine)), Equations(plain.solution)
     rng = np.random.default_rng(4)
     q, v, a = 1e-2 * rng.normal(size=(3, links))
     ways = Ways(plain.machine, q)
@@ -477,7 +479,8 @@ def test_a_small_loop() -> None:
     a, *_ = plain.solved(0.0, q, v, frozenset())
     opened = plain.ways.opened(v, a)
     assert 0.0 < max(opened) < 0.1
-    assert ChainSizes(machine).of(q, v, a)[1].tolist() == pytest.approx(opened, rel=1e-12, abs=0.0)
+    told = ChainSizes(PlanarTree.of(machine)).of(q, v, a)[1]
+    assert told.tolist() == pytest.approx(opened, rel=1e-12, abs=0.0)
     unsure = plain.round_off(0.0, q, v, frozenset())
     assert equations.round_off(0.0, q, v, frozenset()) == pytest.approx(unsure, rel=1e-6, abs=0.0)
     condition = plain.condition(q, frozenset())
@@ -502,9 +505,11 @@ def test_conditions_that_are_none(machines: dict[str, Mechanism]) -> None:
     """A pin that nothing can move, in one direction or both, has a condition without bounds."""
     plain = Plain(machines["links"], True)
     equations: Any = Equations(plain.solution)
-    q, mass = np.zeros(plain.model.nv), equations.tree.mass
+    q, mass = np.zeros(plain.model.nv), equations.tree.mass_matrix
     for moved in (0.0, 1.0):
         rows = np.zeros((2, len(q)))
         rows[1, 2] = moved
-        equations.tree = SimpleNamespace(closures=lambda _, G=rows: (np.zeros(2), G), mass=mass)
+        equations.tree = SimpleNamespace(
+            closure_jacobian=lambda *_, G=rows, **__: G, mass_matrix=mass
+        )
         assert equations.condition(q, frozenset()) == np.inf

@@ -95,13 +95,14 @@ def foreign(path: Path) -> list[tuple[str, str]]:
 def test_files_that_judge_are_found() -> None:
     names = {path.stem for path in judging()}
     assert names >= {"agreement", "applied_forces", "elements", "equations", "flights", "impacts",
-                     "invariants", "observations", "plain_tree", "rebounds"}  # fmt: skip
+                     "invariants", "observations", "planar_tree", "rebounds"}  # fmt: skip
     assert not names & RUNNING
 
 
 @pytest.mark.parametrize("path", judging(), ids=lambda path: path.stem)
 def test_the_judge_imports_nothing_of_the_engines_but_results(path: Path) -> None:
     assert foreign(path) == []
+    assert "pinocchio" not in {module for module, _ in imports(path)}
     used = [n for n in ast.walk(ast.parse(path.read_text())) if isinstance(n, ast.Attribute)]
     assert not {node.attr for node in used} & COMPUTING
     # The judge's own are asked of its own equations.
