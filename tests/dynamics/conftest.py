@@ -10,8 +10,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from planar_tree import PlanarTree
-
+from benchmarks.stress.mechanics.planar_tree import PlanarTree
 from nipper_pin.dynamics.shaft import ShaftMotion
 from nipper_pin.dynamics.system import DriveMode, System
 from nipper_pin.hybrid.case import Case
@@ -36,7 +35,7 @@ def mechanism(e62: Mechanism) -> Mechanism:
 
 @pytest.fixture(scope="session")
 def tree(mechanism: Mechanism) -> PlanarTree:
-    return PlanarTree(mechanism)
+    return PlanarTree.of(mechanism)
 
 
 @pytest.fixture(scope="session")

@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from planar_tree import PlanarTree
 from test_constrained_accelerations import kkt
 
+from benchmarks.stress.mechanics.planar_tree import PlanarTree
 from nipper_pin import DriveMode, load
 from nipper_pin.dynamics.multipliers import multipliers
 from nipper_pin.dynamics.shaft import ShaftMotion
@@ -23,7 +23,9 @@ from nipper_pin.mechanism import Mechanism
 
 BOTH = frozenset({"jaw", "steeve"})
 DRIVES = ("pendulum", "tension")
-RELATIVE = 1e-11
+# The condition of the linear system is 3.5e4 after scaling, so each rounding of its 13 unknowns may
+# be 8e-12 of the largest acceleration: last digits of a state move the engine's by 2e-11.
+RELATIVE = 1e-10
 
 
 class State(NamedTuple):
@@ -106,7 +108,7 @@ def test_which_stay_closed() -> None:
     for preload in (5.0, 200.0):
         changes = {f"drives.{name}.reflected_inertia_kg_m2": 0.02 for name in DRIVES}
         mechanism = load("e62", {"springs.steeve.preload_length_mm": preload, **changes})
-        tree = PlanarTree(mechanism)
+        tree = PlanarTree.of(mechanism)
         system = System(mechanism, ShaftMotion(mechanism, 50.0, 1.0), DriveMode.INERTIAL)
         for state in both_closed(mechanism, tree, 40, 5):
             legal = []

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from planar_tree import PlanarTree
 
+from benchmarks.stress.mechanics.planar_tree import PlanarTree
 from nipper_pin.dynamics.assembly import close_positions, close_velocities, partition
 from nipper_pin.dynamics.multibody import Multibody
 from nipper_pin.dynamics.shaft import ShaftMotion

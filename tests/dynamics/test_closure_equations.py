@@ -3,8 +3,8 @@
 from collections.abc import Callable
 
 import numpy as np
-from planar_tree import PlanarTree
 
+from benchmarks.stress.mechanics.planar_tree import PlanarTree
 from nipper_pin.dynamics.multibody import Multibody
 from nipper_pin.dynamics.system import DriveMode, System
 from nipper_pin.hybrid.case import Case

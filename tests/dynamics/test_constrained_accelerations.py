@@ -13,8 +13,9 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from planar_tree import PlanarTree, constrained
+from dense import constrained
 
+from benchmarks.stress.mechanics.planar_tree import PlanarTree
 from nipper_pin.dynamics.assembly import partition
 from nipper_pin.dynamics.multipliers import multipliers
 from nipper_pin.dynamics.system import DriveMode, System

@@ -3,8 +3,8 @@
 from collections.abc import Callable
 
 import numpy as np
-from planar_tree import PlanarTree
 
+from benchmarks.stress.mechanics.planar_tree import PlanarTree
 from nipper_pin.dynamics.system import System
 
 MakeSystem = Callable[..., System]

@@ -11,8 +11,9 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from planar_tree import PlanarTree, constrained
+from dense import constrained
 
+from benchmarks.stress.mechanics.planar_tree import PlanarTree
 from nipper_pin.dynamics.impact import Impact, arrest, collide, drive_impulses
 from nipper_pin.dynamics.moving_mass import impact_condition
 from nipper_pin.dynamics.shaft import ShaftMotion
@@ -22,8 +23,9 @@ from nipper_pin.mechanism import Mechanism, find_model, load
 
 MakeSystem = Callable[..., System]
 modes = pytest.mark.parametrize("drive", list(DriveMode))
-# As for accelerations: condition of the scaled matrix, about 1e4, times eps is 2e-12.
-RELATIVE = 1e-11
+# As for accelerations: condition of the scaled matrix, about 1e4, times eps is 2e-12; with both
+# stops closed and shafts that give way it is 3.5e4, and each rounding of 13 unknowns counts.
+RELATIVE, BOTH_CLOSED = 1e-11, 1e-10
 
 
 @dataclass(frozen=True)
@@ -80,14 +82,14 @@ def _dense(tree: PlanarTree, system: System, q, v, active, e):
     return constrained(M, M @ v, A, np.concatenate([np.zeros(len(G)), rates]))
 
 
-def _agrees(tree, system, q, v, impact: Impact, names, e) -> None:
+def _agrees(tree, system, q, v, impact: Impact, names, e, most=RELATIVE) -> None:
     """The impact is the dense solution with these stops active."""
     stops = [system.mechanism.stop(name) for name in names]
     v_after, P = _dense(tree, system, q, v, [stop.index for stop in stops], e)
     jump = np.abs(v_after - v).max()
     m = system.body.closure_rows
-    assert np.abs(impact.v_after - v_after).max() <= RELATIVE * jump
-    scale = RELATIVE * np.abs(P).max()
+    assert np.abs(impact.v_after - v_after).max() <= most * jump
+    scale = most * np.abs(P).max()
     assert np.abs(impact.P_g - P[:m]).max() <= scale
     found = [impact.P_N[name] for name in names]
     assert np.abs(np.array(found) - P[m : m + len(names)]).max() <= scale
@@ -299,7 +301,7 @@ def test_opposed_stops_jam_held_drives(opposed: Mechanism) -> None:
     The same impact has a solution once the shafts may change their speed, with impulses at both
     stops: it is the jam that is refused.
     """
-    tree = PlanarTree(opposed)
+    tree = PlanarTree.of(opposed)
     stops = [opposed.stop(name) for name in ("jaw", "steeve")]
     rng = np.random.default_rng(15)
     shaft = ShaftMotion(opposed, 50.0, 1.0)
@@ -310,7 +312,8 @@ def test_opposed_stops_jam_held_drives(opposed: Mechanism) -> None:
             collide(held, meeting.q, v, meeting.G, stops, [0.2, 0.2])
         assert caught.value.evidence["rates_before"] == [-1.0, 0.0]
         impact = collide(inertial, meeting.q, v, meeting.G, stops, [0.2, 0.2])
-        _agrees(tree, inertial, meeting.q, v, impact, ["jaw", "steeve"], [0.2, 0.2])
+        names = ["jaw", "steeve"]
+        _agrees(tree, inertial, meeting.q, v, impact, names, [0.2, 0.2], BOTH_CLOSED)
         assert min(impact.P_N.values()) > 0.0
 
 
@@ -322,7 +325,7 @@ def test_a_stop_that_moves_apart_is_not_pulled_back(opposed: Mechanism, drive: D
     rebound: a set of stops with xi >= 0 everywhere that only P >= 0 rules out. The steeve stands
     first in order, so that set is tried before the right one, the jaw alone.
     """
-    tree = PlanarTree(opposed)
+    tree = PlanarTree.of(opposed)
     stops = [opposed.stop(name) for name in ("steeve", "jaw")]
     indices = [stop.index for stop in stops]
     rng = np.random.default_rng(16)

@@ -6,17 +6,13 @@ M (v+ - v-) is formed from velocities whose last digit is eps |v|, so a toleranc
 impulses plus a few eps of the momenta themselves.
 """
 
-import sys
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "dynamics"))
-
-from planar_tree import Motion, PlanarTree
-
+from benchmarks.stress.mechanics.model_text import Frame
+from benchmarks.stress.mechanics.planar_tree import Motion, PlanarTree
 from nipper_pin.hybrid.case import Case
 from nipper_pin.hybrid.event import Event, EventKind
 from nipper_pin.hybrid.result.solution import Solution
@@ -40,7 +36,7 @@ def run(request: pytest.FixtureRequest, e62: Mechanism) -> Solution:
 
 @pytest.fixture(scope="module")
 def tree(run: Solution) -> PlanarTree:
-    return PlanarTree(run.mechanism)
+    return PlanarTree.of(run.mechanism)
 
 
 def collisions(run: Solution) -> Iterator[Event]:
@@ -201,16 +197,17 @@ def test_subsystems_gain_the_angular_momentum_of_the_outer_impulses(
     for event in collisions(run):
         motion, linear, angular, floor = _jumps(run, tree, event)
         cut = {}
-        for i, (name, ((link, local), _)) in enumerate(zip(closures, tree.closures, strict=True)):
-            force = complex(*event.P_g[2 * i : 2 * i + 2]) * np.exp(1j * motion.angle[link])
-            cut[name] = (motion.point(link, local)[0], force)
+        for i, (name, ends) in enumerate(zip(closures, tree.closures, strict=True)):
+            force = complex(*event.P_g[2 * i : 2 * i + 2]) * motion.axes(ends)[0]
+            cut[name] = (motion.points(ends)[0][0], force)
         bottom = names["bottom_nipper"]
         turn = np.exp(1j * motion.angle[bottom])
         local = complex(*contact.point[[0, 2]]) - touch.origin[bottom]
         lip = event.P_N.get("jaw", 0.0) / jaw.lever * complex(*contact.normal[[0, 2]]) * turn
         lips += bool(lip)
+        met = motion.points([Frame(bottom, local, 1.0)])[0][0]
         outer = {
-            "jaw": [(motion.point(bottom, local)[0], lip), cut["eccentric_pin"]],
+            "jaw": [(met, lip), cut["eccentric_pin"]],
             "rod": [cut["eccentric_pin"]],
             "rocker": [cut["rocker_axis"]],
             "eccentric": [(cut["eccentric_pin"][0], -cut["eccentric_pin"][1])],

@@ -6,17 +6,12 @@ the test's own, exact to round-off. Balances are differences of forces up to the
 round-off is some 1e-13 of that; 1e-10 is asked for.
 """
 
-import sys
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "dynamics"))
-
-from planar_tree import Motion, PlanarTree
-
+from benchmarks.stress.mechanics.planar_tree import Motion, PlanarTree
 from nipper_pin.hybrid.case import Case
 from nipper_pin.hybrid.event import EventKind
 from nipper_pin.hybrid.result.solution import Solution
@@ -63,7 +58,7 @@ def sample(request: pytest.FixtureRequest, e62: Mechanism) -> Sample:
     t = np.array(times)
     motion = run.trajectory.evaluate(t)
     forces = run.trajectory.reactions(t)
-    return Sample(run, PlanarTree(run.mechanism), t, motion.q, motion.v, forces, closed)
+    return Sample(run, PlanarTree.of(run.mechanism), t, motion.q, motion.v, forces, closed)
 
 
 def _joint_wrench(sample: Sample, link: int, row: int) -> tuple[complex, float]:
@@ -97,12 +92,10 @@ def _acting(
         x, z, m = joints[link.joint]
         act(i, motion.origin[i], complex(x, z), m)
         act(link.parent, motion.origin[i], -complex(x, z), -m)
-    for closure, ((a, local_a), (b, local_b)) in zip(
-        mechanism.closures, tree.closures, strict=True
-    ):
+    for closure, ends in zip(mechanism.closures, tree.closures, strict=True):
         f = complex(*closures[closure.name])
-        act(a, motion.point(a, local_a)[0], f)
-        act(b, motion.point(b, local_b)[0], -f)
+        for end, place, sense in zip(ends, motion.points(ends)[0], (1.0, -1.0), strict=True):
+            act(end.body, place, sense * f)
     contact, jaw = mechanism.stop("jaw").contact, mechanism.stop("jaw").index
     assert contact is not None
     above = tree.links[jaw].parent
