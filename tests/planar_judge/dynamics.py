@@ -54,9 +54,8 @@ class Dynamics:
         shafts = [] if held else [drive.inertia for drive in machine.drives]
         self.mass = np.array([m for b in bodies for m in (b.mass, b.mass, b.inertia)] + shafts)
         self.weight = np.zeros(self.size)
-        self.weight[1 : self.bodies : 3] = [
-            -body.mass * machine.document["gravity_m_s2"] for body in bodies
-        ]
+        gravity = machine.links.steepness * machine.document["gravity_m_s2"]
+        self.weight[1 : self.bodies : 3] = [-gravity * body.mass for body in bodies]
         reach = self.geometry.reach
         floor = _SMALL * max(body.mass for body in bodies) * reach**2
         self.scale = 1.0 / np.sqrt(np.maximum(self.mass, floor))

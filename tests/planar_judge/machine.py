@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .laws import Law, extreme, read_laws
-from .links import Array, Links, read_links, turned
+from .links import Array, Links, read_links, vector
 
 
 class Pin(NamedTuple):
@@ -170,13 +170,12 @@ def _closure(machine: Machine, name: str, item: Mapping[str, Any]) -> None:
     if "slot_axis" not in item:
         machine.pins.append(Pin(name, first, second))
         return
-    axis = np.array([1.0, 0.0] if item["slot_axis"] == "x" else [0.0, 1.0])
-    direction = turned(one.angle) @ axis
+    direction = vector(one.axes * (1.0 if item["slot_axis"] == "x" else 1.0j))
     offset = float(direction @ (other.place - one.place))
     machine.coordinates[name] = len(machine.lines)
     machine.lines.append(Line(name, first, second, direction, offset))
     if other.body:
-        machine.links.bodies[other.body].add(item["block_mass_kg"], 0.0, other.place)
+        machine.links.bodies[other.body].add(item["block_mass_kg"], other.place)
 
 
 def _columns(item: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
