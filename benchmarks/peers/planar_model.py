@@ -4,22 +4,18 @@ from __future__ import annotations
 
 import cmath
 
-from nipper_pin.arrays import FloatArray
+import numpy as np
+
 from nipper_pin.errors import InputError
 from nipper_pin.mechanism import Mechanism, rad_s_from_rpm
-from nipper_pin.mechanism.build.placements import joint_placements
 from nipper_pin.mechanism.drives import Geared, OscillatingGuide
 
+from ..stress.mechanics.planar_tree import PlanarTree
 from .planar import Planar, cross, dot, frame
 
 _JOINTS = ("pendulum_shaft", "nipper_pivot", "rocker_pin", "jaw", "rod_pin", "steeve",
            "tension_shaft")  # fmt: skip
 _FRAMES = ("cylinder_axis", "eccentric_pin")
-
-
-def _point(vector: FloatArray) -> complex:
-    """Side view of a point: x + i z."""
-    return complex(vector[0], vector[2])
 
 
 def e62_laws(mechanism: Mechanism) -> tuple[OscillatingGuide, Geared] | None:
@@ -39,24 +35,6 @@ def e62_laws(mechanism: Mechanism) -> tuple[OscillatingGuide, Geared] | None:
     return pendulum, gears
 
 
-def _points(mechanism: Mechanism) -> dict[str, complex]:
-    """Points at the touch by joint or frame [m]."""
-    model, placements = mechanism.model, joint_placements(mechanism.model)
-    found = {name: _point(placements[model.getJointId(name)].translation) for name in _JOINTS}
-    for name in _FRAMES:
-        frame = model.frames[model.getFrameId(name)]
-        found[name] = _point((placements[frame.parentJoint] * frame.placement).translation)
-    return found
-
-
-def _body(mechanism: Mechanism, joint: str) -> tuple[float, complex, float]:
-    """Mass [kg], centre of mass [m], inertia about it [kg m^2]."""
-    identity = mechanism.model.getJointId(joint)
-    inertia = mechanism.model.inertias[identity]
-    centre = joint_placements(mechanism.model)[identity].act(inertia.lever)
-    return float(inertia.mass), _point(centre), float(inertia.inertia[1, 1])
-
-
 def planar_model(mechanism: Mechanism, speed_rpm: float) -> Planar:
     """Read the numbers of the equation.
 
@@ -72,10 +50,13 @@ def planar_model(mechanism: Mechanism, speed_rpm: float) -> Planar:
         joints = [joint.name for joint in mechanism.joints]
         raise InputError(message, joints=joints, drives=[item.name for item in mechanism.drives])
     (pendulum, gears), cylinder = laws, mechanism.cylinder
-    shaft, E, R, J, H, _, S, rocker_axis, X = _points(mechanism).values()
-    (m4, c4, I4), (m6, c6, I6), (m5, c5, I5) = (
-        _body(mechanism, name) for name in ("jaw", "rod_pin", "steeve")
-    )
+    tree = PlanarTree.of(mechanism)
+    touch = tree.motion(*np.zeros((3, tree.nv)))
+    places = dict(zip((link.joint for link in tree.links), touch.origin.tolist(), strict=True))
+    shaft, E, R, J, H, _, S = (places[name] for name in _JOINTS)
+    rocker_axis, X = touch.points([tree.frames[name] for name in _FRAMES])[0].tolist()
+    bodies = dict(zip(places, zip(tree.links, touch.com.tolist(), strict=True), strict=True))
+    (b4, c4), (b6, c6), (b5, c5) = (bodies[name] for name in ("jaw", "rod_pin", "steeve"))
     crank_axis, guide_axis = complex(*pendulum.crank_axis), complex(*pendulum.guide_axis)
     psi = cylinder.angle_at_touch_rad
     pin = crank_axis + pendulum.crank_radius_m * cmath.exp(1j * psi) - guide_axis
@@ -104,11 +85,11 @@ def planar_model(mechanism: Mechanism, speed_rpm: float) -> Planar:
         length=abs(X - H),
         com5=(c5 - X) / u,
         com6=(c6 - H) / u,
-        mass4=m4,
-        mass5=m5,
-        mass6=m6,
-        inertia4=I4,
-        inertia56=I5 + I6,
+        mass4=b4.mass,
+        mass5=b5.mass,
+        mass6=b6.mass,
+        inertia4=b4.inertia,
+        inertia56=b5.inertia + b6.inertia,
         stiffness=spring.stiffness,
         preload=spring.preload,
         gravity=mechanism.gravity_m_s2,
