@@ -54,9 +54,7 @@ class Setting:
     """One way to run a peer.
 
     Attributes:
-        label: What tables show.
         value: Step [s] of a fixed-step peer, relative tolerance of an adaptive one.
-        quick: Part of a quick benchmark.
         method: Variant of the peer, where it has more than one.
     """
 
@@ -77,12 +75,7 @@ class Peer(Protocol):
     SETTINGS: tuple[Setting, ...]
 
     def prepare(self, mechanism: Mechanism, speed_rpm: float) -> Run:
-        """Do everything that is done once (models, compilation); what is returned is timed.
-
-        Args:
-            mechanism: The E62, or another set of numbers for it.
-            speed_rpm: Cylinder speed [r/min].
-        """
+        """Do everything that is done once (models, compilation); what is returned is timed."""
         ...
 
 
@@ -91,7 +84,6 @@ class Bounces:
     """Collisions of the jaw as an event loop finds them.
 
     Attributes:
-        restitution: e_N of the jaw.
         rate: Rebound rate of the first collision [rad/s].
         deceleration: Of the jaw after the first collision [rad/s^2].
         closing: Relative uncertainty of the limit at which the series is closed.

@@ -21,7 +21,6 @@ class Benchmark:
     """Everything that one run found.
 
     Attributes:
-        quick: True for the short form.
         environment: Versions, processor, cores, threads.
         engines: Work against precision of this package's engines.
         accuracy: Errors of the direct engine in every certified transition.

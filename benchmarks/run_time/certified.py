@@ -49,8 +49,6 @@ class Certified:
     """Certified numbers of one transition, rounded to double precision.
 
     Attributes:
-        name: Name of the case.
-        speed_rpm: Cylinder speed [r/min].
         overrides: What differs from the model, by path.
         times: Collision times from the first one [s], shape (N,).
         impulses: Normal impulses at the lips [N s], shape (N,).

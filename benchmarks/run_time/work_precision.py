@@ -68,22 +68,13 @@ class Observed:
 class Row:
     """One engine, or peer, at one setting; None where it gives no result.
 
+    Times are those of a :class:`~.timing.Timing`, their median ``wall_ms``; errors are those of the
+    module, ``error_duration`` that of the transition time.
+
     Attributes:
-        engine: Name.
         setting: Tolerance or step, in words.
-        wall_ms: Median wall time [ms].
-        first_ms: First run [ms].
-        fastest_ms: Fastest run [ms].
-        spread_ms: Distance of the quartiles [ms].
-        runs: Runs after the first.
-        error_duration: Relative error of the transition time.
-        error_worst: Worst of first and second rebound time, first amplitude, transition time.
-        error_times: Worst of the collision times.
-        error_impulses: Worst of the impulses.
-        error_amplitudes: Worst of the amplitudes.
-        error_trajectory: Distance of the dense motion.
         evaluations: Evaluations of the dynamics, or steps.
-        version: Version of a peer's package.
+        version: Of a peer's package.
     """
 
     engine: str

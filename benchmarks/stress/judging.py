@@ -39,8 +39,6 @@ class Verdict:
     """Verdict on one trial.
 
     Attributes:
-        number: Number of the trial.
-        family: Its family.
         word: "right", "refused" or "wrong".
         kind: Type of the error of a refusal; the violated invariant, "hang" or "traceback" of a
             wrong one; how the run ended otherwise.

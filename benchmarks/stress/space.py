@@ -47,10 +47,7 @@ class Trial:
     """One trial: a model, possibly an impossible one, and what to do with it.
 
     Attributes:
-        number: Number in its campaign.
-        seed: Seed of the campaign.
         family: Part of the space that it belongs to.
-        source: The model as plain data.
         case: Arguments of :class:`~nipper_pin.Case`; ``resolution`` holds those of a Resolution.
     """
 
@@ -71,12 +68,7 @@ class Trial:
 
 
 def trial(seed: int, number: int, families: Sequence[str] = ()) -> Trial:
-    """Return the trial of that number.
-
-    Args:
-        seed: Seed of the campaign.
-        number: Number of the trial.
-        families: Families of the campaign, in turn; all by default.
+    """Return the trial of that number; families of the campaign come in turn, all by default.
 
     Raises:
         UnknownNameError: There is no such family.

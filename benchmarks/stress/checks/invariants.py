@@ -42,7 +42,6 @@ class Violation:
     """One violated invariant.
 
     Attributes:
-        kind: Which invariant.
         detail: Where, what was found and what is allowed.
     """
 

@@ -44,7 +44,6 @@ class Rod:
     """A rod that moves what a dyad moves.
 
     Attributes:
-        name: Name of the rod.
         length: Its length [mm].
         driving: Its driven end, shape (angles, 2) [mm].
         held: Where its other end is while the coordinate that it moves keeps a value [mm].

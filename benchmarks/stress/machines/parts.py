@@ -19,7 +19,6 @@ class Source:
     """A model as plain data.
 
     Attributes:
-        name: Name of the model.
         urdf: The URDF text.
         description: The TOML document.
         folder: Folder that relative mesh paths start from.

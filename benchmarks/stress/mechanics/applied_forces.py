@@ -25,7 +25,6 @@ class Pull(NamedTuple):
         tension: Its pull [N].
         line: From its first point to its second [m].
         length: Of the line [m], not zero.
-        rate: Of the length [m/s].
         jacobian: Of the line, shape (..., nv).
     """
 
@@ -33,7 +32,6 @@ class Pull(NamedTuple):
     tension: Real
     line: Complex
     length: Real
-    rate: Real
     jacobian: Complex
 
 
@@ -78,7 +76,7 @@ class AppliedForces:
             tau[..., table.index] -= pull
             size[..., table.index] += np.abs(pull) + np.abs(beside - pull) / EPS
         reach = self._chains.reach(q) if self._machine.struts else 0.0
-        for strut, tension, line, length, _, jacobian in self.pulls(q, v):
+        for strut, tension, line, length, jacobian in self.pulls(q, v):
             along = (line / length)[..., None]
             tau -= tension[..., None] * (along.conj() * jacobian).real
             # A length is a difference of places, and so is the direction of its line.
@@ -102,7 +100,7 @@ class AppliedForces:
             rate = (line.conj() * moving).real / length
             tension = strut.stiffness * (length - strut.free_length) + strut.damping * rate
             jacobian = columns[..., 1, :] - columns[..., 0, :]
-            yield Pull(strut, tension, line, length, rate, jacobian)
+            yield Pull(strut, tension, line, length, jacobian)
 
     def of_trains(self, t: Real, q: Real, v: Real) -> tuple[Real, Real]:
         """Torques of elastic drive trains, shape (..., drives), and the size of their terms."""

@@ -25,7 +25,6 @@ class _Solved(NamedTuple):
 
     Attributes:
         a: All accelerations, shape (..., nv).
-        loose: Coordinates that nothing prescribes.
         unknowns: Their accelerations and the closure forces, shape (..., n).
         matrix: Of the systems, shape (..., n, n).
         inverse: Sizes of the elements of its inverse.
@@ -127,11 +126,7 @@ class Equations:
     def accelerations(self, t: Real, q: Real, v: Real, closed: frozenset[str]) -> Real:
         """Solve M a + h = tau + G' la, G a + G_dot v = 0 with what is prescribed, shape (..., nv).
 
-        Args:
-            t: Times [s], shape (...).
-            q: Configurations, shape (..., nv).
-            v: Velocities, shape (..., nv).
-            closed: Names of the closed stops.
+        Times t have shape (...), configurations and velocities (..., nv); ``closed`` are stops.
         """
         return self._solve(t, q, v, closed).a
 

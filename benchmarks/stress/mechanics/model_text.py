@@ -40,7 +40,6 @@ class Link:
     """A moving link with all that is fixed to it, and the joint that carries it.
 
     Attributes:
-        name: Its name.
         joint: Name of the joint.
         parent: Number of the link that carries the joint; -1 is the frame.
         offset: Place of the joint, from the joint of the parent.
