@@ -215,12 +215,12 @@ def _forces(
     """M a + h = tau + G' la_g + W' la_N in every coordinate, and closed stops push."""
     system, tolerance = solution.system, solution.case.resolution.tolerance
     q, v, a = seen.q, seen.v, seen.a
-    inverse = system.body.inverse_dynamics(q, v, a)
+    inverse = equations.tree.inverse_dynamics(q, v, a)
     spring, _ = equations.forces.of_elements(q, v)
     left = inverse - spring - np.einsum("nij,ni->nj", G, seen.closures)
     size = np.abs(inverse) + np.abs(spring)
     # In free fall inertia and weight are the only forces and cancel.
-    size += np.abs(system.body.inverse_dynamics(q, v, np.zeros_like(a)))
+    size += np.abs(equations.tree.inverse_dynamics(q, v, np.zeros_like(a)))
     size += np.einsum("nij,ni->nj", np.abs(G), np.abs(seen.closures)) + 1e-300
     stops = [solution.mechanism.stop(name) for name in seen.stops]
     for stop in stops:
@@ -235,12 +235,11 @@ def _forces(
         size += wound
     # Moments of forces next to their joint, and of what turns evenly, are differences of products.
     reach = max(system.body.reach_m, 1.0)
-    model = solution.mechanism.model
-    acting = sum(item.mass for item in model.inertias) * float(np.linalg.norm(model.gravity.linear))
+    acting = float(equations.tree.masses.sum()) * equations.tree.gravity
     acting += equations.forces.tension(q, v) * len(solution.mechanism.struts)
     # The length of a strut is a difference of places.
     acting += system.body.reach_m * sum(item.stiffness for item in solution.mechanism.struts)
-    acting += 2.0 * _most(system.body.kinetic_energy(q, v)) / min(system.body.reach_m, 1.0)
+    acting += 2.0 * _most(equations.tree.kinetic_energy(q, v)) / min(system.body.reach_m, 1.0)
     size += 4.0 * EPS / BALANCED * acting * reach
     share = np.abs(left).max(axis=1) / size.max(axis=1)
     yield from beyond(f"{where}: equations of motion [share]", float(share.max()), BALANCED)

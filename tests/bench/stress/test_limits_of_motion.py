@@ -86,9 +86,11 @@ class Run:
         self.body.w *= springs
         self.held, self.driven, self.drives = held, driven, drives
         self.inertia = np.array([30.0, 0.5][:drives])
-        masses = [SimpleNamespace(mass=m) for m in (0.0, 3.0, 0.25)]
-        gravity = SimpleNamespace(linear=np.array([0.0, 3.0, -4.0]) * weight)
-        self.model = SimpleNamespace(inertias=masses, gravity=gravity)
+        self.weight = weight
+        self.equations.tree = SimpleNamespace(
+            masses=np.array([0.0, 3.0, 0.25]), gravity=5.0 * weight,
+            inverse_dynamics=self.body.inverse_dynamics, kinetic_energy=self.body.kinetic_energy,
+        )  # fmt: skip
         self.struts, self.tolerance, self.train = struts, tolerance, train
 
     @property
@@ -99,7 +101,7 @@ class Run:
             shaft=SimpleNamespace(driven=lambda t: 2.0 * t),
         )  # fmt: skip
         return SimpleNamespace(
-            mechanism=mechanism(struts=self.struts, model=self.model), system=system,
+            mechanism=mechanism(struts=self.struts), system=system,
             shaft=SimpleNamespace(period=0.2),
             case=SimpleNamespace(resolution=SimpleNamespace(tolerance=self.tolerance)),
         )  # fmt: skip
@@ -149,7 +151,7 @@ class Run:
             angles = largest(seen.q[:, self.driven])
             wound = 64.0 * EPS * max(self.equations.stiffness, default=0.0) * angles
         moving = [(v**2).sum() * (1.0 + q[0] ** 2) for q, v in zip(seen.q, seen.v, strict=True)]
-        acting = 3.25 * 5.0 * self.model.gravity.linear[1] / 3.0
+        acting = 3.25 * 5.0 * self.weight
         acting += self.equations.tension(seen.q, seen.v) * len(self.struts)
         acting += body.reach_m * sum(item.stiffness for item in self.struts)
         acting += 2.0 * max(moving) / min(body.reach_m, 1.0)
