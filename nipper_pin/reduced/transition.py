@@ -101,16 +101,14 @@ def transitions(
 
     Args:
         speed_rpm: Cylinder speeds [r/min], a number or shape (n,); so are all the others.
-        restitution: e_N of the transition stop.
         stiffness: Spring rates, shape (n,) with one spring or (n, springs) [N/m or N m/rad].
         preload: Deflections in the springs at zero, likewise [m or rad].
-        gravity: Gravity along -z [m/s^2].
-        rest_rate: None: the limit of the series. A number: rest at the first slower rebound.
-        tolerance: Relative accuracy of flights and of the limit.
         max_collisions: Largest number of collisions of a case, and columns of the tables.
         assumed: Whether transitions start in the initial phase even if the machine does not arrive
             so; else they are then those of the turn, and cases whose arrival the tables cannot
             tell are marked ``UNTOLD``.
+
+    All others are those of :func:`transition`.
 
     Returns:
         The batch; cases that did not come to rest are marked by their status.

@@ -70,17 +70,7 @@ def turn_torques(
 ) -> TurnTorques:
     """Largest torque of each drive in the turns of many cases.
 
-    Args:
-        speed_rpm: Cylinder speeds [r/min], a number or shape (n,); so are all the others.
-        turns: Largest number of turns of a case; fewer where they repeat.
-        start_index: Index at which turns start, in the initial phase.
-        restitution: e_N of the transition stop, or of stops by name; by default the mechanism's.
-        stiffness: Spring rates, shape (n,) with one spring or (n, springs) [N/m or N m/rad].
-        preload: Deflections in the springs at zero, likewise [m or rad].
-        last: How many turns to report, from the last one backwards; None for the last one alone.
-        rest_rate: None: series end at their limit. A number: rest at the first slower rebound.
-        tolerance: Relative accuracy of flights and of limits.
-        max_collisions: Largest number of collisions of a series of bounces, and per turn.
+    Arguments are those of :func:`~.quantities.turn_quantities`.
 
     Returns:
         The torques; cases that could not be followed are marked by their status.

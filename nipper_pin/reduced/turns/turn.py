@@ -79,13 +79,7 @@ def turns(
 
     Args:
         cycles: Number of turns; fewer are computed once they repeat.
-        start_index: Index at which turns start, in the initial phase.
-        restitution: e_N of the transition stop, or of stops by name; by default the mechanism's.
-        stiffness: Spring rates, one number or shape (springs,) [N/m or N m/rad].
-        preload: Deflections in the springs at zero, likewise [m or rad].
-        rest_rate: None: series end at their limit. A number: rest at the first slower rebound.
-        tolerance: Relative accuracy of flights and of limits.
-        max_collisions: Largest number of collisions of a series of bounces, and per turn.
+        others: As of :func:`~.quantities.turn_quantities`, for one case.
 
     Raises:
         InputError: A parameter is out of range, or the mechanism cannot be reduced.
