@@ -22,6 +22,7 @@ from .errors import (
     SingularConfigurationError,
     UnknownNameError,
 )
+from .first_use import at_first_use
 
 __version__ = "0.1.0"
 
@@ -65,18 +66,13 @@ else:
     }
     # Public functions with the name of a subpackage, which an import would put in their place.
     _ROOMS = ("view",)
-    _PLACE_OF = {name: place for place, names in _PLACES.items() for name in names}
+    _public = at_first_use(__name__, _PLACES)
 
     def __getattr__(name: str) -> object:
         """Import the module of a public name at its first use."""
         if name in _ROOMS:
             return import_module(f".{name}", __name__)
-        if name not in _PLACE_OF:
-            message = f"module {__name__!r} has no attribute {name!r}"
-            raise AttributeError(message)
-        value = getattr(import_module(f".{_PLACE_OF[name]}", __name__), name)
-        globals()[name] = value
-        return value
+        return _public(name)
 
     def __dir__() -> list[str]:
         """Return the public names, imported already or not."""

@@ -165,3 +165,5 @@ RESTITUTIONS: Register[Any] = Register("restitution law", "restitution", "Restit
 """Restitution laws."""
 STOPS: Register[Any] = Register("law of a stop's place", "stops", "StopTable")
 """Adjustable stops."""
+register_drive, register_force = DRIVES.add, FORCES.add
+register_restitution, register_stop = RESTITUTIONS.add, STOPS.add

@@ -5,35 +5,24 @@ here, named like the law, or a class in a user's own program that
 `register_restitution` makes known.
 """
 
-from importlib import import_module
 from typing import TYPE_CHECKING
 
+from ...first_use import at_first_use
+
 if TYPE_CHECKING:
-    from ..files.register import RESTITUTIONS
+    from ..files.register import register_restitution
     from .falling import Falling, FallingRestitution
     from .law import RestitutionLaw
     from .tables import RestitutionTable
-
-    register_restitution = RESTITUTIONS.add
 else:
     # The tables import the parser of model files, which a built mechanism does not need.
     _PLACES = {
+        ".files.register": ("register_restitution",),
         "falling": ("Falling", "FallingRestitution"),
         "law": ("RestitutionLaw",),
         "tables": ("RestitutionTable",),
     }
-    _PLACE_OF = {name: place for place, names in _PLACES.items() for name in names}
-
-    def __getattr__(name: str) -> object:
-        """Import the module of a public name at its first use."""
-        if name == "register_restitution":
-            return import_module("..files.register", __name__).RESTITUTIONS.add
-        if name not in _PLACE_OF:
-            message = f"module {__name__!r} has no attribute {name!r}"
-            raise AttributeError(message)
-        value = getattr(import_module(f".{_PLACE_OF[name]}", __name__), name)
-        globals()[name] = value
-        return value
+    __getattr__ = at_first_use(__name__, _PLACES)
 
 
 __all__ = [

@@ -79,7 +79,8 @@ def turns(
 
     Args:
         cycles: Number of turns; fewer are computed once they repeat.
-        others: As of :func:`~.quantities.turn_quantities`, for one case.
+
+    All others are those of :func:`~.quantities.turn_quantities`, for one case.
 
     Raises:
         InputError: A parameter is out of range, or the mechanism cannot be reduced.
