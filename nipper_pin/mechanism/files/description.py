@@ -172,6 +172,7 @@ class PhaseDescription(TomlTable, frozen=True, kw_only=True):
     Attributes:
         number: Number used in tables.
         name: What happens in it.
+        closed: Names of the closed stops.
     """
 
     number: Annotated[int, Meta(ge=1)]
@@ -193,6 +194,8 @@ class Description(TomlTable, frozen=True, kw_only=True):
         initial_phase: Phase at the start of a cycle.
         cylinder: The input shaft.
         drives: Driven joints, each moved by a law.
+        springs: Springs.
+        dampers: Dampers.
         forces: Force elements on joints, each with a law of its own.
         stops: Unilateral stops.
         closures: Cut joints.
