@@ -36,17 +36,24 @@ def falling(
     heights: tuple[float, ...],
     restitutions: tuple[float, ...] = RESTITUTIONS,
     rates: tuple[float, ...] = (0.0, 0.0, 0.0),
+    *,
+    sled: bool = False,
 ) -> Mechanism:
-    """Balls of 1, 2 and 3 kg at heights [m] above floors of their own, with rates [m/s]."""
-    parts: list[str] = []
+    """Balls of 1, 2 and 3 kg at heights [m] above floors of their own, with rates [m/s].
+
+    On a sled that nothing pushes they are one part of a machine, and move as without it.
+    """
+    parts = [link("sled", 1.0), slide("x", "frame", "sled", axis=(1.0, 0.0))] if sled else []
+    home = "sled" if sled else "frame"
     stops, initial = {}, {}
     for place, (height, e_N, rate) in enumerate(zip(heights, restitutions, rates, strict=True)):
         parts += [link(f"ball{place}", MASSES[place]),
-                  slide(f"z{place}", "frame", f"ball{place}", axis=(0.0, 1.0),
+                  slide(f"z{place}", home, f"ball{place}", axis=(0.0, 1.0),
                         at=(float(place), 0.0))]  # fmt: skip
         stops[f"s{place}"] = {"joint": f"z{place}", "restitution": e_N}
         initial[f"z{place}"] = {"at_mm": 1e3 * height, "rate_mm_per_s": 1e3 * rate}
-    return machine(parts, len(heights), gravity=G, stops=stops, initial=initial)
+    freedoms = len(heights) + sled
+    return machine(parts, freedoms, gravity=G, stops=stops, initial=initial)
 
 
 def bounces(height: float, rate: float, e_N: float, count: int) -> list[tuple[Any, ...]]:
@@ -84,15 +91,19 @@ def test_each_stop_has_a_row_with_its_own_loss(three: Solution) -> None:
         assert hit.energy_lost == pytest.approx(mass * G * 0.2 * (1.0 - e_N**2), rel=1e-13)
 
 
+@pytest.mark.parametrize("sled", [False, True])
 @pytest.mark.parametrize("slow", [0, 1, 2])
-def test_the_time_error_of_an_event_is_that_of_its_least_certain_stop(slow: int) -> None:
+def test_the_time_error_of_an_event_is_that_of_its_least_certain_stop(
+    slow: int, *, sled: bool
+) -> None:
     """One ball is thrown up to arrive with the others, and more slowly: its time is less sure."""
     fall = math.sqrt(2.0 * 0.2 / G)
     thrown = 0.4 * G * fall
     heights, rates = [0.2] * 3, [0.0] * 3
     heights[slow], rates[slow] = 0.5 * G * fall**2 - thrown * fall, thrown
     (first, second, third), (one, two, other) = heights, rates
-    solution = simulate(falling((first, second, third), rates=(one, two, other)), TURN)
+    mechanism = falling((first, second, third), rates=(one, two, other), sled=sled)
+    solution = simulate(mechanism, TURN)
     assert solution.events[0].stops == ("s0", "s1", "s2")
     strikes = {name: strike.time for name, strike in solution.errors[0].strikes.items()}
     assert max(strikes, key=lambda name: strikes[name]) == f"s{slow}"
