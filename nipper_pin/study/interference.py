@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Any
 
@@ -85,7 +85,7 @@ def clearances(solution: Solution, samples: int = 240) -> tuple[Clearance, ...]:
     events = [event.t for event in solution.events if start <= event.t <= end]
     times = np.unique(np.concatenate([np.linspace(start, end, samples), events]))
     motion = solution.trajectory.evaluate(times)
-    smallest: dict[tuple[str, str], Clearance] = {}
+    near_by: dict[tuple[str, str], list[Clearance]] = {}
     request, result = coal.DistanceRequest(), coal.DistanceResult()
     first, second = np.array(pairs, dtype=int).T
     radii = np.array([shape.radius for shape in shapes])
@@ -106,13 +106,19 @@ def clearances(solution: Solution, samples: int = 240) -> tuple[Clearance, ...]:
                 a.geometry, transforms[first[number]], b.geometry, transforms[second[number]],
                 request, result,
             )  # fmt: skip
-            key = (a.link, b.link)
-            if distance < _FAR_M and (key not in smallest or distance < smallest[key].distance_m):
+            if distance < _FAR_M:
                 touching = frozenset((a.link, b.link)) in lips
-                smallest[key] = Clearance(
-                    a.link, a.name, b.link, b.name, float(distance), index, touching
+                near_by.setdefault((a.link, b.link), []).append(
+                    Clearance(a.link, a.name, b.link, b.name, float(distance), index, touching)
                 )
-    return tuple(sorted(smallest.values(), key=lambda item: item.distance_m))
+    return tuple(sorted(map(_smallest, near_by.values()), key=lambda item: item.distance_m))
+
+
+def _smallest(places: list[Clearance]) -> Clearance:
+    """The smallest distance, at the first place that the tolerance does not tell from it."""
+    least = min(item.distance_m for item in places)
+    first = next(item for item in places if item.distance_m <= least + OVERLAP_M)
+    return replace(first, distance_m=least)
 
 
 def _shapes(mechanism: Mechanism) -> list[_Shape]:

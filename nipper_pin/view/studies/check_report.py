@@ -10,6 +10,7 @@ from ...hybrid.result.quantities import force_unit
 from ...mechanism import Mechanism, Stop
 from ...study.check import ModelReport
 from ...study.next_steps import NextSteps
+from ...terms import fixed
 from ...units import MM_PER_M
 from ..console import headline, paste, say, show_table
 from ..reading import damper_text, force_text, law_text, spring_text, stop_place
@@ -125,10 +126,10 @@ def _stops(report: ModelReport, console: Console) -> None:
         contact = stop.contact
         where = stop_place(report.mechanism, stop)
         if contact is not None:
-            x, _, z = MM_PER_M * contact.point
+            (x, _, z), (along, _, up) = MM_PER_M * contact.point, contact.normal
             where += (
-                f", meeting at ({x:.2f}, {z:.2f}) mm, normal ({contact.normal[0]:.3f}, "
-                f"{contact.normal[2]:.3f}), lever {_lever(report.mechanism, stop)}"
+                f", meeting at ({fixed(x, 2)}, {fixed(z, 2)}) mm, normal ({fixed(along, 3)}, "
+                f"{fixed(up, 3)}), lever {_lever(report.mechanism, stop)}"
             )
         if stop.leader:
             where += f", closing together with {stop.leader}"
