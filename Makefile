@@ -2,6 +2,7 @@
 # make test    the tests, without the longer ones (extras `all` and `dev`)
 # make test-all    these and the longer ones: pages in a browser, clusters, campaigns
 # make test-slow   the longer ones alone
+# make snapshots   the reviewed texts of tests/**/__snapshots__ anew; read the difference
 # make docs    the site of docs/ in out/site; any warning is an error
 # make check   lint, types, site and all tests
 # make benchmark   the benchmark of this machine (some minutes), and its page in docs/
@@ -28,7 +29,7 @@ FIGURES := $(BIN)/python scripts/maintain/figures
 PLOTS := $(addprefix $(IMAGES)/,$(addsuffix .png,cycle_650 transition impulses phases speed_limit \
   front_e62 main_effects_duration_s level_lines_duration_s))
 
-.PHONY: demo test test-slow test-all lint types docs check pictures benchmark stress clean
+.PHONY: demo test test-slow test-all snapshots lint types docs check pictures benchmark stress clean
 # Every target shares one environment, which only one pip may change at a time.
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
@@ -46,6 +47,9 @@ test-slow: $(DEV)
 	$(BIN)/python -m pytest -m slow $(PYTEST_ARGS)
 
 test-all: test test-slow
+
+snapshots: $(DEV)
+	$(BIN)/python -m pytest -q --snapshot-update $$(grep -rl 'import Words' tests)
 
 lint: $(DEV)
 	$(BIN)/ruff check .

@@ -18,6 +18,8 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 import not_tested
 import pytest
+from snapshots import Text, Words, without_the_machine
+from syrupy.assertion import SnapshotAssertion
 
 from nipper_pin.mechanism import Mechanism, load
 
@@ -40,6 +42,17 @@ def pytest_configure() -> None:
 @pytest.fixture(scope="session")
 def e62() -> Mechanism:
     return load("e62")
+
+
+@pytest.fixture
+def words(snapshot: SnapshotAssertion) -> Words:
+    """Says that a text is the reviewed one."""
+    reviewed = snapshot.use_extension(Text)
+
+    def check(text: str) -> None:
+        assert without_the_machine(text) == reviewed
+
+    return check
 
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)

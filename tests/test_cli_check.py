@@ -9,10 +9,6 @@ from pathlib import Path
 import pytest
 
 from nipper_pin.cli import main
-from nipper_pin.mechanism import load
-from nipper_pin.study.check import check_model
-from nipper_pin.study.next_steps import NextSteps, next_steps
-from tests.small_machines import frame, hinge, link, machine, slide
 
 
 def _advised(capsys: pytest.CaptureFixture[str], *words: str) -> list[list[str]]:
@@ -79,51 +75,3 @@ def test_a_start_that_cannot_be_assembled_names_the_loop_and_the_phase(
     assert "the loops do not close" in said
     assert "widest open is closure 'C'; turns start in phase 3 free (no stop closed)" in said
     assert "start_index has to lie in it" in said
-
-
-def test_a_stop_that_only_bounces_is_not_said_to_be_never_struck(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    """Without loss a wheel between two stops bounces on and on."""
-    from rich.console import Console
-
-    from nipper_pin.view.studies.check_report import print_report
-
-    parts = [link("sled"), slide("sled", "frame", "sled"),
-             link("ball"), slide("ball", "sled", "ball")]  # fmt: skip
-    stops = {"left": {"joint": "ball", "restitution": 1.0, "at_mm": -1.0},
-             "right": {"joint": "ball", "restitution": 1.0, "at_mm": 1.0,
-                       "side": "upper"}}  # fmt: skip
-    drives = {"sled": {"joint": "sled", "law": "screw", "lead_mm_per_turn": 5.0}}
-    springs = {"pull": {"joint": "ball", "stiffness_N_per_m": 100.0, "preload_length_mm": 5.0}}
-    report = check_model(machine(parts, 2, stops=stops, drives=drives, springs=springs), 60.0)
-    print_report(report, NextSteps((), ()), Console(width=200))
-    said = capsys.readouterr().out
-    assert "stop left is struck first at index" in said
-    assert "left: restitution 1, lower limit of ball at -1 mm; smallest force while closed not " \
-        "seen: it bounces and does not come to rest" in said  # fmt: skip
-    assert "smallest force while closed not seen: it is never closed" in said
-
-
-def test_masses_in_grams_are_noticed() -> None:
-    """700 kg in a box of 0.1 l, and 1,200 kg without a shape; 7.8 kg/l with its pin is steel."""
-    box = "<collision><geometry><box size='0.1 0.1 0.01'/></geometry></collision></link>"
-    steel = (
-        "<collision><geometry><cylinder radius='0.05' length='0.1'/></geometry></collision></link>"
-    )
-    parts = [
-        link("ram", mass=700.0).replace("</link>", box), slide("ram", "frame", "ram"),
-        link("rod", mass=1200.0), hinge("rod", "ram", "rod"), frame("foot", "rod", (0.1, 0.0)),
-        link("pin", mass=6.1).replace("</link>", steel), hinge("pin", "rod", "pin"),
-    ]  # fmt: skip
-    report = check_model(machine(parts, 3), 60.0)
-    assert [item.mass_kg for item in report.masses] == [700.0, 1200.0, 6.1]
-    assert report.masses[0].density_kg_m3 == pytest.approx(7e6)
-    assert report.masses[2].density_kg_m3 == pytest.approx(6.1 / 7.853982e-4)
-    doubts = [step for step in next_steps(report, "m").missing if "grams" in step]
-    assert doubts == [
-        "Missing: link ram weighs 700 kg, 7e+06 kg/m3 by its shapes is far denser than any metal: "
-        "is it in grams?",
-        "Missing: link rod weighs 1200 kg, more than a machine's link weighs: is it in grams?",
-    ]
-    assert not any(item.doubt for item in check_model(load("e62"), 450.0).masses)

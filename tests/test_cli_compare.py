@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import json
-import re
 import shlex
 import shutil
 from pathlib import Path
@@ -193,48 +192,6 @@ def test_what_cannot_be_compared(
     assert said in err
 
 
-@pytest.mark.parametrize("line", ["e62 e62_identified --speed 450 520", "e62 hanging_pendulum"])
-def test_no_word_is_folded_at_any_width(
-    line: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Every word stands whole at every width, and no line but that to paste is wider."""
-    monkeypatch.setenv("COLUMNS", "1000")
-    words = set(told(line, capsys).replace("─", "").split())
-    for width in (60, 80, 200):
-        monkeypatch.setenv("COLUMNS", str(width))
-        text = told(line, capsys)
-        assert set(text.replace("─", "").split()) == words
-        lines = [item for item in text.splitlines() if not item.startswith("Next:")]
-        assert max(map(len, lines)) <= width
-
-
-def test_what_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
-    """What differs, the numbers in people's units, what was found, and the next command."""
-    text = told("e62 --set-b stiffness=11000", capsys)
-    assert re.search("stiffness of .*steeve 9 -> 11 N/mm", text)
-    rows = [line.split() for line in text.splitlines()]
-    run = simulate(load("e62"), Case(speed_rpm=450.0))
-    assert ["time", "to", "rest", "ms", f"{1e3 * run.transitions[0].duration:.3f}"] in [
-        row[:5] for row in rows
-    ]
-    assert "collisions of the steeve" in text
-    assert "B rebounds" in text
-    following = text.splitlines()[-1].removeprefix("Next: nipper-pin ")
-    assert following == "compare e62 --set-b stiffness=11000 --html compare.html"
-
-
-def test_a_machine_against_itself_says_so(capsys: pytest.CaptureFixture[str]) -> None:
-    text = told("e62 --set preload=9 --start-index 22", capsys)
-    assert "Machine and setting are the same." in text
-    assert "A and B are the same: all " in " ".join(text.split())
-    rows = [line.split() for line in text.splitlines() if "rebound amplitude" in line]
-    assert [row[-1] for row in rows] == ["0", "0", "0"]
-    following = text.splitlines()[-1].removeprefix("Next: nipper-pin ")
-    assert following == "compare e62 --set preload=9 --start-index 22.0 --speed 450 495"
-    assert main(shlex.split(following)) == 0
-    assert "cylinder speed 450 -> 495 r/min" in capsys.readouterr().out
-
-
 def test_the_command_after_a_film_shows_the_same_window(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -244,12 +201,6 @@ def test_the_command_after_a_film_shows_the_same_window(
     following = text.splitlines()[-1].removeprefix("Next: nipper-pin ")
     assert following == f"simulate {folder} --window cycle --speed 650.0"
     assert main(shlex.split(following)) == 0
-
-
-def test_a_run_that_never_rests_is_told(capsys: pytest.CaptureFixture[str]) -> None:
-    """At 1,900 r/min the steeve opens the jaw while that one still bounces."""
-    text = " ".join(told("e62 --speed 450 1900", capsys).split())
-    assert "than A. B does not come to rest, and the other one does." in text
 
 
 @pytest.mark.slow

@@ -1,0 +1,260 @@
+"""What commands print, word for word: reviewed texts in tests/__snapshots__ (`make snapshots`).
+
+Each stands there as on terminals of 60, 80 or 200 columns.
+"""
+
+from __future__ import annotations
+
+import io
+import shlex
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+from small_machines import SHAFT, frame, hinge, link, machine, slide
+from snapshots import Words
+
+from nipper_pin import Case, Mechanism, Window, load, save, simulate
+from nipper_pin.cli import main
+from nipper_pin.study.check import check_model
+from nipper_pin.study.next_steps import next_steps
+from nipper_pin.view.console import Terminal, paste, say, show_table, unbroken_console
+from nipper_pin.view.run.table import print_solution
+from nipper_pin.view.studies.check_report import print_report
+
+BALL = Path(__file__).parent / "verification" / "models" / "bouncing_mass"
+
+ALL = (60, 80, 200)
+# The widths of its terminals and the command, by a name.
+COMMANDS = {
+    "transition": ((80,), "simulate e62 --speed 650"),
+    "turn_with_forces": (ALL, "simulate e62 --speed 650 --window cycle --forces"),
+    "twenty_turns": ((80,), "simulate e62 --speed 650 --window cycle --cycles 20"),
+    "elastic_shafts": ((60,), "simulate e62 --window cycle --drive inertial"),
+    "ended_in_mid_rebound": ((80,), "simulate e62 --speed 650 --set restitution=0.9 --forces"),
+    "without_restitution": ((80,), "simulate e62 --set restitution=0"),
+    "threshold": ((80,), "simulate e62 --speed 650 --rest-rate 0.02"),
+    "threshold_of_a_slide": ((80,), "simulate ball --speed 60.37 --rest-rate 0.02"),
+    "press": ((60, 80), "simulate press --window cycle --forces"),
+    "without_transition_stop": ((80,), "simulate sieve --window cycle --forces"),
+    "check": (ALL, "check e62"),
+    "check_of_a_change": ((80,), "check e62 --set preload=9 --start-index 21.5 --speed 500"),
+    "check_of_a_press": (ALL, "check press"),
+    "check_of_a_ball": ((80,), "check ball --start-index 0"),
+    "provenance": ((60,), "check e62 --provenance"),
+    "compare": (ALL, "compare e62 --set-b stiffness=11000"),
+    "compare_turns_and_drives": ((80,), "compare e62 --cycles 2 --drive inertial"),
+    "compare_machines": ((60, 80), "compare e62 e62_identified --speed 450 520"),
+    "compare_kinds": ((60, 80), "compare e62 hanging_pendulum --window transition"),
+    "compare_the_same": ((80,), "compare e62 --set preload=9 --start-index 22"),
+    "compare_without_rest": ((80,), "compare e62 --speed 450 1900"),
+    "compare_saved": ((80,), "compare saved.npz --set-b speed=620"),
+    "new": ((60,), "new a_press"),
+    "new_of_the_gallery": ((80,), "new --from toggle_press another"),
+    "gallery": (ALL, "new --list"),
+    "sweep": ((60, 200), "sweep sweep.toml --out results --workers 1"),
+    "speed_limit": ((60, 80), "speed-limit e62 --from 450 --to 2000 --speeds 6 --turns 20"),
+    "fit": ((60, 80), "identify camera.toml --starts 1 --profiles 1 --workers 1"),
+    "fit_of_one_number": ((80,), "identify one.toml --starts 1 --profiles 0 --workers 1"),
+    "fit_beyond_a_limit": ((80,), "identify limits.toml --starts 1 --profiles 0 --workers 1"),
+    "contradicted_fit": ((80,), "identify wrong.toml --starts 1 --profiles 0 --workers 1"),
+}
+# Commands that find something wrong.
+BAD = ("fit_beyond_a_limit", "contradicted_fit")
+SWEEP = """format = 1
+title = "Rebounds of a nipper [bold]by hand[/bold]"
+model = "e62"
+quantities = ["rebound_amplitude_2"]
+[parameters."drives.pendulum.crank_radius_mm"]
+values = [20.0, 64.0]
+[parameters."springs.steeve.preload_length_mm"]
+values = [10.0, 11.0]
+"""
+FIT = """format = 1
+title = "a camera at the ball"
+model = "ball"
+measured = "{name}.csv"
+[parameters."stops.table.restitution"]
+low = 0.2
+high = 0.8
+[parameters."drives.table.lead_mm_per_turn"]
+low = 1000.0
+high = 2000.0
+"""
+# Of a ball with a restitution of 0.465 on a table of 1,510 mm a turn, and what was misread.
+CAMERA = """speed_rpm,quantity,value,sigma
+60,rebound_time_s_1,0.1437,0.002
+60,rebound_time_s_2,{second},0.002
+60,duration_s,0.2680,0.002
+80,rebound_time_s_1,0.1906,0.002
+80,duration_s,0.3571,0.004
+"""
+LIMITS = """format = 1
+title = "a late opening"
+model = "e62"
+[parameters."springs.steeve.preload_length_mm"]
+low = 10.0
+high = 12.0
+[[targets]]
+name = "share of two"
+quantity = "first_two_share"
+at = { speed_rpm = 650.0 }
+value = 0.96
+sigma = 0.01
+[limits]
+at = { speed_rpm = 450.0 }
+opening_index = { low = 9.0, high = 11.0 }
+"""
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Machines, a study and a saved run that commands name."""
+    folder = tmp_path_factory.mktemp("home")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        assert main(["new", "press"]) == 0
+        assert main(["new", "sieve", "--from", "sieve"]) == 0
+    (folder / "ball").symlink_to(BALL)
+    for name in ("camera", "wrong", "one"):
+        (folder / f"{name}.toml").write_text(FIT.format(name=name), encoding="utf-8")
+    texts = {
+        "sweep.toml": SWEEP,
+        "limits.toml": LIMITS,
+        "camera.csv": CAMERA.format(second=0.0661),
+        "wrong.csv": CAMERA.format(second=0.0161),
+        "one.csv": "speed_rpm,quantity,value,sigma\n60,duration_s,0.5,0.002\n",
+    }
+    for name, text in texts.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    save(simulate(load("e62"), Case(speed_rpm=600.0)), folder / "saved.npz")
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("name", "width"), [(name, width) for name, (all_of, _) in COMMANDS.items() for width in all_of]
+)
+def test_words_of_a_command(
+    name: str,
+    width: int,
+    home: Path,
+    tmp_path: Path,
+    words: Words,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    for item in home.iterdir():
+        (tmp_path / item.name).symlink_to(item)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", str(width))
+    assert main(shlex.split(COMMANDS[name][1])) == (name in BAD)
+    words(capsys.readouterr().out.replace(f"{tmp_path}/", "FOLDER/"))
+
+
+# Machines that no command knows: what `check` and then `simulate` say of a turn.
+
+
+def twins() -> Mechanism:
+    """Two equal blocks on parallel slides of a crank: both let go where it no longer lifts them."""
+    stop = {"restitution": 0.3, "side": "lower", "at_mm": 0.0}
+    parts = [
+        link("crank", 2.0, 0.01, (0.01, 0.0)), hinge("shaft", "frame", "crank"),
+        link("one", 0.5), slide("one_x", "crank", "one", at=(0.05, 0.1)),
+        link("two", 0.5), slide("two_x", "crank", "two", at=(0.05, -0.1)),
+    ]  # fmt: skip
+    return machine(
+        parts, 3, gravity=9.81,
+        drives={"shaft": {"joint": "shaft", "law": "constant_speed", "ratio": 1.0, **SHAFT}},
+        stops={"one": {"joint": "one_x", **stop}, "two": {"joint": "two_x", **stop}},
+        phases=[{"number": 1, "name": "held", "closed": ["one", "two"]}],
+    )  # fmt: skip
+
+
+def between_two_stops() -> Mechanism:
+    """Without loss a ball between two stops bounces on and on; its names look like markup."""
+    parts = [link("[red]sled"), slide("sled", "frame", "[red]sled"),
+             link(":smile:"), slide("ball", "[red]sled", ":smile:")]  # fmt: skip
+    return machine(
+        parts, 2, title="[bold]a ball[/bold] [A]",
+        stops={"left": {"joint": "ball", "restitution": 1.0, "at_mm": -1.0},
+               "right": {"joint": "ball", "restitution": 1.0, "at_mm": 1.0, "side": "upper"}},
+        drives={"sled": {"joint": "sled", "law": "screw", "lead_mm_per_turn": 5.0}},
+        springs={"pull": {"joint": "ball", "stiffness_N_per_m": 100.0, "preload_length_mm": 5.0}},
+    )  # fmt: skip
+
+
+def in_grams() -> Mechanism:
+    """700 kg in a box of 0.1 l, and 1,200 kg without a shape; 7.8 kg/l with its pin is steel."""
+    box = "<collision><geometry><box size='0.1 0.1 0.01'/></geometry></collision></link>"
+    steel = (
+        "<collision><geometry><cylinder radius='0.05' length='0.1'/></geometry></collision></link>"
+    )
+    parts = [
+        link("ram", mass=700.0).replace("</link>", box), slide("ram", "frame", "ram"),
+        link("rod", mass=1200.0), hinge("rod", "ram", "rod"), frame("foot", "rod", (0.1, 0.0)),
+        link("pin", mass=6.1).replace("</link>", steel), hinge("pin", "rod", "pin"),
+    ]  # fmt: skip
+    return machine(parts, 3)
+
+
+@pytest.mark.parametrize("width", [60, 80])
+@pytest.mark.parametrize("make", [twins, between_two_stops, in_grams])
+def test_words_of_a_machine(make: Callable[[], Mechanism], width: int, words: Words) -> None:
+    made = make()
+    report = check_model(made, 60.0)
+    text = printed(lambda to: print_report(report, next_steps(report, "machine"), to), width)
+    if made.stops:
+        run = simulate(made, Case(speed_rpm=60.0, window=Window.CYCLE, start_index=0.0))
+        text += "\n" + printed(lambda to: print_solution(run, to, with_forces=True), width)
+    words(text)
+
+
+def printed(write: Callable[[Console], None], width: int, *, colours: bool = False) -> str:
+    stream = io.StringIO()
+    system = "standard" if colours else None
+    write(Terminal(file=stream, width=width, force_terminal=colours, color_system=system))
+    return stream.getvalue()
+
+
+# The console.
+
+
+def test_what_is_wrong_is_red(
+    home: Path, words: Words, monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    """A contradicted fit; the user's own text has neither colours nor markup."""
+    monkeypatch.chdir(home)
+    monkeypatch.setenv("COLUMNS", "80")
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    monkeypatch.setenv("TERM", "xterm")
+    assert main(shlex.split(COMMANDS["contradicted_fit"][1])) == 1
+    words(capsys.readouterr().out)
+
+
+def test_text_is_printed_without_styles_of_its_own() -> None:
+    """Numbers, paths and brackets of the user's are neither coloured nor taken for markup."""
+    text = "[bold]a[/bold] 12 /a/path 'text' None True http://x.org :smile: " + "word " * 50
+    for write in (say, paste):
+        found = printed(lambda to: write(to, text), 10_000, colours=True)  # noqa: B023
+        assert found == f"{text.strip() if write is say else text}\n"
+    assert len(printed(lambda to: say(to, text), 60).splitlines()) > 1
+    assert printed(lambda to: paste(to, text), 60) == f"{text}\n"
+    heads, row = ("a [s]", "b[m]", ":smile:"), ("[red]x[/red]", "[/]", ":+1: 7")
+    found = printed(lambda to: show_table(to, heads, [row]), 80)
+    assert [part for part in (*heads, *row) if part not in found] == []
+
+
+def test_without_a_terminal_sentences_are_whole(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A script that searches the output finds every sentence on a line of its own."""
+    monkeypatch.setattr("sys.stdout", io.StringIO())
+    monkeypatch.delenv("COLUMNS", raising=False)
+    monkeypatch.setenv("TERM", "dumb")
+    console = unbroken_console()
+    with console.capture() as said:
+        say(console, "one thing " * 500)
+    assert said.get().count("\n") == 1
+    monkeypatch.setenv("COLUMNS", "70")
+    monkeypatch.setenv("TERM", "xterm")
+    assert unbroken_console().width == 70

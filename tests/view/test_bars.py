@@ -1,0 +1,119 @@
+"""Solids that are drawn: corners of round ones, how far they reach, bars of links without any."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from small_machines import SHAFT, frame, hinge, link, machine, slide
+
+from nipper_pin import Mechanism
+from nipper_pin.view.scene.framing import _reach
+from nipper_pin.view.scene.meshes import mesh_of
+from nipper_pin.view.scene.solids import FIXED, Solid, solids
+
+
+def block(turned: float, depth: float = 0.0, body: int = FIXED) -> Solid:
+    """A box of 2 x 4 x 6 that is turned about the vertical."""
+    place = np.eye(4)
+    c, s = math.cos(turned), math.sin(turned)
+    place[:2, :2], place[1, 3] = [[c, -s], [s, c]], depth
+    return Solid("block", body, "box", (2.0, 4.0, 6.0), None, place, np.ones(3), (0.2, 0.4, 0.8))
+
+
+def test_corners_of_round_solids() -> None:
+    """Cylinders of 32 corners an end and spheres of nine rings have their radius and length."""
+    points, _ = mesh_of(replace(block(0.0), kind="cylinder", sizes=(0.5, 3.0)))
+    assert len(points) == 64
+    assert points.max(axis=0) == pytest.approx([0.5, 0.5, 1.5])
+    assert points.min(axis=0) == pytest.approx([-0.5, -0.5, -1.5])
+    points, _ = mesh_of(replace(block(0.0), kind="sphere", sizes=(0.7,)))
+    assert len(points) == 9 * 32 + 2
+    assert points.max(axis=0) == pytest.approx([0.7, 0.7, 0.7])
+    assert np.linalg.norm(points, axis=1).max() == pytest.approx(0.7)
+    heights = np.unique(points[:, 2].round(9))
+    assert heights == pytest.approx(0.7 * np.cos(np.pi * np.arange(10, -1, -1) / 10.0), abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("kind", "sizes"), [("box", (0.2, 0.4, 0.6)), ("cylinder", (0.3, 0.8)), ("sphere", (0.25,))]
+)
+def test_how_far_a_solid_reaches(kind: str, sizes: tuple[float, ...]) -> None:
+    """Along the axes of the world, however it is turned: as far as points all over it."""
+    turns = np.linspace(0.0, math.tau, 721)
+    circle = np.column_stack([np.cos(turns), np.sin(turns), np.zeros(721)])
+    if kind == "box":
+        points = np.array(np.meshgrid([-0.5, 0.5], [-0.5, 0.5], [-0.5, 0.5])).reshape(3, -1).T
+        points = points * sizes
+    elif kind == "cylinder":
+        points = np.concatenate([sizes[0] * circle + [0, 0, end] for end in (-0.4, 0.4)])
+    else:
+        points = np.array([[0.25, 0, 0], [0, 0.25, 0], [0, 0, 0.25]])
+    solid = replace(block(0.0), kind=kind, sizes=sizes)
+    for seed in range(4):
+        turn = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))[0]
+        wanted = np.abs(points @ turn.T).max(axis=0) if kind != "sphere" else np.full(3, 0.25)
+        assert _reach(solid, turn) == pytest.approx(wanted, rel=1e-4)
+
+
+def test_bars_of_links_without_shapes() -> None:
+    """From a joint to all that hangs on its link, or to the centre of mass; a ball at the joint."""
+    made = machine(
+        [
+            link("arm", centre=(0.3, 0.1)), hinge("arm_pin", "frame", "arm", (0.1, 0.2)),
+            link("hand", centre=(0.0, 0.25)), hinge("hand_pin", "arm", "hand", (0.4, 0.0)),
+            link("finger", centre=(0.05, 0.0)), slide("finger_x", "arm", "finger", at=(0.0, 0.5)),
+        ],
+        3,
+        drives={"arm": {"joint": "arm_pin", "law": "constant_speed", "ratio": 1.0, **SHAFT}},
+    )  # fmt: skip
+    thick = 0.02 * made.reach_m
+    ends: dict[str, list[Any]] = {}
+    for solid in solids(made):
+        name = made.joints[solid.body].child
+        if solid.kind == "sphere":
+            assert (solid.name, solid.sizes) == ("joint", (pytest.approx(1.6 * thick),))
+            assert (solid.placement == np.eye(4)).all()
+            continue
+        radius, length = solid.sizes
+        assert radius == pytest.approx(thick)
+        half = 0.5 * length * solid.placement[:3, 2]
+        np.testing.assert_allclose(solid.placement[:3, 3], half, atol=1e-12)
+        assert np.linalg.det(solid.placement[:3, :3]) == pytest.approx(1.0)
+        ends.setdefault(name, []).append((2.0 * half)[[0, 2]].round(9).tolist())
+    assert {name: sorted(items) for name, items in ends.items()} == {
+        "arm": [[0.0, 0.5], [0.4, 0.0]], "hand": [[0.0, 0.25]], "finger": [[0.05, 0.0]],
+    }  # fmt: skip
+
+
+def test_bars_reach_the_ends_of_springs_and_dampers() -> None:
+    """Each frame of a link that something is fixed to has a bar to it; others have none."""
+    parts = [
+        link("arm", centre=(0.3, 0.1)), hinge("arm_pin", "frame", "arm"),
+        frame("hook", "arm", (0.0, 0.5)), frame("unused", "arm", (0.7, 0.0)),
+        frame("eye", "arm", (0.4, 0.0)), frame("wall", "frame", (0.6, 0.6)),
+    ]  # fmt: skip
+    made = machine(
+        parts,
+        1,
+        springs={"coil": {"frame_a": "hook", "frame_b": "wall", "stiffness_N_per_m": 1e3,
+                          "free_length_mm": 100.0}},
+        dampers={"stay": {"frame_a": "wall", "frame_b": "eye", "damping_N_s_per_m": 2.0}},
+    )  # fmt: skip
+    assert {item.name for item in made.struts} == {"coil", "stay"}
+    assert ends(made) == [[0.0, 0.5], [0.4, 0.0]]
+    assert ends(machine(parts, 1)) == [[0.3, 0.1]]
+
+
+def ends(mechanism: Mechanism) -> list[list[float]]:
+    """Far ends of the bars of the only link, by middle and length (x, z) [m]."""
+    bars = [solid for solid in solids(mechanism) if solid.kind == "cylinder"]
+    found = []
+    for solid in bars:
+        half = 0.5 * solid.sizes[1] * solid.placement[:3, 2]
+        np.testing.assert_allclose(solid.placement[:3, 3], half, atol=1e-12)
+        found.append((2.0 * half)[[0, 2]].round(9).tolist())
+    return sorted(found)
