@@ -25,6 +25,9 @@ choice: six or seven digits above eps."""
 BALANCED = 1e-8
 """[1] Part of its largest force that the equation of a coordinate may be off by. A choice: half the
 digits of a double."""
+UPRIGHT = 1.0 - 1e-9
+"""[1] A frame whose y leaves the normal of the plane by a smaller cosine is turned in the plane. A
+choice: 45 urad, above what six written digits of an angle are off, below any tilt that is meant."""
 SAME_MODEL = 1e-10
 """[1] Relative difference of masses and weights by two ways. A choice: both are sums of rounded
 places and angles, and keep ten digits of sixteen."""

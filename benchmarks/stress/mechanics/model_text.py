@@ -15,10 +15,10 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
+from ...tolerances import UPRIGHT
+
 Real = NDArray[np.float64]
 _Y, _UP = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
-# Frames whose y leaves the normal of the plane by less, by its cosine, are turned in the plane.
-_UPRIGHT = 1.0 - 1e-9
 
 
 class Frame(NamedTuple):
@@ -132,7 +132,7 @@ def read_links(
     frames = {}
     for item in root.findall("link"):
         body, place, turn = at.link(name := str(item.get("name")))
-        upright = bool(view[1] @ turn[:, 1] > _UPRIGHT)
+        upright = bool(view[1] @ turn[:, 1] > UPRIGHT)
         frames[name] = Frame(body, flat(place), flat(turn[:, 0]) if upright else 1.0)
         if body >= 0 and (inertial := item.find("inertial")) is not None:
             step, rotation = _origin(inertial.find("origin"))
@@ -203,7 +203,7 @@ def _side_view(axes: Sequence[Real], turns: Sequence[bool]) -> Real:
     normals = [item / size for item, size in zip(across, sizes, strict=True) if size > 1e-6]
     slides = [axis for axis, hinge in zip(axes, turns, strict=True) if not hinge]
     normal = next(n for n in hinges or normals if all(abs(n @ axis) < 1e-6 for axis in slides))
-    if abs(normal[2]) > _UPRIGHT:
+    if abs(normal[2]) > UPRIGHT:
         return np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
     up = _UP - normal[2] * normal
     up /= np.linalg.norm(up)
