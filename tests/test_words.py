@@ -15,6 +15,8 @@ from rich.console import Console
 from small_machines import SHAFT, frame, hinge, link, machine, slide
 from snapshots import Words
 
+from benchmarks.stress import Campaign, Verdict
+from benchmarks.views.stress_report import print_campaign
 from nipper_pin import Case, Mechanism, Window, load, save, simulate
 from nipper_pin.cli import main
 from nipper_pin.study.check import check_model
@@ -99,7 +101,7 @@ high = 12.0
 [[targets]]
 name = "share of two"
 quantity = "first_two_share"
-at = { speed_rpm = 650.0 }
+at = { speed_rpm = 900.0, restitution = 0.25, stiffness_N_per_m = 9500.0 }
 value = 0.96
 sigma = 0.01
 [limits]
@@ -208,6 +210,18 @@ def test_words_of_a_machine(make: Callable[[], Mechanism], width: int, words: Wo
         run = simulate(made, Case(speed_rpm=60.0, window=Window.CYCLE, start_index=0.0))
         text += "\n" + printed(lambda to: print_solution(run, to, with_forces=True), width)
     words(text)
+
+
+@pytest.mark.parametrize("width", [60, 80])
+def test_words_of_a_campaign(width: int, words: Words) -> None:
+    """Cases by family and reasons; of the wrong ones twenty are shown."""
+    told = [("right", "COMPLETED", "")] * 5 + [("refused", "InputError", "no")] * 3
+    told += [("wrong", "energy", "it [gained] 3 J")] + [("wrong", "hang", "for 600 s")] * 27
+    verdicts = tuple(
+        Verdict(number, ("transitions", "chains")[number % 2], *item, "00", 0.5)
+        for number, item in enumerate(told)
+    )
+    words(printed(lambda to: print_campaign(Campaign(23, verdicts, 12.5), to), width))
 
 
 def printed(write: Callable[[Console], None], width: int, *, colours: bool = False) -> str:

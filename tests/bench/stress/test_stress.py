@@ -362,6 +362,16 @@ def test_one_case_again(capsys: pytest.CaptureFixture[str]) -> None:
     assert f"case 6 ({found.family}): {found.word}, {found.kind}" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize(
+    "words", [["--cases", "0"], ["--workers", "0"], ["--time-limit", "0"], ["--seed", "-1"]]
+)
+def test_campaigns_of_nothing_are_refused(
+    words: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["stress", *words]) == 2
+    assert capsys.readouterr().err.startswith(f"nipper-pin: {words[0]} {words[1]}")
+
+
 def test_the_command_reports_and_keeps_failures(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
