@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from made_up_runs import EPS
 
 from benchmarks.stress import campaign
 from benchmarks.stress.checks import agreement, engines
@@ -21,6 +20,8 @@ from nipper_pin.errors import InputError, SimulationError, UnknownNameError
 from nipper_pin.hybrid.event import EventKind
 from nipper_pin.study import processes
 from nipper_pin.study.processes import WorkerError
+
+EPS = 2.0**-52
 
 
 def verdict(number: int, word: str = "right") -> Verdict:
