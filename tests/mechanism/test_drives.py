@@ -118,20 +118,6 @@ def test_table_reproduces_a_smooth_law() -> None:
 
 
 @pytest.mark.parametrize(
-    ("values", "words"),
-    [
-        ({"crank_radius_m": 0.2}, "does not make the guide oscillate"),
-        ({"crank_radius_m": 0.0}, "does not make the guide oscillate"),
-        ({"guide_offset_m": 0.14}, "jams the guide"),
-    ],
-)
-def test_guide_that_cannot_work(values: dict[str, float], words: str) -> None:
-    good = {"crank_radius_m": 0.064, "crank_axis": (0.0, 0.0), "guide_axis": (-0.19, 0.0)}
-    with pytest.raises(InputError, match=words):
-        OscillatingGuide(**{**good, **values})  # type: ignore[arg-type]
-
-
-@pytest.mark.parametrize(
     ("changes", "words"),
     [
         ({"drives.pendulum.guide_axis_mm[0]": -190.5}, r"\[-190\.5, -20\.0\] .* 0\.5 mm away"),
@@ -190,39 +176,6 @@ def test_table_file_in_a_model(spoil) -> None:  # type: ignore[no-untyped-def]
         np.testing.assert_allclose(one, other, atol=1e-6)
     # The plain data stands on its own: no file is read again.
     assert "file" not in mechanism.description["drives"]["pendulum"]  # type: ignore[index]
-
-
-@pytest.mark.parametrize(
-    ("place", "row", "header", "words"),
-    [
-        (5, (3.0, 0.1), HEADER, "row 6 of the drive table has 3 after 4 deg"),
-        (5, (5.0, "nan"), HEADER, r"pendulum.csv: line 7 coordinate_rad = 'nan'"),
-        (5, (5.0, ""), HEADER, "a finite number"),
-        (360, (359.5, 0.1), HEADER, "exactly one turn, .* spans 359.5 deg"),
-        (360, (360.0, 0.1), HEADER, "need the same coordinate"),
-        (0, (0.0, 0.1), "angle,value", "cylinder_angle_deg,coordinate_rad"),
-    ],
-)
-def test_table_file_with_a_mistake(  # type: ignore[no-untyped-def]
-    spoil, place: int, row: tuple[object, object], header: str, words: str
-) -> None:
-    folder = spoil(toml=TABLE_LINES)
-    rows = rows_of_guide()
-    rows[place] = row
-    write_table(folder, rows, header)
-    with pytest.raises(ModelError, match=words):
-        load(folder)
-
-
-@pytest.mark.parametrize("name", ["../pendulum.csv", "/etc/passwd", "missing.csv"])
-def test_table_file_elsewhere(spoil, name: str) -> None:  # type: ignore[no-untyped-def]
-    lines = [(old, new.replace("pendulum.csv", name)) for old, new in TABLE_LINES]
-    folder = spoil(toml=tuple(lines))
-    (folder.parent / "pendulum.csv").write_text(HEADER, encoding="utf-8")
-    with pytest.raises(ModelError, match="in the model folder") as caught:
-        load(folder)
-    assert caught.value.evidence["key"] == "drives.pendulum.file"
-    assert caught.value.evidence["value"] == name
 
 
 @pytest.mark.parametrize("off_mm", [0.0, 0.9e-6, 1.1e-6])

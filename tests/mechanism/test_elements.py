@@ -1,4 +1,4 @@
-"""Springs and dampers in the model file: what they become, and mistakes in them."""
+"""Springs and dampers: what those of a model file become, and forces of a table."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nipper_pin.errors import InputError, ModelError, UnknownNameError
+from nipper_pin.errors import InputError
 from nipper_pin.mechanism import Characteristic, Damper, Strut, from_sources, load
 
 OLD = 'joint = "steeve"\nstiffness_N_per_m = 9000.0\npreload_length_mm = 11.0 '
@@ -70,90 +70,6 @@ def test_every_number_of_them_has_a_path(spoil) -> None:  # type: ignore[no-unty
     assert mechanism.tabulated_springs[0].characteristic.force == (90.0, 95.5, 130.0)
 
 
-MISTAKES = {
-    "both joint and points": (
-        f'joint = "steeve"\n{POINTS}', "", "springs.steeve.joint",
-        "between two points has the keys",
-    ),
-    "one point": (
-        'frame_a = "steeve_lower"\nstiffness_N_per_m = 1.0\nfree_length_mm = 1.0', "",
-        "springs.steeve.frame_b", "frame_a, frame_b, stiffness_N_per_m and free_length_mm",
-    ),
-    "no free length": (
-        'frame_a = "steeve_lower"\nframe_b = "eccentric_pin"\nstiffness_N_per_m = 1.0', "",
-        "springs.steeve.free_length_mm", "and no others",
-    ),
-    "negative free length": (
-        POINTS.replace("186.5", "-1.0"), "", "springs.steeve.free_length_mm", "at least 0",
-    ),
-    "neither joint nor points": (
-        "stiffness_N_per_m = 1.0\npreload_length_mm = 1.0", "",
-        "springs.steeve.joint", "the name of a joint, or frame_a and frame_b",
-    ),
-    "nothing but a joint": (
-        'joint = "steeve"', "", "springs.steeve.stiffness_N_per_m", "for a table, file or coord",
-    ),
-    "same link": (
-        POINTS.replace("eccentric_pin", "steeve_lower"), "",
-        "springs.steeve.frame_b", "a point of another link",
-    ),
-    "frames that coincide": (
-        POINTS.replace("steeve_lower", "steeve_upper"), "",
-        "springs.steeve.frame_b", "has no direction",
-    ),
-    "table with stiffness": (
-        f"{TABLE}stiffness_N_per_m = 3.0", "", "springs.steeve.stiffness_N_per_m",
-        "coordinate_mm and force_N, and no others",
-    ),
-    "table of the other kind": (
-        TABLE.replace("force_N", "torque_N_m"), "", "springs.steeve.force_N", "prismatic joint",
-    ),
-    "table that falls back": (
-        TABLE.replace("2.0", "6.0"), "", "springs.steeve.coordinate_mm", "row 3",
-    ),
-    "table that leaves touch out": (
-        TABLE.replace("[0.0", "[0.5"), "", "springs.steeve.coordinate_mm", "both sides of 0",
-    ),
-    "columns of two lengths": (
-        TABLE.replace("90.0, ", ""), "", "springs.steeve.coordinate_mm", "3 coordinates and 2 forc",
-    ),
-    "text in a table": (
-        TABLE.replace("100.0", '"x"'), "", "springs.steeve.force_N[1]", "a number",
-    ),
-    "damping of the other kind": (
-        TABLE, DAMPER.replace("damping_N_s_per_m", "damping_N_m_s_per_rad"),
-        "dampers.oil.damping_N_s_per_m", "has the key damping_N_s_per_m, and no others",
-    ),
-    "negative damping": (
-        TABLE, DAMPER.replace("12.0", "-12.0"), "dampers.oil.damping_N_s_per_m", "at least 0",
-    ),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("name", MISTAKES)
-def test_mistake(spoil, name: str) -> None:  # type: ignore[no-untyped-def]
-    text, extra, key, allowed = MISTAKES[name]
-    with pytest.raises(ModelError) as caught:
-        load(changed(spoil, text, extra))
-    assert caught.value.evidence["file"] == "e62.toml"
-    assert caught.value.evidence["key"] == key
-    assert allowed in caught.value.evidence["allowed"]
-
-
-@pytest.mark.parametrize(
-    ("text", "extra", "kind", "name"),
-    [
-        (POINTS.replace("eccentric_pin", "pin"), "", "frame", "pin"),
-        (TABLE.replace("steeve", "rod"), "", "joint", "rod"),
-        (TABLE, DAMPER.replace("steeve", "rod"), "joint", "rod"),
-    ],
-)
-def test_unknown_name(spoil, text: str, extra: str, kind: str, name: str) -> None:  # type: ignore[no-untyped-def]
-    with pytest.raises(UnknownNameError) as caught:
-        load(changed(spoil, text, extra))
-    assert (caught.value.evidence["kind"], caught.value.evidence["name"]) == (kind, name)
-
-
 CSV = "coordinate_mm,force_N\n0.0,90.0\n2.0,100.0\n5.0,130.0\n"
 
 
@@ -167,25 +83,6 @@ def test_table_in_a_file(spoil) -> None:  # type: ignore[no-untyped-def]
     (folder / "coil.csv").unlink()
     again = from_sources("e62", mechanism.urdf, mechanism.description, mechanism.mesh_folder)
     assert again.tabulated_springs == mechanism.tabulated_springs
-
-
-@pytest.mark.parametrize(
-    ("line", "csv", "words"),
-    [
-        ("", CSV.replace("force_N", "force"), "coordinate_mm,force_N or coordinate_deg,torque_N_m"),
-        ("", CSV.replace("100.0", "soft"), r"coil.csv: line 3 force_N = 'soft'"),
-        ("", CSV.replace("5.0", "1.0"), r"coil.csv: table = '3 rows' .* row 3"),
-        ("", "coordinate_mm,force_N\n0.0,90.0\n", "at least 2 rows"),
-        ("", CSV.replace("mm", "deg").replace("force_N", "torque_N_m"), "prismatic joint steeve"),
-        ("force_N = [1.0]", CSV, "a file or its columns written out, not both"),
-        ("stiffness_N_per_m = 1.0", CSV, "coordinate_mm and force_N, and no others"),
-    ],
-)
-def test_file_with_a_mistake(spoil, line: str, csv: str, words: str) -> None:  # type: ignore[no-untyped-def]
-    folder = changed(spoil, f'joint = "steeve"\nfile = "coil.csv"\n{line}\n')
-    (folder / "coil.csv").write_text(csv, encoding="utf-8")
-    with pytest.raises(ModelError, match=words):
-        load(folder)
 
 
 ROWS = Characteristic(coordinate=(-2.0, 0.0, 1.0, 4.0, 5.0), force=(-4.0, 0.0, 0.5, 8.0, 30.0))

@@ -1,0 +1,101 @@
+"""Machines of which models with one mistake are made, and what `load` and `check` say of these."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pytest
+from small_machines import frame, hinge, link, slide, sources
+
+from nipper_pin import InputError, ModelError, load
+from nipper_pin.cli import main
+from nipper_pin.mechanism import find_model
+
+# A lever and a wheel on hinges, and a sled on an inclined slide.
+PARTS = (
+    link("lever"), hinge("pivot", "frame", "lever"), frame("a", "lever", (0.1, 0.0)),
+    link("wheel"), hinge("axle", "frame", "wheel", (0.0, 0.5)), frame("c", "wheel", (0.1, 0.0)),
+    link("sled"), slide("rail", "frame", "sled", (0.6, 0.8)), frame("b", "sled", (0.103, 0.004)),
+)  # fmt: skip
+SMALL = """format = 1
+title = "a lever, a wheel and a sled"
+degrees_of_freedom = 3
+gravity_m_s2 = 9.81
+transition_stop = "low"
+initial_phase = 1
+cylinder = { rated_speed_rpm = 60.0, direction = "clockwise", angle_at_touch_deg = 0.0, \
+reference_index = 0.0, reference_angle_deg = 0.0 }
+phases = [{ number = 1, name = "free", closed = [] }]
+stops.low = { joint = "pivot", restitution = 0.1, at_deg = -20.0 }
+stops.high = { joint = "pivot", restitution = 0.1, side = "upper", at_deg = 30.0 }
+stops.end = { joint = "rail", restitution = 0.1, at_mm = -4.0 }
+"""
+
+
+class Row(NamedTuple):
+    """A model with a mistake, and what its refusal is to hold.
+
+    Attributes:
+        edits: Old and new text in turn, of either file; a single text comes below the TOML.
+        place: Key of the value; of a name that nothing has, what it should name.
+        value: What cannot be used; ``...`` here or above: the sentence is enough.
+        files: Other files of the folder.
+    """
+
+    edits: str | Sequence[str]
+    place: Any
+    value: Any
+    files: Mapping[str, bytes] = {}
+
+
+class Refusal(NamedTuple):
+    """An error of `load`, status and words of the command of the same folder, and that folder."""
+
+    error: InputError
+    status: int
+    said: str
+    home: Path
+
+
+def model(base: str, edits: str | Sequence[str], folder: Path) -> Path:
+    """Write a base machine into a folder, with its edits; return the folder of the model."""
+    home = folder / base
+    if base == "small":
+        home.mkdir()
+        (home / "small.urdf").write_text(sources(PARTS, 0)[0], encoding="utf-8")
+        (home / "small.toml").write_text(SMALL, encoding="utf-8")
+    else:
+        shutil.copytree(find_model(base), home)
+    texts = {kind: home / f"{base}.{kind}" for kind in ("toml", "urdf")}
+    changed = {kind: path.read_text(encoding="utf-8") for kind, path in texts.items()}
+    if isinstance(edits, str):
+        changed["toml"] += edits + "\n"
+        edits = ()
+    for old, new in zip(edits[::2], edits[1::2], strict=True):
+        (kind,) = (kind for kind, text in changed.items() if old in text)
+        changed[kind] = changed[kind].replace(old, new, 1)
+    for kind, path in texts.items():
+        path.write_text(changed[kind], encoding="utf-8")
+    return home
+
+
+def refusal(base: str, row: Row, folder: Path, capsys: pytest.CaptureFixture[str]) -> Refusal:
+    """What is said of the model of a row."""
+    home = model(base, row.edits, folder)
+    for name, content in row.files.items():
+        (home / name).write_bytes(content)
+    with pytest.raises(InputError) as caught:
+        load(home)
+    status = main(["check", str(home)])
+    return Refusal(caught.value, status, capsys.readouterr().err, home)
+
+
+def evidence(error: InputError) -> tuple[Any, Any]:
+    """Place and value of a refusal."""
+    told = error.evidence
+    if isinstance(error, ModelError):
+        return told["key"], told["value"]
+    return told["kind"], told["name"]
