@@ -195,3 +195,20 @@ def test_text_that_is_no_text(spoil) -> None:  # type: ignore[no-untyped-def]
     (folder / "e62.toml").write_bytes(b"\xff\xfe")
     with pytest.raises(ModelError, match="a readable UTF-8 file"):
         load(folder)
+
+
+def test_names_that_a_mechanism_has_not(e62: Mechanism) -> None:
+    for item in e62.stops:
+        assert e62.stop(item.name) is item
+    with pytest.raises(UnknownNameError, match="jam") as caught:
+        e62.stop("jam")
+    assert all(item.name in caught.value.message for item in e62.stops)
+    for phase in e62.phases:
+        assert e62.phase(phase.number) is phase
+        assert e62.phase_of(phase.closed) is phase
+    assert e62.phase_of(frozenset({"nothing"})) is None
+    with pytest.raises(UnknownNameError) as caught:
+        e62.phase(99)
+    assert "99" in caught.value.message
+    assert all(str(phase.number) in caught.value.message for phase in e62.phases)
+    assert e62.links == tuple(joint.child for joint in e62.joints)

@@ -10,6 +10,7 @@ import pytest
 
 from nipper_pin import InputError, ModelError, UnknownNameError, load
 from nipper_pin.mechanism import find_model
+from nipper_pin.mechanism.new_folder import check_new_folder, new_folder
 from nipper_pin.texts import no_file
 
 E62 = find_model("e62")
@@ -161,3 +162,39 @@ def test_the_urdf_that_counts_is_renamed(copied: Path) -> None:
         load(copied / "fast.toml")
     (copied / "b.urdf").rename(copied / "fast.urdf")
     assert load(copied / "fast.toml").name == "fast"
+
+
+def test_new_folders(tmp_path: Path) -> None:
+    """Whole or not at all; what is there stays, and nothing is left behind."""
+    target = tmp_path / "deep" / "model"
+    with new_folder(target) as partial:
+        assert partial.name == "model"
+        # Renaming is one step within one file system only.
+        assert target.parent in partial.parents
+        (partial / "file").write_text("x", encoding="utf-8")
+        assert not target.exists()
+    assert (target / "file").read_text(encoding="utf-8") == "x"
+    assert [item.name for item in target.parent.iterdir()] == ["model"]
+    with pytest.raises(InputError, match="is there already and is not empty") as caught:
+        check_new_folder(target)
+    assert caught.value.evidence == {"folder": str(target)}
+    with pytest.raises(InputError, match="is there already"):
+        check_new_folder(target / "file")
+    (tmp_path / "empty").mkdir()
+    assert check_new_folder(tmp_path / "empty") == (tmp_path / "empty").resolve()
+    message = "stop"
+
+    def fails() -> None:
+        with new_folder(tmp_path / "other") as partial:
+            (partial / "file").write_text("x", encoding="utf-8")
+            raise RuntimeError(message)
+
+    with pytest.raises(RuntimeError, match=message):
+        fails()
+    assert not (tmp_path / "other").exists()
+    with (
+        pytest.raises(InputError, match=r"cannot be made: .* is not a folder") as caught,
+        new_folder(target / "file" / "below"),
+    ):
+        pass
+    assert caught.value.evidence == {"folder": str(target / "file" / "below")}

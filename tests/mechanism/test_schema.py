@@ -12,7 +12,8 @@ import jsonschema
 import msgspec
 import pytest
 
-from nipper_pin.errors import ModelError
+from nipper_pin.errors import InputError, ModelError
+from nipper_pin.mechanism.drives import DriveTable, register_drive
 from nipper_pin.mechanism.files import description, register
 from nipper_pin.mechanism.files.describe import describe
 from nipper_pin.mechanism.files.schema import model_schema, schema_text
@@ -114,3 +115,29 @@ def test_editor_and_loader_refuse_the_same(path: str, value: object) -> None:
     assert not VALID.is_valid(document)
     with pytest.raises(ModelError):
         describe(document, "e62.toml")
+
+
+def test_tables_that_are_no_drive_law() -> None:
+    """Neither another class nor a second law of one name."""
+
+    class SecondCam(DriveTable, frozen=True, kw_only=True, tag="cam"):
+        """A law of this name exists."""
+
+    no_table: Any = dict
+    with pytest.raises(InputError, match="is no table of a drive law: derive it from DriveTable"):
+        register_drive(no_table)
+    with pytest.raises(InputError, match=r"a drive law 'cam' exists already \(CamDrive\)"):
+        register_drive(SecondCam)
+
+
+def test_classes_of_one_name() -> None:
+    """The schema goes by names of classes, in all rooms: none pushes another one out."""
+    for name in ("CamDrive", "OrificeForce", "StopDescription"):
+        kind = type(DriveTable)(
+            name, (DriveTable,), {"__module__": __name__}, frozen=True, kw_only=True, tag="lifter"
+        )
+        with pytest.raises(InputError, match=f"a class {name} exists already"):
+            register_drive(kind)
+    keys = model_schema()["$defs"]["Description"]["properties"]
+    laws = keys["drives"]["additionalProperties"]["anyOf"]
+    assert {"$ref": "#/$defs/CamDrive"} in laws

@@ -43,6 +43,10 @@ VALUES = {
     "two references": Row(('reference_extreme = "minimum"', "reference_angle_deg = 3.0"),
                           "cylinder.reference_drive", "pendulum"),
     "no reference": Row(('reference_drive = "pendulum"', ""), "cylinder.reference_drive", None),
+    "reference that goes round": Row((
+        'reference_drive = "pendulum"', 'reference_drive = "round"',
+        "[drives.tension]\njoint", '[drives.round]\njoint = "jaw"\nlaw = "constant_speed"\nratio = '
+        "1.0\n\n[drives.tension]\njoint"), "cylinder.reference_drive", "round"),
     "index of forty": Row(("reference_index = 24.0", "reference_index = 40.0"),
                           "cylinder.reference_index", 40.0),
     "many turns": Row(("angle_at_touch_deg = 166.0", "angle_at_touch_deg = -3600.1"),

@@ -10,6 +10,7 @@ from snapshots import Words
 
 from nipper_pin import AssemblyError, InputError, ModelError, UnknownNameError, load
 from tests.refusals import descriptions as toml
+from tests.refusals import urdfs as urdf
 from tests.refusals.bases import Refusal, Row, evidence, model, refusal
 
 # Base machine, kind of error, and rows.
@@ -21,6 +22,10 @@ TABLES: dict[str, tuple[str, type[InputError], dict[str, Row]]] = {
     "small_names": ("small", UnknownNameError, toml.SMALL_NAMES),
     "starts_and_stops": ("small", ModelError, toml.STARTS_AND_STOPS),
     "apart": ("small", AssemblyError, toml.APART),
+    "urdfs": ("e62", ModelError, urdf.URDFS),
+    "urdf_names": ("e62", UnknownNameError, urdf.URDF_NAMES),
+    "small_urdfs": ("small", ModelError, urdf.SMALL_URDFS),
+    "hostile": ("e62", ModelError, urdf.HOSTILE),
     "files": ("small", ModelError, toml.FILES),
 }
 _KNOWN: dict[tuple[str, str], Refusal] = {}
