@@ -99,9 +99,6 @@ DIRECT_DEFAULT = 1e-12
 """[1] Tolerance at which the direct engine is graded. Its default."""
 REDUCED_DEFAULT = 1e-10
 """[1] Tolerance at which the reduced engine is graded. Its default."""
-START_ROUND_OFF = 1e-15
-"""[rad or m] Coordinates of a first node that are smaller are set to zero. A stop that was just
-left has a gap of zero, the node one of a few eps at most."""
 HARD_CONSTRAINT = 1e-9
 """[1] Factor on MuJoCo's estimate of the inverse inertia that makes its constraints soft. A choice:
 of an error of accelerations of 1e-4 it leaves 1e-13."""

@@ -29,7 +29,7 @@ class Benchmark:
         unavailable: What could not be run, and why.
         reduced: Build time, speed and error of the reduced engine; None without it.
         turns: Whole turns of both engines against the certified ones.
-        cost: Where the time goes, and how it grows.
+        cost: How the time grows with the size of the problem.
     """
 
     quick: bool

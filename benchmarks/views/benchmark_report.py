@@ -31,12 +31,8 @@ _TURNS = {
     "tables ms": "tables_ms", "times": "error_times", "impulses": "error_impulses",
 }  # fmt: skip
 _COSTS = {
-    "Cost of the phases of a turn at 450 r/min": "phases",
-    "Parts of one transition at 650 r/min, tolerance 1e-9": "parts",
-    "Growth with the number of collisions: bouncing mass": "collisions",
     "Growth with the number of turns at 650 r/min": "turns",
     "Growth with the number of links: chain of N four-bars, one turn": "links",
-    "Peak memory": "memory",
 }
 
 

@@ -65,9 +65,6 @@ def page(document: Mapping[str, Any]) -> str:
             "links": "links", "held [ms]": "held_ms", "inertial [ms]": "inertial_ms",
             "an evaluation [us]": "evaluation_us",
         }),
-        parts=_table("One transition at a tolerance of 1e-9", cost["parts"], {
-            "part": "what", "ms": "wall_ms", "number": "count",
-        }),
     )  # fmt: skip
 
 

@@ -23,7 +23,7 @@ from benchmarks.paper.shares import MAP_RESTITUTIONS, shares
 from benchmarks.paper.studies import run_studies
 from benchmarks.paper.study import PaperStudy, paper_study
 from benchmarks.run_time.certified import certified
-from benchmarks.run_time.scenes import bouncing_mass
+from benchmarks.stress.machines.small_machines import bouncing_mass
 from nipper_pin.errors import InputError, SimulationError
 from nipper_pin.hybrid.case import Case
 from nipper_pin.hybrid.simulate import simulate
@@ -250,7 +250,7 @@ def test_fixed_steps_are_of_first_order_and_meet_ours(study):
 def test_a_constant_force_gives_1_minus_e2_exactly():
     """A mass on a table that rises at constant speed is the case of the derivation."""
     for e_N in (0.1, 0.3, 0.45):
-        mass = bouncing_mass(e_N)
+        mass = bouncing_mass(0.7, 60.0, e_N, 9.81).mechanism()
         table = transition_table(mass, speed_rpm=60.0)
         assert table.first_two_share[0] == pytest.approx(1.0 - e_N**2, rel=1e-9)
 
@@ -314,7 +314,7 @@ def test_a_jaw_that_does_not_rest_is_refused_with_its_value(e62):
 
 def test_other_mechanisms_are_refused():
     """A mass on a table has no spring; the command says so and leaves with status 2."""
-    mass = bouncing_mass(0.2)
+    mass = bouncing_mass(0.7, 60.0, 0.2, 9.81).mechanism()
     with pytest.raises(InputError, match="one spring"):
         paper_study(mass, print)
 

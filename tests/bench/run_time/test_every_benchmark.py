@@ -1,4 +1,4 @@
-"""The benchmark as a whole, its peers, its phases and its clock, with measurements made up."""
+"""The benchmark as a whole, its peers and its costs, with measurements made up."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from made_up_clock import Clock
 
 from benchmarks.peers import Four, Setting
 from benchmarks.run_time import benchmark as module
-from benchmarks.run_time import cost, peer_work, phase_cost
+from benchmarks.run_time import cost, peer_work
 from benchmarks.run_time.certified import Certified, certified, certified_names
 from benchmarks.run_time.turns import TurnRow
 from benchmarks.run_time.work_precision import Row, Stated
-from nipper_pin import Case, Mechanism, Window, simulate
+from nipper_pin import Mechanism
 from nipper_pin.errors import SimulationError
 
 ROW = Row("direct", "1e-9", 1.0, 2.0, 0.5, 0.1, 3, 1e-9, math.nan)
@@ -26,8 +26,7 @@ BOUNCE, SCENE = "no bounce", "no such scene"
 @pytest.fixture(name="clock")
 def made_up_clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
     found = Clock()
-    for place in (peer_work, phase_cost):
-        monkeypatch.setattr(place, "timed", found.timed)
+    monkeypatch.setattr(peer_work, "timed", found.timed)
     return found
 
 
@@ -92,97 +91,18 @@ def test_peers(clock: Clock, monkeypatch: pytest.MonkeyPatch) -> None:
     assert set(asked) == {("e62", 650.0)}
 
 
-def test_phases_of_a_turn(clock: Clock, e62: Mechanism) -> None:
-    """Every segment belongs to the phase that its closed stops make; rows add up to the turn."""
-    rows = phase_cost.phase_cost(e62, 450.0, 5)
-    run = simulate(e62, Case(speed_rpm=450.0, window=Window.CYCLE))
-    assert {item.repeats for item in clock.all} == {5}
-    *phases, rest, total = rows
-    # The whole turn is measured first, then the segments in their order.
-    wanted: dict[str, list[float]] = {}
-    for number, segment in enumerate(run.segments, 2):
-        phase = e62.phase_of(segment.closed)
-        name = "other" if phase is None else f"phase {phase.number}, {phase.name}"
-        wanted.setdefault(name, []).append(float(number))
-    assert [row["what"] for row in phases] == list(wanted)
-    assert len(phases) > 1
-    for row in phases:
-        assert row["wall_ms"] == sum(wanted[row["what"]])
-        assert row["segments"] == len(wanted[row["what"]])
-        # The closures determine the motion of a phase without freedom: only flights need forces.
-        assert (row["evaluations"] > 0) == row["what"].startswith("phase 3")
-    evaluations = sum(row["evaluations"] for row in phases)
-    assert rest == {
-        "what": "start, impacts, changes of phase", "wall_ms": 0.0, "segments": 0,
-        "evaluations": run.evaluations - evaluations,
-    }  # fmt: skip
-    assert total == {
-        "what": "whole turn", "wall_ms": 1.0, "evaluations": run.evaluations,
-        "segments": len(run.segments),
-    }  # fmt: skip
-    # A segment followed alone needs what it needed in the run; starts and impacts are the rest.
-    assert abs(rest["evaluations"]) < 0.1 * run.evaluations
-
-
-def test_parts_of_a_transition(
-    clock: Clock, monkeypatch: pytest.MonkeyPatch, e62: Mechanism
-) -> None:
-    """Times of flights, nodes and impacts in their places, and what the run needs beside them."""
-    clock_of = clock.timed
-
-    def longest_first(function: Any, repeats: int, budget_s: float = math.inf) -> Any:
-        found = clock_of(function, repeats, budget_s)
-        # 1000 ms for the run, 500 for its flights, 333.3 for the nodes, 250 for the impacts.
-        return type(found)(0.0, 1000.0 / found.median_ms, 0.0, 0.0, repeats)
-
-    monkeypatch.setattr(phase_cost, "timed", longest_first)
-    rows = phase_cost.transition_parts(e62, 650.0, 4, tolerance=1e-10)
-    run, flights, nodes, impacts = clock.all
-    assert {item.repeats for item in clock.all} == {4}
-    solution: Any = run.result
-    assert solution.case.resolution.tolerance == 1e-10
-    assert solution.case.speed_rpm == 650.0
-    segments = [item for item in solution.segments if not item.kinematic]
-    assert [item.segment.t_end for item in flights.result] == pytest.approx(  # type: ignore[attr-defined]
-        [item.t_end for item in segments], abs=1e-14
-    )
-    places = [panel for item in segments for panel in item.panels]
-    # Accelerations at the nodes are those of the panels.
-    for found, panel in zip(nodes.result, places, strict=True):  # type: ignore[call-overload]
-        assert found == pytest.approx(panel.a, rel=1e-8, abs=1e-5)
-    hits = [item.event for item in solution.collisions]
-    for impact, event in zip(impacts.result, hits, strict=True):  # type: ignore[call-overload]
-        assert impact.v_after == pytest.approx(event.v_after, abs=1e-10)
-    counted = sum(len(panel.q) for panel in places)
-    responding = 1000.0 / 3.0 * solution.evaluations / counted
-    assert [row["what"] for row in rows] == [
-        "evaluations of the dynamics", "flights without them", "impacts",
-        "start, limit of the bounces, record", "whole transition",
-    ]  # fmt: skip
-    assert [row["wall_ms"] for row in rows] == pytest.approx(
-        [responding, 500.0 - responding, 250.0, 250.0, 1000.0]
-    )
-    assert [row["count"] for row in rows] == [solution.evaluations, len(segments), len(hits), 1, 1]
-
-
 @pytest.mark.parametrize("quick", [True, False])
 def test_costs_in_their_places(
     monkeypatch: pytest.MonkeyPatch, e62: Mechanism, quick: bool
 ) -> None:
     """Every table under its own name, with the numbers of the short or of the long form."""
-    names = ("phase_cost", "transition_parts", "collision_cost", "turn_cost",
-             "link_cost", "memory")  # fmt: skip
-    for name in names:
+    for name in ("turn_cost", "link_cost"):
         monkeypatch.setattr(cost, name, lambda *a, name=name, **k: (name, *a, *k.values()))
     found = cost.costs(e62, quick=quick, repeats=5)
-    budget = found["collisions"][-1]
+    budget = found["turns"][-1]
     assert found == {
-        "phases": ("phase_cost", e62, 450.0, 5),
-        "parts": ("transition_parts", e62, 650.0, 5),
-        "collisions": ("collision_cost", 5, budget),
         "turns": ("turn_cost", e62, (1, 3, 10) if quick else (1, 3, 10, 30, 100), 5, budget),
         "links": ("link_cost", (1, 2, 5, 10) if quick else (1, 2, 5, 10, 20, 40), 5, budget),
-        "memory": ("memory", 10 if quick else 100),
     }
     assert budget < 1.0 if quick else budget > 1.0
 
@@ -216,7 +136,7 @@ def test_the_whole(
     turn = TurnRow("direct", "450 r/min, 1e-09", 13.0, 1e-12, math.nan, 77.0, None)
     part("turn_rows", [turn])
     part("peer_rows", ([other], ["gone"]))
-    part("costs", {"memory": [{"peak_MB": 1.0}]})
+    part("costs", {"turns": [{"turns": 1.0}]})
     part("environment", {"cores": 2})
     part("true_over_stated", [Stated("650", 1e-4, 0.5, 0.25)])
     monkeypatch.setattr(module, "accuracy", accuracy)
@@ -245,4 +165,4 @@ def test_the_whole(
     ]
     assert document["unavailable"] == ["gone"]
     assert document["reduced"] == {"build_ms": None}
-    assert document["cost"] == {"memory": [{"peak_MB": 1.0}]}
+    assert document["cost"] == {"turns": [{"turns": 1.0}]}

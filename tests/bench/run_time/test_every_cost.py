@@ -1,15 +1,12 @@
 """Every number of the benchmark's costs, tables and figure, with a clock that is made up.
 
-Times are what the made-up clock says, counts are those of the machines in closed form, and sizes
-of memory are those of blocks that the tests themselves take.
+Times are what the made-up clock says, counts are those of the machines in closed form.
 """
 
 from __future__ import annotations
 
-import ast
 import math
 from collections.abc import Callable
-from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -18,15 +15,13 @@ import pytest
 from benchmarks.run_time import cost, turns
 from benchmarks.run_time.benchmark import Benchmark
 from benchmarks.run_time.certified import certified_cycle
-from benchmarks.run_time.scenes import bouncing_mass
 from benchmarks.run_time.timing import Timing
 from benchmarks.run_time.work_precision import Row
 from benchmarks.views import benchmark_report
 from benchmarks.views.work_precision_plot import work_precision_figure
-from nipper_pin import Case, Mechanism, Window, simulate
+from nipper_pin import Mechanism, Window
 
 MEDIAN, FASTEST = 12.0, 7.0
-MIB = 2.0**20
 
 
 @pytest.fixture(name="clock")
@@ -40,31 +35,6 @@ def made_up_clock(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
 
     monkeypatch.setattr(cost, "timed", timed)
     return kept
-
-
-@pytest.mark.usefixtures("clock")
-def test_collisions_of_the_bouncing_mass(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Counts are those of runs, and a time that is off by a millisecond is so by its share."""
-    true = cost.bouncing_mass_times
-    late = 1e-3
-    monkeypatch.setattr(
-        cost, "bouncing_mass_times", lambda e, count: np.array(true(e, count)) + late
-    )
-    monkeypatch.setattr(cost, "RESTITUTIONS", (0.2, 0.5))
-    rows = cost.collision_cost(3, 0.1)
-    assert [row["restitution"] for row in rows] == [0.2, 0.5]
-    for row in rows:
-        e = row["restitution"]
-        run = simulate(bouncing_mass(e), Case(speed_rpm=60.0))
-        count = sum(event.kind.value == "collision" for event in run.events)
-        assert row["collisions"] == count
-        assert (row["wall_ms"], row["fastest_ms"]) == (MEDIAN, FASTEST)
-        assert row["ms_per_collision"] == pytest.approx(MEDIAN / count)
-        assert row["evaluations"] == run.evaluations
-        # Bounces of a mass that meets a table at 0.06 m/s, under 9.81 m/s2.
-        rest = 2.0 * e * 0.06 / (9.81 * (1.0 - e))
-        assert row["error_times"] == pytest.approx(late / rest, rel=1e-6)
-        assert row["error_duration"] < 1e-9
 
 
 def test_turns_with_and_without_reuse(clock: list[Any], e62: Mechanism) -> None:
@@ -120,43 +90,6 @@ def test_errors_of_a_turn() -> None:
     assert impulse == pytest.approx(1e-3, rel=1e-6)
 
 
-def test_memory_is_in_units_of_1024(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A block of 64 and of 160 MiB, in a process of its own and in this one."""
-    work = "kept = bytearray({0} * 2**20)"
-    small, large = (
-        float(cost.run_python(cost._MEMORY.format(work=work.format(size)))) for size in (64, 160)
-    )
-    assert large - small == pytest.approx(96.0, abs=1.0)
-    monkeypatch.setattr(cost, "certified_model", lambda: None)
-    monkeypatch.setattr(cost, "simulate", lambda *_: bytearray(int(50 * MIB)))
-    assert cost._traced(Case(speed_rpm=650.0)) == pytest.approx(50.0, rel=1e-2)
-    told: list[str] = []
-
-    def run_python(code: str) -> str:
-        told.append(code)
-        return f"{100.0 + len(told)}\n"
-
-    monkeypatch.setattr(cost, "run_python", run_python)
-    rows = cost.memory(7)
-    peaks = {row["what"]: row["peak_MB"] for row in rows}
-    assert list(peaks)[:6] == [
-        "interpreter", "import pinocchio", "import nipper_pin", "one transition", "one turn",
-        "7 turns, each computed",
-    ]  # fmt: skip
-    assert list(peaks.values())[:6] == [101.0, 102.0, 103.0, 104.0, 105.0, 106.0]
-    assert "cycles=7" in told[5]
-    assert "reuse_cycles=False" in told[5]
-    cases = [
-        item for code in told for item in ast.walk(ast.parse(code))
-        if isinstance(item, ast.Call) and ast.unparse(item.func) == "Case"
-    ]  # fmt: skip
-    assert len(cases) >= 3
-    for item in cases:
-        given = {word.arg: ast.unparse(word.value) for word in item.keywords}
-        assert given.keys() <= {field.name for field in fields(Case)}
-        assert given["speed_rpm"] == "650.0"
-
-
 # Tables and figure.
 
 
@@ -172,7 +105,7 @@ def made_up() -> Benchmark:
         Row("a peer (by hand)", "1e-6", 50.0, 99.0, 40.0, 5.0, 30, 2e-5, 4e-5, evaluations=999),
         Row("a peer (by hand)", "0", 60.0, 99.0, 45.0, 5.0, 30, 0.0, 0.0, evaluations=999),
     )
-    names = ("phases", "parts", "collisions", "turns", "links", "memory")
+    names = ("turns", "links")
     return Benchmark(
         quick=True,
         environment={
@@ -196,12 +129,8 @@ def test_sheets_of_costs() -> None:
     result = made_up()
     found = {sheet.title: sheet for sheet in benchmark_report.sheets(result)}
     titles = {
-        "phases": "Cost of the phases of a turn at 450 r/min",
-        "parts": "Parts of one transition at 650 r/min, tolerance 1e-9",
-        "collisions": "Growth with the number of collisions: bouncing mass",
         "turns": "Growth with the number of turns at 650 r/min",
         "links": "Growth with the number of links: chain of N four-bars, one turn",
-        "memory": "Peak memory",
     }
     for place, (name, title) in enumerate(titles.items()):
         sheet = found[title]
