@@ -26,28 +26,21 @@ _OPTIONS: dict[str, str] = {
     "tolerance": "0",
     "jacobian": "dense",
     "solver": "Newton",
+    "integrator": "RK4",
 }
 _IMPEDANCE = "0.9999 0.9999 0.001 0.5 2"
 
 
-def mjcf(mechanism: Mechanism, integrator: str, limit: str = "") -> str:
-    """Write the model as an MJCF document.
-
-    Args:
-        mechanism: Any planar mechanism of this package.
-        integrator: "RK4" or "Euler" (semi-implicit).
-        limit: Reference (stiffness and damping, negative) of the jaw's stop as a joint limit;
-            empty for no stop.
-    """
+def mjcf(mechanism: Mechanism) -> str:
+    """Write a planar mechanism as an MJCF document, without its stops."""
     model = mechanism.model
     root = Element("mujoco")
     SubElement(root, "compiler", angle="radian")
     gravity = f"0 0 {-mechanism.gravity_m_s2!r}"
-    option = SubElement(root, "option", _OPTIONS, gravity=gravity, integrator=integrator)
+    option = SubElement(root, "option", _OPTIONS, gravity=gravity)
     SubElement(option, "flag", contact="disable", refsafe="disable")
     bodies = {0: SubElement(root, "worldbody")}
     driven = {drive.index for drive in mechanism.drives}
-    stop = mechanism.stop(mechanism.transition_stop).index
     for identity in range(1, model.njoints):
         name, index = model.names[identity], model.joints[identity].idx_v
         place = _row(model.jointPlacements[identity].translation)
@@ -63,9 +56,6 @@ def mjcf(mechanism: Mechanism, integrator: str, limit: str = "") -> str:
                            axis=_row(axis[:3] if slides else axis[3:]))  # fmt: skip
         if index in driven:
             joint.set("armature", repr(SHAFT_INERTIA))
-        if index == stop and limit:
-            attributes = {"limited": "true", "range": "0 3", "solreflimit": limit}
-            joint.attrib.update(attributes, solimplimit=_IMPEDANCE)
         springs = [spring for spring in mechanism.springs if spring.index == index]
         if stiffness := sum(spring.stiffness for spring in springs):
             force = sum(spring.stiffness * spring.preload for spring in springs)

@@ -34,7 +34,7 @@ def prepare(mechanism: Mechanism, speed_rpm: float) -> Run:
     """Build the model and the state just before the first collision."""
     p = planar_model(mechanism, speed_rpm)
     law = shaft_accelerations(p)
-    model = compile_model(mjcf(mechanism, "RK4"))
+    model = compile_model(mjcf(mechanism))
     data = mujoco.MjData(model)
     jaw = mechanism.stop("jaw").index
     first, second = (drive.index for drive in mechanism.drives)

@@ -24,7 +24,6 @@ MODULES = (
     ".sundae",
     ".fixed_steps",
     ".mujoco_shell",
-    ".mujoco_native",
 )
 MOST_COLLISIONS = 60
 

@@ -41,7 +41,6 @@ CLAIMS = [
     ("fixed_steps", "numba", "1 us, forward Euler", 1e-2),
     ("fixed_steps", "numba", "0.1 us, semi-implicit", 1e-3),
     ("mujoco_shell", "mujoco", "100 us", 1e-8),
-    ("mujoco_native", "mujoco", "1 us", 1e-2),
 ]
 
 # Packages of others warn of their own doings when they are imported.
