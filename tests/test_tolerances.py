@@ -21,7 +21,6 @@ SETTINGS = {
     "benchmarks/peers/mujoco_shell.py": "SETTINGS",  # steps and tolerances that are compared
     "benchmarks/peers/rk4.py": "SETTINGS",
     "benchmarks/peers/scipy_flight.py": "SETTINGS",
-    "benchmarks/peers/sundae.py": "SETTINGS",
     "benchmarks/run_time/reduced_work.py": "_TOLERANCES",
     "benchmarks/run_time/turns.py": "_TOLERANCES",
     "benchmarks/run_time/work_precision.py": "TOLERANCES, QUICK_TOLERANCES, STATED_TOLERANCES",

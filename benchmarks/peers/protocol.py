@@ -21,7 +21,6 @@ MODULES = (
     ".rk4",
     ".scipy_ivp",
     ".scipy_pinocchio",
-    ".sundae",
     ".fixed_steps",
     ".mujoco_shell",
 )

@@ -37,7 +37,6 @@ CLAIMS = [
     ("scipy_ivp", "scipy", "rtol 1e-13", 1e-12),
     ("scipy_pinocchio", "scipy", "rtol 1e-9", 1e-8),
     ("scipy_pinocchio", "scipy", "rtol 1e-13", 1e-12),
-    ("sundae", "sksundae", "rtol 1e-12", 1e-11),
     ("fixed_steps", "numba", "1 us, forward Euler", 1e-2),
     ("fixed_steps", "numba", "0.1 us, semi-implicit", 1e-3),
     ("mujoco_shell", "mujoco", "100 us", 1e-8),
