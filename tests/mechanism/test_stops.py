@@ -67,7 +67,7 @@ REFUSED: dict[str, tuple[dict[str, dict[str, Any]], str]] = {
     ),
     "two on one side": (
         {"a": {"joint": "x"}, "b": {"joint": "x", "at_mm": 5.0}},
-        r"stops\.b = 'lower stop at 0\.005' .*'a' is on this side of x already",
+        r"stops\.b = 'lower stop at 5 mm' .*'a' is on this side of x already",
     ),
     "no room": (
         {"a": {"joint": "x"}, "b": {"joint": "x", "side": "upper"}},

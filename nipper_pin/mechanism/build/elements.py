@@ -172,7 +172,9 @@ def _check_keys(
         value = getattr(entry, key)
         if key == "interpolation" and keys[0] in _TABLES:
             continue
-        if (value is None or value == ()) == (key in wanted):
+        if value == ():
+            value = None
+        if (value is None) == (key in wanted):
             allowed = f"a {noun} {place} has the {only} {listed}, and no others"
             if joint and noun == "spring" and keys[0] not in _TABLES:
                 table = " and ".join(_OF_JOINT[joint.kind].table)

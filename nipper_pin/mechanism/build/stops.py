@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from ...errors import InputError, ModelError, UnknownNameError
-from ...units import M_PER_MM, RAD_PER_DEG
+from ...units import M_PER_MM, RAD_PER_DEG, coordinate_text
 from ..files.description import Description, StopDescription
 from ..mechanism import Contact, Joint, Stop
 from .contact import find_contact
@@ -151,6 +151,7 @@ def _check_opposite(stop: Stop, others: Sequence[Stop], joint: Joint, file: str)
             raise ModelError(
                 file=file,
                 key=f"stops.{stop.name}",
-                value=f"{'lower' if stop.sense > 0.0 else 'upper'} stop at {stop.at:g}",
+                value=f"{'lower' if stop.sense > 0.0 else 'upper'} stop at "
+                f"{coordinate_text(stop.at, joint.kind)}",
                 allowed=allowed,
             )

@@ -107,7 +107,7 @@ def check_table(cylinder_angle_rad: Sequence[float], coordinate: Sequence[float]
     elif abs(angles[-1] - angles[0] - math.tau) > DRIVE_REPEATS:
         message = (
             "a drive table must span exactly one turn, first and last row 360 deg apart; it spans "
-            f"{math.degrees(angles[-1] - angles[0]):g} deg"
+            f"{math.degrees(angles[-1] - angles[0]):.12g} deg"
         )
     elif abs(values[-1] - values[0]) > DRIVE_REPEATS * written(float(np.ptp(values))):
         message = (

@@ -206,7 +206,7 @@ def allowed_values(kind: Any) -> str:
     if type(None) in arguments:
         return allowed_values(next(item for item in arguments if item is not type(None)))
     if typing.get_origin(kind) is Literal:
-        return f"one of {', '.join(str(item) for item in arguments)}"
+        return f"{'one of ' if arguments[1:] else ''}{', '.join(str(item) for item in arguments)}"
     if typing.get_origin(kind) is not Annotated:
         return _NOUNS.get(kind, "")
     meta = arguments[1]

@@ -25,9 +25,15 @@ def read_toml(text: str, file: str) -> dict[str, object]:
 
     try:
         return tomllib.loads(text)
-    except (ValueError, RecursionError) as error:
+    except RecursionError as error:
+        wrong, allowed = "too deep", "lists and tables that do not nest so deeply"
+        raise ModelError(file=file, key="TOML", value=wrong, allowed=allowed) from error
+    except tomllib.TOMLDecodeError as error:
         allowed = "a well-formed TOML document"
         raise ModelError(file=file, key="TOML", value=str(error), allowed=allowed) from error
+    except ValueError as error:
+        wrong, allowed = "a number too long", "whole numbers of at most some thousand digits"
+        raise ModelError(file=file, key="TOML", value=wrong, allowed=allowed) from error
 
 
 def is_name(text: str) -> bool:
