@@ -11,9 +11,11 @@ from xml.etree import ElementTree
 import numpy as np
 import pinocchio as pin
 import pytest
+from small_machines import frame, hinge, machine
+from small_machines import link as body
 
 from nipper_pin.errors import AssemblyError, InputError, ModelError, UnknownNameError
-from nipper_pin.mechanism import Mechanism, load
+from nipper_pin.mechanism import Mechanism, load, with_numbers
 from nipper_pin.mechanism.build.closing import closure_gaps
 from nipper_pin.mechanism.build.placements import joint_placements
 from nipper_pin.mechanism.edit.dimensions import read_dimension
@@ -332,3 +334,27 @@ def test_links_that_hang_in_a_circle_are_told_before_points_move(spoil) -> None:
 def test_steps_of_a_path() -> None:
     assert steps_of("phases[0].closed[1]") == ["phases", "[0]", "closed", "[1]"]
     assert steps_of("") == []
+
+
+def test_shapes_and_mass_turn_with_the_line_of_two_pins() -> None:
+    """A lever whose tip goes from the right to above: a quarter turn counter-clockwise.
+
+    Rotations of a URDF about +y are clockwise.
+    """
+    shape = ('<collision name="bar"><origin xyz="0.1 0 0.05" rpy="0 0.3 0"/>'
+             '<geometry><box size="0.1 0.1 0.1"/></geometry></collision></link>')  # fmt: skip
+    lever = body("lever", centre=(0.2, 0.01)).replace("</link>", shape)
+    parts = [lever, hinge("pivot", "frame", "lever", (0.4, 0.1)), frame("tip", "lever", (0.3, 0.0))]
+    moved = with_numbers(machine(parts, 1), {"points.tip.x_mm": 400.0, "points.tip.z_mm": 400.0})
+    root = ElementTree.fromstring(moved.urdf)
+    bar = root.find("link[@name='lever']/collision/origin")
+    assert bar is not None
+    assert set(bar.attrib) == {"xyz", "rpy"}
+    place, turn = ([float(word) for word in bar.attrib[key].split()] for key in ("xyz", "rpy"))
+    np.testing.assert_allclose(place, [-0.05, 0.0, 0.1], atol=1e-15)
+    np.testing.assert_allclose(turn, [0.0, 0.3 - 0.5 * math.pi, 0.0], atol=1e-12)
+    centre = root.find("link[@name='lever']/inertial/origin")
+    assert centre is not None
+    at = [float(word) for word in centre.attrib["xyz"].split()]
+    np.testing.assert_allclose(at, [-0.01, 0.0, 0.2], atol=1e-15)
+    assert "rpy" not in centre.attrib
