@@ -23,7 +23,7 @@ SETTINGS = {
     "benchmarks/peers/scipy_flight.py": "SETTINGS",
     "benchmarks/run_time/reduced_work.py": "_TOLERANCES",
     "benchmarks/run_time/turns.py": "_TOLERANCES",
-    "benchmarks/run_time/work_precision.py": "TOLERANCES, QUICK_TOLERANCES, STATED_TOLERANCES",
+    "benchmarks/run_time/work_precision.py": "TOLERANCES, QUICK_TOLERANCES",
     "study/sweep/plan.py": "_TRANSITIONS, _TURNS",  # run times
 }
 """Small numbers that are no tolerances, by module."""

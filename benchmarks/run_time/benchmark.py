@@ -13,7 +13,7 @@ from .peer_work import PACKAGES, Say, peer_rows
 from .reduced_work import reduced_work
 from .timing import environment
 from .turns import TurnRow, turn_rows
-from .work_precision import Row, Stated, accuracy, direct_rows, true_over_stated
+from .work_precision import Row, accuracy, direct_rows
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,6 @@ class Benchmark:
         environment: Versions, processor, cores, threads.
         engines: Work against precision of this package's engines.
         accuracy: Errors of the direct engine in every certified transition.
-        stated: True over stated errors of the direct engine, by case and tolerance.
         peers: Work against precision of other people's solvers, as far as they are installed.
         unavailable: What could not be run, and why.
         reduced: Build time, speed and error of the reduced engine; None without it.
@@ -36,7 +35,6 @@ class Benchmark:
     environment: dict[str, Any]
     engines: tuple[Row, ...]
     accuracy: tuple[Row, ...]
-    stated: tuple[Stated, ...]
     peers: tuple[Row, ...]
     unavailable: tuple[str, ...]
     reduced: dict[str, Any] | None
@@ -88,7 +86,6 @@ def benchmark(
         environment=environment(PACKAGES),
         engines=(*engines, *reduced_rows),
         accuracy=tuple(accurate),
-        stated=tuple(true_over_stated()),
         peers=tuple(peers),
         unavailable=tuple(unavailable),
         reduced=reduced,

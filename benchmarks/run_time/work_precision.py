@@ -27,17 +27,15 @@ import numpy as np
 
 from nipper_pin.arrays import FloatArray
 from nipper_pin.hybrid.case import Case, Resolution
-from nipper_pin.hybrid.event import EventKind
 from nipper_pin.hybrid.result.solution import Solution
 from nipper_pin.hybrid.simulate import simulate
 from nipper_pin.mechanism import Mechanism
 
-from .certified import Certified, certified, certified_names
+from .certified import Certified
 from .timing import Timing, timed
 
 TOLERANCES = (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13)
 QUICK_TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-12)
-STATED_TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 
 Motion = Callable[[FloatArray, bool], tuple[FloatArray, FloatArray]]
 
@@ -92,23 +90,6 @@ class Row:
     error_trajectory: float | None = None
     evaluations: int | None = None
     version: str | None = None
-
-
-@dataclass(frozen=True)
-class Stated:
-    """How a run's own estimate of its errors compares with the truth.
-
-    Attributes:
-        case: Certified case.
-        tolerance: What the run was asked for.
-        times: Largest true over stated error of the collision times and of rest [-].
-        impulses: Largest true over stated relative error of the impulses [-].
-    """
-
-    case: str
-    tolerance: float
-    times: float
-    impulses: float
 
 
 def direct_rows(certified: Certified, *, quick: bool, repeats: int) -> list[Row]:
@@ -238,31 +219,6 @@ def accuracy(certified: Certified, mechanism: Mechanism, tolerance: float) -> Ro
     timing = timed(lambda: simulate(mechanism, case).collisions, 1)
     observed = observe(simulate(mechanism, case))
     return graded("direct", f"case {certified.name}", timing, observed, certified)
-
-
-def true_over_stated() -> list[Stated]:
-    """Compare stated errors with true ones; above 1 the truth is worse than stated."""
-    found = []
-    for name in certified_names():
-        reference = certified(name)
-        mechanism = reference.mechanism()
-        for tolerance in STATED_TOLERANCES:
-            resolution = Resolution(tolerance=tolerance)
-            case = Case(speed_rpm=reference.speed_rpm, resolution=resolution)
-            solution = simulate(mechanism, case)
-            times, impulses = [0.0], [0.0]
-            for event, error in zip(solution.events, solution.errors, strict=True):
-                if event.kind is EventKind.REST:
-                    times.append(abs(event.t - reference.transition_time) / error.time)
-            rows = zip(solution.collisions, reference.times, reference.impulses, strict=False)
-            for collision, t, impulse in rows:
-                error = solution.errors[collision.event.number - 1]
-                # The first collision is the start: its time is exact and stated so.
-                if collision.number > 1:
-                    times.append(abs(collision.t - t) / error.time)
-                impulses.append(abs(collision.impulse / impulse - 1.0) / error.impulse)
-            found.append(Stated(name, tolerance, float(max(times)), float(max(impulses))))
-    return found
 
 
 def _number(value: float | None) -> float:

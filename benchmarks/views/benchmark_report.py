@@ -99,7 +99,6 @@ def sheets(result: Benchmark) -> list[Sheet]:
     found = [
         _measured("Engines: one transition, 650 r/min, e = 0.2", _ENGINES, result.engines, 2),
         _measured("Direct engine in every certified transition", _ENGINES, result.accuracy, 2),
-        _stated(result),
     ]
     if result.peers:
         found.append(_measured("Peers: the same transition", _PEERS, result.peers, 3))
@@ -118,21 +117,6 @@ def sheets(result: Benchmark) -> list[Sheet]:
 def _measured(title: str, columns: Mapping[str, str], rows: Iterable[object], text: int) -> Sheet:
     cells = (tuple(_cell(name, getattr(row, name)) for name in columns.values()) for row in rows)
     return Sheet(title, tuple(columns), tuple(cells), text)
-
-
-def _stated(result: Benchmark) -> Sheet:
-    """Largest ratio over all certified cases, by tolerance."""
-    rows = []
-    for tolerance in dict.fromkeys(item.tolerance for item in result.stated):
-        chosen = [item for item in result.stated if item.tolerance == tolerance]
-        worst = (max(item.times for item in chosen), max(item.impulses for item in chosen))
-        rows.append((f"{tolerance:.0e}", *map(_number, worst)))
-    return Sheet(
-        "True over stated error of the direct engine, largest over all certified transitions",
-        ("tolerance", "times", "impulses"),
-        tuple(rows),
-        text=0,
-    )
 
 
 def _cell(name: str, value: object) -> str:

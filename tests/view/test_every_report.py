@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import cast
 
 import numpy as np
 import pyarrow as pa
 import pytest
 from matplotlib.collections import PolyCollection
 
-from benchmarks.run_time.benchmark import Benchmark
-from benchmarks.run_time.work_precision import Row, Stated
+from benchmarks.run_time.work_precision import Row
 from benchmarks.views import benchmark_report
 from nipper_pin.study.sweep import SweepTable
 from nipper_pin.view.studies.sweep_figures.columns import Parameter, Quantity
@@ -80,15 +78,3 @@ def test_tables_of_the_benchmark() -> None:
                     assert cell == wanted
                 else:
                     assert float(cell) == pytest.approx(wanted, rel=6e-3), heading
-    stated = tuple(
-        Stated(case, tolerance, times, impulses)
-        for case, tolerance, times, impulses in (
-            ("a", 1e-4, 0.2, 0.7), ("b", 1e-4, 0.5, 0.3), ("a", 1e-8, 0.9, 0.1),
-        )
-    )  # fmt: skip
-    result = cast("Benchmark", type("Result", (), {"stated": stated})())
-    sheet = benchmark_report._stated(result)
-    assert sheet.headings == ("tolerance", "times", "impulses")
-    assert [[float(cell) for cell in row] for row in sheet.rows] == [
-        [1e-4, 0.5, 0.7], [1e-8, 0.9, 0.1],
-    ]  # fmt: skip

@@ -29,7 +29,6 @@ from benchmarks.run_time.turns import TurnRow, turn_rows
 from benchmarks.run_time.work_precision import (
     Observed,
     Row,
-    Stated,
     graded,
     graded_four,
     observe,
@@ -330,7 +329,6 @@ def made_up() -> Benchmark:
         environment=environment(),
         engines=(row, replace(row, setting="1e-13", error_worst=0.0)),
         accuracy=(row,),
-        stated=(Stated("650", 1e-12, 0.5, 0.25),),
         peers=(peer, replace(peer, setting="too coarse", error_worst=None)),
         unavailable=("a peer, 1 ms: no bounce",),
         reduced=None,

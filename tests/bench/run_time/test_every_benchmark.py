@@ -15,7 +15,7 @@ from benchmarks.run_time import benchmark as module
 from benchmarks.run_time import cost, peer_work
 from benchmarks.run_time.certified import Certified, certified, certified_names
 from benchmarks.run_time.turns import TurnRow
-from benchmarks.run_time.work_precision import Row, Stated
+from benchmarks.run_time.work_precision import Row
 from nipper_pin import Mechanism
 from nipper_pin.errors import SimulationError
 
@@ -138,7 +138,6 @@ def test_the_whole(
     part("peer_rows", ([other], ["gone"]))
     part("costs", {"turns": [{"turns": 1.0}]})
     part("environment", {"cores": 2})
-    part("true_over_stated", [Stated("650", 1e-4, 0.5, 0.25)])
     monkeypatch.setattr(module, "accuracy", accuracy)
     said: list[str] = []
 
@@ -160,9 +159,6 @@ def test_the_whole(
     assert [row["engine"] for row in document["peers"]] == ["peer"]
     assert len(document["accuracy"]) == len(certified_names())
     assert document["accuracy"][0] == {**asdict(ROW), "error_worst": None}
-    assert document["stated"] == [
-        {"case": "650", "tolerance": 1e-4, "times": 0.5, "impulses": 0.25}
-    ]
     assert document["unavailable"] == ["gone"]
     assert document["reduced"] == {"build_ms": None}
     assert document["cost"] == {"turns": [{"turns": 1.0}]}

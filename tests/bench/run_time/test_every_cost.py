@@ -114,7 +114,7 @@ def made_up() -> Benchmark:
             "threads": {"OMP_NUM_THREADS": None, "MKL_NUM_THREADS": "3"},
             "versions": {"numpy": "2.1", "pin": "3.2"},
         },
-        engines=rows, accuracy=(row,), stated=(), peers=peers,
+        engines=rows, accuracy=(row,), peers=peers,
         unavailable=("a peer: no bounce",),
         reduced={"build_ms": 812.5, "error": 4.5e-13}, turns=(),
         cost={name: [{"what": f"{name} {row}", "wall_ms": 10.0 * place + row, "small": 1e-7 * row,
