@@ -215,6 +215,29 @@ def test_new_model_is_accepted_by_the_commands(
         assert ("buffer" in stops) == (command == "cycle")
 
 
+def test_a_path_of_any_length_is_printed_whole(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Lines are broken around it, and commands are not broken: its length changes no word."""
+    width = len(str(tmp_path)) + 60
+    monkeypatch.setenv("COLUMNS", str(width))
+    headings, commands = set(), set()
+    for letters in range(1, 121, 2):
+        path = str(tmp_path / (letters * "q"))
+        assert main(["new", path]) == 0
+        heading, end, rest = capsys.readouterr().out.partition("explained\n")
+        assert all(len(line) <= width or path in line for line in heading.splitlines())
+        headings.add(" ".join(f"{heading}{end}".replace(path, "PATH").split()))
+        commands.add(rest.partition("as it stands:\n")[2].replace(path, "PATH"))
+    assert headings == {
+        "PATH: a press with one stop to strike and one to come back to, every line explained"
+    }
+    assert [line.split()[1:3] for line in commands.pop().splitlines()] == [
+        ["check", "PATH"], ["simulate", "PATH"], ["view", "PATH"]
+    ]  # fmt: skip
+    assert not commands
+
+
 def test_new_writes_the_name_into_the_urdf_and_the_schema_beside_it(press: Mechanism) -> None:
     assert press.model.name == "press"
     folder = Path(press.mesh_folder)
