@@ -144,9 +144,21 @@ def _document(document: Any, name: str) -> Facts:
 
 
 def stand_ins(probe: Probe) -> None:
-    """Stand-ins of everything that takes long, serves or draws."""
+    """Stand-ins of everything that takes long, serves or draws.
+
+    All modules are imported before the first name is replaced: one that is imported later would
+    keep the stand-in of a name that it binds, for all tests that follow in this process.
+    """
+    for note in (_imported, probe.stand_in):
+        _note_all(note)
+
+
+def _imported(place: str, _answer: Callable[..., Any] | None = None) -> None:
+    importlib.import_module(place.rpartition(".")[0])
+
+
+def _note_all(note: Callable[..., None]) -> None:
     done = {"done": "well"}
-    note = probe.stand_in
     note("nipper_pin.cli.simulate.simulate")
     note("nipper_pin.hybrid.simulate.simulate")
     note("nipper_pin.hybrid.files.npz.load_solution")
