@@ -43,6 +43,11 @@ def test_mesh_inside_the_folder(spoil) -> None:  # type: ignore[no-untyped-def]
         encoding="utf-8",
     )
     assert load(folder).stop("jaw").contact is not None
+    (folder / "meshes" / "plate.stl").rename(folder.parent / "plate.stl")
+    (folder / "meshes" / "plate.stl").symlink_to(folder.parent / "plate.stl")
+    with pytest.raises(ModelError, match="stays inside") as caught:
+        load(folder)
+    assert caught.value.evidence["value"] == "meshes/plate.stl"
 
 
 def test_a_mesh_that_is_only_drawn_may_be_missing(spoil) -> None:  # type: ignore[no-untyped-def]

@@ -70,6 +70,7 @@ def test_sentences(table: str, refused: Callable[[str, str], Refusal], words: Wo
     words(text)
 
 
-@pytest.mark.parametrize("name", toml.TAKEN)
-def test_values_at_their_bounds_are_taken(name: str, tmp_path: Path) -> None:
-    assert load(model("small", toml.TAKEN[name], tmp_path)).name == "small"
+@pytest.mark.parametrize("edits", [*toml.TAKEN.values(), *urdf.TAKEN.values()],
+                         ids=[*toml.TAKEN, *urdf.TAKEN])  # fmt: skip
+def test_values_at_their_bounds_are_taken(edits: str | tuple[str, str], tmp_path: Path) -> None:
+    assert load(model("small", edits, tmp_path)).name == "small"

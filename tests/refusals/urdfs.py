@@ -77,6 +77,7 @@ URDFS = {
     "shape called as a link": Row((PLATE, '<collision name="frame">'), CLASH, "frame"),
     "lower limit nan": limit("lower", "-3.2", "nan"),
     "lower limit inf": limit("lower", "-3.2", "inf"),
+    "upper limit -inf": limit("upper", '"3.2"', '"-inf"'),
     **{f"upper limit {text!r}": limit("upper", '"3.2"', f'"{text}"')
        for text in ("0.2m", "true", "1,5", "", " ", "0x1", "1_0", "3 deg", "\u03c0")},
     "axis of what is fixed": Row((FIXED, f'{FIXED}<axis xyz="0 one 0"/>'), ..., "0 one 0"),
@@ -98,15 +99,21 @@ URDF_NAMES = {
 
 BODY = '<mass value="1.0"/><inertia ixx="1.0" iyy="1.0" izz="1.0" ixy="0" ixz="0" iyz="0"/>'
 ROOT = '<link name="frame"/>'
+LEVER = '<link name="lever"><inertial>'
 BOX = "<geometry><box size='1 1 1'/></geometry></collision>"
 
 
 def shapes(first: str, second: str, place: str, value: str) -> Row:
     """Two shapes on the lever."""
     names = "".join(f"<collision name='{name}'>{BOX}" for name in (first, second))
-    old = '<link name="lever"><inertial>'
-    return Row((old, old.replace("<inertial>", names + "<inertial>")), place, value)
+    return Row((LEVER, LEVER.replace("<inertial>", names + "<inertial>")), place, value)
 
+
+# What is no mistake.
+TAKEN = {
+    "only shape called as its link": (
+        LEVER, LEVER.replace("<inertial>", f"<collision name='lever'>{BOX}<inertial>")),
+}  # fmt: skip
 
 # Of the small machine.
 SMALL_URDFS = {
