@@ -13,13 +13,12 @@ EXTRAS = {
     "study": ("matplotlib", *_SWEEPS),
     "sweep": _SWEEPS,
     "cluster": (*_SWEEPS, "distributed"),
-    "peers": ("numba", "mujoco", "sksundae"),
+    "peers": ("numba", "mujoco"),
 }
 """Modules that come with each extra of the package."""
 
 PACKAGES = {
     "PIL": "pillow",
-    "sksundae": "scikit-sundae",
     "umsgpack": "u-msgpack-python",
 }
 """Name at the package index of each module that has another one there."""

@@ -42,15 +42,15 @@ def test_missing_packages_are_gathered_by_what_installs_them() -> None:
     missing = "could not import '{0}': No module named '{0}'"
     found = not_tested.lines(
         [
-            report("tests/a.py::test_one_claim[x-1]", missing.format("mujoco")),
-            report("tests/a.py::test_one_claim[y]", missing.format("sksundae")),
+            report("tests/a.py::test_one_claim[x-1]", missing.format("meshcat")),
+            report("tests/a.py::test_one_claim[y]", missing.format("matplotlib")),
             report("tests/b.py::test_page", "viser is not installed (extra `live`)"),
             report("tests/b.py::test_frame", missing.format("pandas")),
             report("tests/c.py", "no tests on a Sunday"),
         ]
     )
     assert found == [
-        "2 tests left out without mujoco and sksundae: pip install -e '.[peers]'",
+        "2 tests left out without meshcat and matplotlib: pip install -e '.[view]'",
         "  a.py: one claim (x-1, y)",
         "1 test left out without pandas: pip install pandas",
         "  b.py: frame",

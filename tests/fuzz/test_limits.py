@@ -29,7 +29,6 @@ HERE = Path(__file__).parent
 BYTES = 10**9
 # Processors differ by a factor of three. What grows with the square of a file takes minutes.
 SECONDS = 30.0
-WIDTH = MOST_TABLE // MOST_ROWS - 1
 LINK = (
     '<link name="{0}"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" '
     'izz="1"/></inertial></link>\n'

@@ -135,6 +135,6 @@ def _gaping(
         f"to {closure.frame_b}",
         allowed=f"{meet} within {MM_PER_M * within_m:g} mm in the touch configuration, where all "
         f"joint coordinates are zero{rounded}: correct the origins of the joints that carry the "
-        f"two, or place {closure.frame_b} by x {0.0 - x:.6g} and z {0.0 - z:.6g} mm (side view) "
+        f"two, or place {closure.frame_b} by x {-x + 0.0:.6g} and z {-z + 0.0:.6g} mm (side view) "
         "elsewhere",
     )

@@ -24,7 +24,6 @@ from nipper_pin.study.identify.fitting.goodness import Goodness, Verdict
 from nipper_pin.study.identify.fitting.outliers import _refitted, leverages
 
 SCRIPTS = Path(__file__).resolve().parents[3] / "scripts"
-SIGMAS = 3.0
 
 
 # Free numbers of the example: as people read them, and the factor from the unit of the file.
