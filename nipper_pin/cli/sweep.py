@@ -50,13 +50,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def _run(options: argparse.Namespace) -> None:
     from ..study.sweep import estimate, read_plan, run_sweep
     from ..study.sweep.plan import chosen
+    from ..terms import counted
 
     if options.dry_run:
         what = "--dry-run, which writes nothing and times scenarios here"
         refuse_beside(options, what, {"out": "--out", "scheduler": "--scheduler"})
     plan, bounds = read_plan(options.study), _bounds(options.chunks)
-    kinds = plan.mechanisms
-    size = f"{plan.scenarios:,} scenarios of {kinds:,} mechanism{'s' if kinds > 1 else ''}"
+    size = f"{counted(plan.scenarios, 'scenario')} of {counted(plan.mechanisms, 'mechanism')}"
     if options.dry_run:
         whole = plan.chunks()
         asked = chosen(whole, bounds)
@@ -70,7 +70,7 @@ def _run(options: argparse.Namespace) -> None:
         expected = estimate.estimate(plan, options.workers, bounds)
         document["estimate"] = expected.record()
         if bounds is None:
-            said = [f"{size} in {len(asked):,} chunks"]
+            said = [f"{size} in {counted(len(asked), 'chunk')}"]
         else:
             said = [f"{scenarios:,} of {size} in {len(asked):,} of {len(whole):,} chunks"]
         said.append(expected.sentence())

@@ -2,7 +2,7 @@
 
 from .names import named
 from .parameters import NONE, parameter_shown, unit_of
-from .shown import Shown, digits, fixed, shown_in
+from .shown import Shown, counted, digits, fixed, shown_in
 from .table import SUBJECTS, TERMS, Term, term_of
 
 __all__ = [
@@ -11,6 +11,7 @@ __all__ = [
     "TERMS",
     "Shown",
     "Term",
+    "counted",
     "digits",
     "fixed",
     "named",

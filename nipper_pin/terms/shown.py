@@ -107,6 +107,11 @@ def digits(value: float | None) -> str:
     return f"{mantissa}e{int(exponent)}"
 
 
+def counted(number: int, noun: str) -> str:
+    """A number of things whose plural ends in s: 1 start, 12,000 starts."""
+    return f"{number:,} {noun}{'' if number == 1 else 's'}"
+
+
 def fixed(value: float, decimals: int) -> str:
     """Fixed decimals; round-off below zero does not show as minus zero."""
     return f"{round(value, decimals) + 0.0:.{decimals}f}"

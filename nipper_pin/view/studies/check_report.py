@@ -10,7 +10,7 @@ from ...hybrid.result.quantities import force_unit
 from ...mechanism import Mechanism, Stop
 from ...study.check import ModelReport
 from ...study.next_steps import NextSteps
-from ...terms import fixed
+from ...terms import counted, fixed
 from ...units import MM_PER_M
 from ..console import headline, paste, say, show_table
 from ..reading import damper_text, force_text, law_text, spring_text, stop_place
@@ -33,8 +33,10 @@ def print_report(
     headline(console, "Mechanism")
     say(
         console,
-        f"{len(mechanism.joints)} moving links, {len(mechanism.joints)} tree joints, "
-        f"{len(mechanism.closures)} cut joints, mobility {mechanism.degrees_of_freedom}, "
+        f"{counted(len(mechanism.joints), 'moving link')}, "
+        f"{counted(len(mechanism.joints), 'tree joint')}, "
+        f"{counted(len(mechanism.closures), 'cut joint')}, "
+        f"mobility {mechanism.degrees_of_freedom}, "
         f"{len(mechanism.drives)} of it driven",
     )
     if mechanism.side_view:

@@ -15,7 +15,7 @@ from ...study.identify.fitting.profiles import Profile
 from ...study.identify.problem.problem import Problem
 from ...study.identify.problem.targets import Condition, Target
 from ...study.identify.record import WORD
-from ...terms import Shown, named, parameter_shown
+from ...terms import Shown, counted, named, parameter_shown
 from ..console import headline, say, show_table
 
 _SAME = 1e-3
@@ -44,8 +44,8 @@ def print_fit(
     same = sum(item.cost < fit.best.cost * (1.0 + _SAME) for item in fit.descents)
     say(
         console,
-        f"{len(fit.descents)} starts, seed {fit.seed}: {same} of them end at the least cost "
-        f"{fit.best.cost:.5g}; {fit.within(0.04)} of {len(problem.targets)} targets are met within "
+        f"{counted(len(fit.descents), 'start')}, seed {fit.seed}: {same} ended at the least cost "
+        f"{fit.best.cost:.5g}; targets met: {fit.within(0.04)} of {len(problem.targets)} within "
         f"4 %, {fit.within(0.10)} within 10 %",
     )
     bad = judged.verdict is Verdict.CONTRADICTED
@@ -58,8 +58,9 @@ def print_fit(
     headline(console, "What the targets determine")
     say(
         console,
-        f"{known.identifiable_directions} of {len(known.paths)} directions; singular values "
-        "(sigmas over the whole range): " + ", ".join(f"{x:.3g}" for x in known.singular_values),
+        f"{known.identifiable_directions} of {counted(len(known.paths), 'direction')}; "
+        "singular values (sigmas over the whole range): "
+        + ", ".join(f"{x:.3g}" for x in known.singular_values),
     )
     single = _names(known.determined) or "none"
     say(console, f"single numbers narrowed to less than half of their range: {single}")

@@ -173,7 +173,7 @@ def test_verdicts(changes: dict[str, Any], verdict: Verdict) -> None:
 
 def test_sentences_of_verdicts() -> None:
     """Word for word, with the numbers as they are; five outliers by name and how many more."""
-    numbers = "chi-square 12.5 with 5 degrees of freedom"
+    numbers = "chi-square 12.5, degrees of freedom 5"
     assert judged().sentence() == f"The data agree with the fit: {numbers}, probability 0.25."
     assert judged(probability=0.9999).sentence() == (
         f"The fit is better than its sigmas allow: {numbers}, probability 1. They are stated too "
@@ -202,8 +202,8 @@ def test_sentences_of_verdicts() -> None:
     assert units.sentence() == f"{against} Is it in deg?"
     assert judged(outliers=(3,)).sentence().endswith("0.25. Outliers: d (+9.5 sigmas).")
     assert judged(fitted=7.625, probability=None, suspects=("Is it?",)).sentence() == (
-        "8 targets are no more than the 7.62 numbers that they determine: nothing is left over "
-        "that could test the fit. Is it?"
+        "The targets (8) are no more than the numbers that they determine (7.62): nothing is left "
+        "over that could test the fit. Is it?"
     )
 
 

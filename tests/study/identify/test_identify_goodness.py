@@ -219,7 +219,7 @@ def printed_mistakes(report: str, document: dict[str, Any]) -> list[str]:
         if left.endswith("?") == item["determined"]:
             wrong.append("free.determined")
     text, good = " ".join(report.split()), document["goodness"]
-    said = re.search(r"chi-square (\S+) with (\S+) degrees of freedom, probability (\S+)\.", text)
+    said = re.search(r"chi-square (\S+), degrees of freedom (\S+), probability (\S+)\.", text)
     if said is None:
         return [*wrong, "goodness"]
     for item in document["profiles"]:
@@ -402,13 +402,13 @@ def test_as_many_numbers_as_targets_test_nothing() -> None:
         names=("a", "b"), residuals=np.zeros(2), chi_square=0.0, fitted=2.0, **common
     )
     assert none_left.verdict is Verdict.UNTESTED
-    assert none_left.sentence().startswith("2 targets are no more than the 2 numbers")
+    assert none_left.sentence().startswith("The targets (2) are no more than the numbers")
     one_left = Goodness(
         names=("a", "b", "c"), residuals=np.array([0.0, 0.0, 5.0]), chi_square=25.0, fitted=2.0,
         **{**common, "probability": 5.7e-7},
     )  # fmt: skip
     assert one_left.verdict is Verdict.CONTRADICTED
-    assert "chi-square 25 with 1 degrees of freedom, probability 5.7e-07" in one_left.sentence()
+    assert "chi-square 25, degrees of freedom 1, probability 5.7e-07" in one_left.sentence()
 
 
 @pytest.mark.parametrize("prior_weight", [0.5, 3.0])

@@ -315,7 +315,7 @@ def test_command_says_what_it_did(tmp_path: Path, capsys: pytest.CaptureFixture[
     path = study(tmp_path, '[parameters."drives.tension.ratio"]\nvalues = [2.2, 2.3]\n')
     out = tmp_path / "out"
     assert main(["sweep", path, "--dry-run"]) == 0
-    assert capsys.readouterr().out.startswith("2 scenarios of 2 mechanisms in 1 chunks\n")
+    assert capsys.readouterr().out.startswith("2 scenarios of 2 mechanisms in 1 chunk\n")
     assert main(["sweep", path, "--out", str(out), "--json", "-"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert (document["scenarios"], document["found"], document["chunks"]) == (2, 0, 1)

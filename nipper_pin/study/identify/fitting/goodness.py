@@ -90,13 +90,14 @@ class Goodness:
         if self.scale is None:
             return " ".join(
                 [
-                    f"{len(self.names)} targets are no more than the {self.fitted:.3g} numbers "
-                    "that they determine: nothing is left over that could test the fit.",
+                    f"The targets ({len(self.names)}) are no more than the numbers that they "
+                    f"determine ({self.fitted:.3g}): nothing is left over that could test the fit.",
                     *self._reasons(),
                 ]
             )
-        found = f"chi-square {self.chi_square:.4g} with {self.degrees_of_freedom:.3g} degrees of "
-        found += "freedom"
+        found = (
+            f"chi-square {self.chi_square:.4g}, degrees of freedom {self.degrees_of_freedom:.3g}"
+        )
         if self.probability is not None:
             found += f", probability {self.probability:.2g}"
         words = {
