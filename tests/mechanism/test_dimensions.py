@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pinocchio as pin
 import pytest
-from small_machines import frame, hinge, machine
+from small_machines import frame, hinge, machine, slide
 from small_machines import link as body
 
 from nipper_pin.errors import AssemblyError, InputError, ModelError, UnknownNameError
@@ -86,6 +86,25 @@ def test_masses_stay_where_they_are_unless_their_link_turns(name: str) -> None:
     assert contact is not None
     assert original is not None
     np.testing.assert_allclose(contact.point, original.point, atol=1e-6)
+
+
+def test_a_pin_in_a_slot_goes_its_own_way() -> None:
+    """Along the slot, whose frame stays where it is; off its line it opens the closure."""
+    parts = [body("crank"), hinge("shaft", "frame", "crank"),
+             frame("crank_pin", "crank", (0.05, 0.0)), body("yoke"),
+             slide("rail", "frame", "yoke"), frame("guide", "yoke", (0.05, 0.0))]  # fmt: skip
+    slot = {"frame_a": "guide", "frame_b": "crank_pin", "slot_axis": "z", "block_mass_kg": 0.1}
+    yoke = machine(parts, 1, closures={"slot": slot})
+    before = places(yoke)
+    assert layout(yoke).meeting["crank_pin"] == ("crank_pin",)
+    moved = places(with_numbers(yoke, {"points.crank_pin.z_mm": 20.0}))
+    for name in ("crank_pin", "guide", "yoke", "crank"):
+        shift = [0.0, 20.0] if name == "crank_pin" else [0.0, 0.0]
+        np.testing.assert_allclose(moved[name] - before[name], shift, atol=1e-9)
+    with pytest.raises(AssemblyError, match=r"a gap of 1 mm \(x 1, z 0\)"):
+        with_numbers(yoke, {"points.crank_pin.x_mm": 51.0})
+    both = {"points.crank_pin.x_mm": 51.0, "points.guide.x_mm": 51.0}
+    assert places(with_numbers(yoke, both))["guide"] == pytest.approx([51.0, 0.0], abs=1e-9)
 
 
 def test_length_of_a_link() -> None:
