@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from nipper_pin import Case, ModelError, simulate
+from nipper_pin import Case, ModelError, load, simulate
 from nipper_pin.mechanism import Mechanism
 from nipper_pin.mechanism.build.laws import extreme_angle
 from nipper_pin.mechanism.cylinder import (
@@ -21,9 +22,12 @@ from nipper_pin.mechanism.cylinder import (
 from nipper_pin.mechanism.drives import ConstantSpeed, Fourier, Geared, Table
 from nipper_pin.mechanism.drives.cam import Cam
 from nipper_pin.mechanism.elements import Characteristic
+from tests.refusals.bases import model
+from tests.refusals.descriptions import CAM, ROWS, TABLE
 from tests.small_machines import hinge, link, machine, slide
 
 TURN = [math.radians(angle) for angle in range(0, 361, 45)]
+Edits = str | tuple[str, str]
 SWING = [0.1 * math.sin(angle) for angle in TURN[:-1]] + [0.0]
 
 
@@ -158,3 +162,42 @@ def test_indices_on_one_scale() -> None:
     assert counted_from(24.0, np.array([7.5, 24.0, 23.5])) == pytest.approx([47.5, 24.0, 63.5])
     for index, other, apart in ((0.5, 39.5, 1.0), (39.5, 0.5, -1.0), (12.0, 9.0, 3.0)):
         assert index_difference(index, other) == apart
+
+
+AXLE = 'joint = "axle", law = '
+RATIO, RADIUS = "ratio = 2.2 ", "crank_radius_mm = 64.0"
+
+
+@pytest.mark.parametrize(
+    ("base", "edits", "others"),
+    [
+        ("small", *(f'drives.x = {{ {AXLE}"constant_speed", ratio = {k} }}' for k in (1.5, 2.5))),
+        ("small", *(f'drives.x = {{ {AXLE}"fourier", cosine_rad = [0.0, {k}] }}' for k in (1, 2))),
+        ("small", f"drives.x = {{ {TABLE} }}", f"drives.x = {{ {TABLE.replace('0.2,', '0.3,')} }}"),
+        ("small", *(f"drives.x = {{ {CAM.replace('20.0', k)} }}" for k in ("10.0", "9.0"))),
+        (
+            "small",
+            f"springs.x = {{ {ROWS} }}",
+            f"springs.x = {{ {ROWS.replace('100.0', '99.0')} }}",
+        ),
+        ("e62", (RATIO, RATIO), (RATIO, "ratio = 2.3 ")),
+        ("e62", (RADIUS, RADIUS), (RADIUS, "crank_radius_mm = 64.5")),
+    ],
+    ids=["speed", "series", "table", "cam", "spring", "gear", "guide that a gear follows"],
+)
+def test_laws_of_equal_numbers_are_equal(
+    base: str, edits: Edits, others: Edits, tmp_path: Path
+) -> None:
+    """Those of one text, not those of another; what is prepared from numbers is not shown."""
+    found: list[Any] = []
+    for number, text in enumerate((edits, edits, others)):
+        (tmp_path / str(number)).mkdir()
+        mechanism = load(model(base, text, tmp_path / str(number)))
+        laws = [item.law for item in mechanism.drives]
+        found.append(laws or [item.characteristic for item in mechanism.tabulated_springs])
+    one, same, other = (laws[-1] for laws in found)
+    assert one is not same
+    assert one == same
+    assert one != other
+    assert repr(one) == repr(same) != repr(other)
+    assert " _" not in repr(one)
