@@ -1,7 +1,7 @@
 # make demo    the E62 at 650 r/min: tables on the terminal, plots and data in out/ (extra `view`)
 # make test    the tests, without the longer ones (extras `all` and `dev`)
 # make test-all    these and the longer ones: pages in a browser, clusters, campaigns
-# make test-slow   the longer ones alone
+# make test-slow   the longer ones alone, of campaigns a seventh by the day
 # make snapshots   the reviewed texts of tests/**/__snapshots__ anew; read the difference
 # make docs    the site of docs/ in out/site; any warning is an error
 # make check   lint, types, site and all tests
@@ -12,6 +12,7 @@
 
 PYTHON ?= python3
 PYTEST_ARGS ?= -n 2
+DAY ?= $(shell expr $$(date +%s) / 86400)
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -44,9 +45,10 @@ test: $(DEV)
 	$(BIN)/python -m pytest -m "not slow" $(PYTEST_ARGS) --dist loadfile
 
 test-slow: $(DEV)
-	$(BIN)/python -m pytest -m slow $(PYTEST_ARGS)
+	$(BIN)/python -m pytest -m slow --day $(DAY) $(PYTEST_ARGS) --dist loadfile
 
-test-all: test test-slow
+test-all: test
+	$(BIN)/python -m pytest -m slow $(PYTEST_ARGS) --dist loadfile
 
 snapshots: $(DEV)
 	$(BIN)/python -m pytest -q --snapshot-update $$(grep -rl 'import Words' tests)

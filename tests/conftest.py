@@ -1,6 +1,8 @@
 import os
 import signal
 import sys
+import zlib
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -29,6 +31,39 @@ PERSONAL = (
     "MPLBACKEND", "MATPLOTLIBRC", "PYTHONIOENCODING", "PYTHONWARNINGS", "PYTHONUNBUFFERED",
     "TTY_COMPATIBLE", "TTY_INTERACTIVE",
 )  # fmt: skip
+
+
+WEEK = 7
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--day", type=int, help="of the campaigns only the cases that this day draws")
+
+
+def pytest_report_header(config: pytest.Config) -> str | None:
+    if (day := config.option.day) is None:
+        return None
+    return f"campaigns: cases of day {day} (again: make test-slow DAY={day}; all: make test-all)"
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Cases of campaigns are slow; each is drawn on one day of a week."""
+    places, left = Counter[str](), list[pytest.Item]()
+    for item in items:
+        if item.get_closest_marker("campaign") is None:
+            continue
+        item.add_marker("slow")
+        name = item.nodeid.partition("[")[0]
+        # Cases of one test follow one another, and tests of one case do not all share a day.
+        place = zlib.crc32(name.encode()) + places[name]
+        places[name] += 1
+        if config.option.day is not None and (place - config.option.day) % WEEK:
+            left.append(item)
+    if left:
+        config.hook.pytest_deselected(items=left)
+        gone = set(left)
+        items[:] = [item for item in items if item not in gone]
 
 
 def pytest_configure() -> None:

@@ -170,7 +170,7 @@ def test_without_an_option_it_is_what_help_says(
     } == set()
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_seed_of_a_campaign_reaches_its_cases(capsys: pytest.CaptureFixture[str]) -> None:
     """Without stand-ins: one case of each seed, judged here as well."""
     digests = []

@@ -77,7 +77,7 @@ def content(place: Path) -> dict[str, bytes]:
 @pytest.mark.parametrize("end", ["refused", "killed"])
 @pytest.mark.parametrize(
     "name",
-    [pytest.param(item, marks=[pytest.mark.slow] * (item not in QUICK)) for item in COMMANDS],
+    [pytest.param(item, marks=[pytest.mark.campaign] * (item not in QUICK)) for item in COMMANDS],
 )
 def test_a_write_that_cannot_be_finished(name: str, end: str, tmp_path: Path) -> None:
     """In the first file, in the largest and between; the same command then ends as ever.
@@ -109,7 +109,7 @@ def test_a_write_that_cannot_be_finished(name: str, end: str, tmp_path: Path) ->
     assert content(place) != old
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize("end", ["refused", "killed"])
 def test_a_sweep_that_cannot_be_finished_goes_on(end: str, tmp_path: Path) -> None:
     """What it leaves are finished chunks; its rows are in the end those of a sweep in one go."""

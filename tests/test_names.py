@@ -128,7 +128,7 @@ def apart(tmp_path_factory: pytest.TempPathFactory) -> list[float]:
 
 @pytest.mark.parametrize("first", range(3))
 @pytest.mark.parametrize(
-    "second", [0, pytest.param(1, marks=pytest.mark.slow), pytest.param(2, marks=pytest.mark.slow)]
+    "second", [0, *(pytest.param(place, marks=pytest.mark.campaign) for place in (1, 2))]
 )
 def test_things_of_one_name_do_not_meet(
     first: int, second: int, tmp_path: Path, apart: list[float]

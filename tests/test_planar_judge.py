@@ -37,18 +37,23 @@ def agree(report: Report, least: int) -> None:
     assert report.events >= least, report.line()
 
 
-def slow(*values: object) -> object:
-    return pytest.param(*values, marks=pytest.mark.slow)
+def campaign(*values: object) -> object:
+    return pytest.param(*values, marks=pytest.mark.campaign)
 
 
 RATED = [(name, "held") for name in GALLERY]
 RATED += [(name, "inertial") for name in ("watt_1", "jansen", *tuple(GALLERY)[::6])]
-DRIVES = pytest.mark.parametrize("drive", ["held", slow("inertial")])
+DRIVES = pytest.mark.parametrize("drive", ["held", campaign("inertial")])
 
 
 @pytest.mark.parametrize(
     ("speed", "drive"),
-    [(450.0, "held"), slow(650.0, "held"), slow(450.0, "inertial"), slow(650.0, "inertial")],
+    [
+        (450.0, "held"),
+        campaign(650.0, "held"),
+        campaign(450.0, "inertial"),
+        campaign(650.0, "inertial"),
+    ],
 )
 def test_e62(speed: float, drive: str) -> None:
     agree(compare(MODELS / "e62", speed, drive), 14)
@@ -57,15 +62,15 @@ def test_e62(speed: float, drive: str) -> None:
 @pytest.mark.parametrize(
     ("model", "drive"),
     [
-        ("hanging_pendulum", "held"), slow("hanging_pendulum", "inertial"),
-        slow("e62_offset_guide", "held"), slow("e62_offset_guide", "inertial"),
+        ("hanging_pendulum", "held"), campaign("hanging_pendulum", "inertial"),
+        campaign("e62_offset_guide", "held"), campaign("e62_offset_guide", "inertial"),
     ],
 )  # fmt: skip
 def test_other_combers(model: str, drive: str) -> None:
     agree(compare(MODELS / model, 300.0, drive), 10)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @DRIVES
 def test_the_press_of_the_tutorial(tmp_path: Path, drive: str) -> None:
     assert main(["new", str(tmp_path / "press")]) == 0
@@ -77,7 +82,7 @@ def test_a_sled_with_a_flap_and_a_ball(drive: str) -> None:
     agree(compare(both(press()), 150.0, drive), 10)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize("numbers", [(2.0, 0.5, 0.3, 0.4, 30.0)])
 def test_stops_that_throw_one_another_open(numbers: tuple[float, ...]) -> None:
     report = compare(both(lid_box(numbers)), 60.0)  # type: ignore[arg-type]
@@ -88,8 +93,8 @@ def test_stops_that_throw_one_another_open(numbers: tuple[float, ...]) -> None:
     ("motion", "drive"),
     [
         ("modified_sine", "held"), ("polynomial_345", "inertial"),
-        slow("cycloidal", "held"), slow("polynomial_4567", "held"),
-        slow("modified_sine", "inertial"),
+        campaign("cycloidal", "held"), campaign("polynomial_4567", "held"),
+        campaign("modified_sine", "inertial"),
     ],
 )  # fmt: skip
 def test_a_valve_on_a_cam_with_damped_joints(motion: str, drive: str) -> None:
@@ -125,7 +130,7 @@ def test_links_that_a_stop_locks_through_closures(tmp_path: Path) -> None:
     agree(compare(folder, 120.0), 10)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize(("name", "drive"), RATED)
 def test_the_gallery(tmp_path: Path, name: str, drive: str) -> None:
     """The gallery at its rated speed; motion is compared until two runs of the judge part.
@@ -156,10 +161,10 @@ def _off(event: Event, **new: object) -> Event:
     "change",
     [
         lambda e: _off(e, t=e.t + 3e-10),
-        slow(lambda e: _off(e, P_N={name: P * (1.0 + 3e-8) for name, P in e.P_N.items()})),
-        slow(lambda e: _off(e, v_after=e.v_after * (1.0 + 3e-8))),
-        slow(lambda e: _off(e, energy_lost=e.energy_lost * (1.0 + 1e-7))),
-        slow(lambda e: _off(e, closed_after=e.closed_after ^ {"floor"})),
+        campaign(lambda e: _off(e, P_N={name: P * (1.0 + 3e-8) for name, P in e.P_N.items()})),
+        campaign(lambda e: _off(e, v_after=e.v_after * (1.0 + 3e-8))),
+        campaign(lambda e: _off(e, energy_lost=e.energy_lost * (1.0 + 1e-7))),
+        campaign(lambda e: _off(e, closed_after=e.closed_after ^ {"floor"})),
         lambda _: None,
     ],
     ids=["time", "impulse", "rate", "energy", "closed", "missing"],
@@ -185,17 +190,15 @@ def test_an_event_that_is_a_little_off_is_seen(
     assert compare(pair, 150.0).verdict == "DIFFER"
 
 
-@pytest.mark.parametrize("seed", [0, 1, slow(2), slow(3)])
+@pytest.mark.parametrize("seed", [0, 1, campaign(2), campaign(3)])
 def test_random_chains(seed: int) -> None:
     rng = np.random.default_rng([20, seed])
     mechanism = chain(rng, 2, shaken=bool(seed % 2), tied=seed >= 2)
     agree(compare(both(mechanism), 60.0, start_index=0.0), 3)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "number", [1, 3, 337, slow(0), slow(10), slow(253), slow(309), slow(411), slow(443)]
-)
+@pytest.mark.campaign
+@pytest.mark.parametrize("number", [1, 3, 337, 0, 10, 253, 309, 411, 443])
 def test_random_linkages(tmp_path: Path, number: int) -> None:
     """Linkages of the campaign, some of them chosen.
 

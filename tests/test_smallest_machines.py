@@ -143,7 +143,7 @@ def test_every_command(
     assert ", is off its stop" not in told.out.replace(",  ", ", ")
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize("machine", [*BOUNCING, *STOPLESS])
 def test_a_run_is_kept_and_shown(
     machine: str,
@@ -221,7 +221,7 @@ STUDIES = {
 }  # fmt: skip
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize("machine", NUMBERS)
 @pytest.mark.parametrize("study", STUDIES)
 def test_every_study(

@@ -37,7 +37,7 @@ def test_a_closed_output_is_told_of(words: str, tmp_path: Path) -> None:
     assert (done.returncode, done.stderr) == (2, CLOSED)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_nothing_is_written_into_files_by_a_closed_number(tmp_path: Path) -> None:
     """The first file that is opened would be the output, or take the errors of libraries."""
     for ends, status in ((">&-", 2), ("2>&-", 0), ("<&- >&- 2>&-", 2)):
@@ -59,7 +59,7 @@ ODD = [
 ]  # fmt: skip
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize(("words", "variables"), ODD)
 def test_odd_variables_harm_nobody(words: str, variables: dict[str, str], tmp_path: Path) -> None:
     done = started(words, tmp_path, **variables)
@@ -67,7 +67,7 @@ def test_odd_variables_harm_nobody(words: str, variables: dict[str, str], tmp_pa
     assert done.stdout
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_an_interrupt_at_any_time_is_no_traceback(tmp_path: Path) -> None:
     """As soon as the command is there, libraries are still being imported."""
     told = f"import os, sys, nipper_pin.cli; os.write(1, b'x'); {PROGRAM}"

@@ -64,13 +64,13 @@ _arguments = st.lists(
 ).map(lambda items: ["simulate", "e62", *items, "--json", "-"])
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @given(_arguments)
 def test_any_arguments_of_simulate(arguments: list[str]) -> None:
     assert_clear(arguments)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @given(st.lists(_words, max_size=4))
 def test_any_words(words: list[str]) -> None:
     """Words in place of commands and their arguments; none of them may start a server."""
@@ -136,7 +136,7 @@ def _edited(text: str, data: st.DataObject) -> str:
     return "\n".join(lines)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @settings(max_examples=50)
 @given(st.data())
 def test_any_study_of_a_sweep(data: st.DataObject) -> None:
@@ -215,7 +215,7 @@ while True:
 """
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize("pause", [0.05, 0.1, 0.17, 0.26])
 def test_a_killed_process_leaves_whole_files(tmp_path: Path, pause: float) -> None:
     """However a writer dies, a name holds a whole file: it is given when the file is complete.

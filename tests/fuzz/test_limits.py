@@ -292,7 +292,7 @@ LARGEST: dict[str, tuple[str, Made, str]] = {
 }
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize("name", LARGEST)
 def test_the_largest_inputs_take_little(name: str, tmp_path: Path) -> None:
     kind, make, refusal = LARGEST[name]

@@ -47,7 +47,7 @@ def ratios(name: str, tolerance: float) -> tuple[list[float], list[float]]:
     return times, impulses
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8, 1e-10, 1e-12])
 def test_true_errors_are_at_most_the_stated_ones(tolerance: float) -> None:
     """Over eight decades of tolerance, for the certified transitions.
@@ -102,7 +102,7 @@ def measured() -> dict[tuple[str, str, str], list[float]]:
     return found
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @extended_only
 @pytest.mark.parametrize("key", MEDIANS)
 def test_of_random_machines_too_and_not_because_the_statement_is_idle(

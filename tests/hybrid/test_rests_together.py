@@ -170,7 +170,7 @@ def test_high_restitution(e_N: float, height: float) -> None:
     assert len(solution.collisions) <= 200
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize(
     "items", [[(0.999, 1.0)], [(0.9999, 0.01)], [(0.9999, 0.2), (0.9999, 0.1)], [(0.99, 0.2)] * 3]
 )
@@ -212,7 +212,7 @@ def test_balls_on_one_carriage_in_step(e_N: float, mass: float, count: int) -> N
     assert np.abs(end.v).max() <= 1e-11
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize("mass", [0.2, 2.0, 20.0])
 @pytest.mark.parametrize(
     "items",

@@ -121,7 +121,7 @@ def test_cases_that_cannot_be_followed_have_no_torque(
         turn_torques(e62, speed_rpm=450.0, turns=0)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_torques_may_have_no_tables_as_wide_as_those_of_a_flight() -> None:
     """Such a case leaves the widest tables, and does not end the others."""
     mechanism = drawn_mechanism(GALLERY["stephenson_1"]())

@@ -138,7 +138,7 @@ def test_turns_of_machines_of_the_gallery(name: str) -> None:
     assert judged(drawn_mechanism(GALLERY[name]()), 1.0)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_no_machine_of_the_gallery_is_followed_wrongly() -> None:
     """All machines at half, once and twice their rated speed: followed rightly, or refused."""
     refused = []

@@ -51,7 +51,7 @@ def test_no_law_stops_the_machine(machine: str, law: str) -> None:
         moves_as_its_law(turn(mechanism, speed))
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize(("machine", "law"), PAIRS)
 def test_no_law_stops_the_machine_at_any_speed(machine: str, law: str) -> None:
     mechanism = MACHINES[machine](LAWS[law])

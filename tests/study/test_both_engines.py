@@ -199,7 +199,7 @@ def both(name: str) -> tuple[TurnTable, TurnTable]:
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(key, marks=[] if key in QUICK else [pytest.mark.slow]) for key in KINDS]
+    "name", [pytest.param(key, marks=[pytest.mark.campaign] * (key not in QUICK)) for key in KINDS]
 )
 def test_the_number_of_cases_changes_no_answer(name: str) -> None:
     few, many = both(name)
@@ -303,7 +303,7 @@ def agree(few: TransitionTable, many: TransitionTable) -> None:
         assert not (np.abs(one - other) > most).any(), name
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize("count", [TURNS_PAY_FROM - 1, TURNS_PAY_FROM])
 def test_a_drive_and_a_stop_of_one_name(count: int, tmp_path: Path) -> None:
     """A sweep has what a table has, by either engine, and so has a comparison of two runs."""

@@ -99,7 +99,7 @@ def test_the_command_refuses(
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize("drive", ["held", "inertial"])
 @pytest.mark.parametrize("share", [0.5, 1.0, 2.0])
 @pytest.mark.parametrize("name", GALLERY)

@@ -96,7 +96,7 @@ def slopes(path: str) -> np.ndarray:
         )
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize("path", SAME)
 def test_sensitivities_are_those_of_the_planar_reference(found: Sensitivities, path: str) -> None:
     """Both ways of the package against the reference.
@@ -269,7 +269,7 @@ def test_bounces_of_the_turn_where_the_machine_arrives_otherwise() -> None:
     assert row.doubtful
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_any_number_of_processes_gives_the_same_bits(e62: Mechanism) -> None:
     """A row depends on its number alone; rows come back in the order that was asked for."""
     paths = ("stops.jaw.restitution", "links.top_nipper.mass_kg", "speed_rpm")

@@ -55,7 +55,7 @@ def said(threads: str | None, words: list[str], folder: Path) -> str:
     return run.stdout
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_an_identification(tmp_path: Path) -> None:
     """One start, its deviations, and a profile: the last bits of all numbers."""
     (tmp_path / "measured.csv").write_text(MEASURED, encoding="utf-8")
@@ -67,7 +67,7 @@ def test_an_identification(tmp_path: Path) -> None:
     assert len(json.loads(found.pop())["parameters"]) == 3
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_sensitivities(tmp_path: Path) -> None:
     """By a caller whose BLAS has several threads, too."""
     file = tmp_path / "program.py"
@@ -75,7 +75,7 @@ def test_sensitivities(tmp_path: Path) -> None:
     assert len({said(threads, [str(file)], tmp_path) for threads in (None, "1", "2")}) == 1
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_published_study(tmp_path: Path) -> None:
     words = ["-m", "benchmarks", "paper", "--json", "-"]
 

@@ -135,7 +135,7 @@ def test_turns_of_the_reduced_engine(e62: Mechanism, monkeypatch: pytest.MonkeyP
     assert compared(pair, few) <= 1.0
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_turns_of_both_engines_in_random_cases(
     e62: Mechanism, monkeypatch: pytest.MonkeyPatch
 ) -> None:

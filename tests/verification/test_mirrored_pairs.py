@@ -27,7 +27,7 @@ def table() -> list[object]:
     return [
         pytest.param(
             name, drive, share,
-            marks=[pytest.mark.slow] * ((drive, share) != ("held", 1.0)),
+            marks=[pytest.mark.campaign] * ((drive, share) != ("held", 1.0)),
         )
         for drive, share in SETTINGS
         for name in GALLERY

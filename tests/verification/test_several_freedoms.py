@@ -32,7 +32,7 @@ def run(seed: int, drive: DriveMode) -> Solution:
     return simulate(mechanism, case)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @modes
 @pytest.mark.parametrize("seed", SEEDS)
 def test_what_must_hold_of_any_motion(seed: int, drive: DriveMode) -> None:

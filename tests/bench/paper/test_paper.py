@@ -55,7 +55,6 @@ def study(e62: Mechanism) -> PaperStudy:
     return paper_study(e62, print)
 
 
-@pytest.mark.slow
 def test_published_numbers_and_names_stand(study):
     """Scripts read these names; the values are those of the publication, typed a second time."""
     assert {item.name: item.published for item in study.ratios} == NAMES
@@ -264,7 +263,7 @@ def test_small_restitutions_tend_to_the_constant_force(study):
     assert data.largest_difference < 0.01
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_shares_that_do_not_exist_are_left_out(e62):
     """No transition of a fast machine that rests too late is taken for one of no length."""
     given = replace(published(), speeds_rpm=(650.0, 3000.0, 6000.0))
@@ -319,7 +318,7 @@ def test_other_mechanisms_are_refused():
         paper_study(mass, print)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize("name", ["hanging_pendulum", "e62_offset_guide"])
 def test_the_same_is_done_for_another_comber(name):
     """Speeds and spring rates in proportion to its own; nothing is compared with the E62.
@@ -355,7 +354,6 @@ def test_the_same_is_done_for_another_comber(name):
     assert changes["speed.first_rebound_amplitude_increase"] == high / low - 1.0
 
 
-@pytest.mark.slow
 def test_json_on_stdout_is_all_and_writes_no_folder(tmp_path):
     done = subprocess.run(
         [sys.executable, "-m", "benchmarks", "paper", "--json", "-"],
@@ -369,7 +367,6 @@ def test_json_on_stdout_is_all_and_writes_no_folder(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.slow
 def test_values_of_the_model_reach_the_study(tmp_path, capsys):
     """A larger preload moves the speed from which the steeve leaves its stop."""
     target = tmp_path / "study.json"

@@ -88,7 +88,7 @@ def small() -> Campaign:
     return run_campaign(2 * len(FAMILIES), SEED, workers=2)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_small_campaign_finds_nothing_wrong(small: Campaign) -> None:
     """Two trials of every family: none wrong, most of them run, and refusals have reasons.
 
@@ -103,7 +103,7 @@ def test_a_small_campaign_finds_nothing_wrong(small: Campaign) -> None:
     assert all(len(v.detail) > 40 for v in small.verdicts if v.word != RIGHT)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_verdicts_do_not_depend_on_the_workers(small: Campaign) -> None:
     """One process, two processes and this one give the same bits, trial by trial.
 
@@ -441,14 +441,14 @@ def growth_kB(kept: str) -> int:
     return int(done.stdout)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="resident size is read on Linux")
 def test_memory_does_not_grow_with_the_runs() -> None:
     """500 runs after 100 that fill the caches; a run that is kept takes about 26 kB."""
     assert growth_kB("pass") < 1024
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="resident size is read on Linux")
 def test_a_leak_of_every_fourth_run_would_show() -> None:
     """Solutions that are kept take more than what is allowed."""

@@ -263,7 +263,7 @@ def test_families_hold_what_they_say() -> None:
     assert max(tolerances) > 1e-4
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_new_families_are_run_and_most_of_them_are_right() -> None:
     """Three trials of each; what they are judged by is shown to fail above."""
     names = tuple(FAMILIES)

@@ -20,7 +20,7 @@ def kept(folder: Path) -> list[str]:
     return file.read_text(encoding="utf-8").splitlines() if file.exists() else []
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_command_is_interrupted(tmp_path: Path) -> None:
     """From the keyboard, with cases left to judge: it says what it keeps, and has kept it."""
     command = [*COMMAND, "stress", "--seed", str(SEED), "--workers", "2"]

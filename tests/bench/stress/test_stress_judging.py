@@ -134,7 +134,7 @@ def warned(_mechanism: Mechanism, _case: Case, solution: Solution, _run: int) ->
     return solution
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize(
     ("item", "change", "kind"),
     [
@@ -277,7 +277,7 @@ def test_the_machine_of_all_elements_is_in_reach_of_the_mirror() -> None:
 CUT_OFF = (181, 262)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize("number", CUT_OFF)
 @pytest.mark.parametrize(("which", "kind"), [(2, "tolerance"), (3, "mirror")])
 def test_a_case_that_ends_at_its_largest_number_of_collisions_is_judged_on_what_it_has(

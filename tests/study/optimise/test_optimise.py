@@ -190,7 +190,7 @@ def mean_force(preload_mm: float) -> float:
 # --- what may not disturb ------------------------------------------------------------------------
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_same_seed_same_bits_whoever_computes(tmp_path: Path) -> None:
     """One process or two; another seed starts elsewhere."""
     found = problem(tmp_path, AT_LEAST)

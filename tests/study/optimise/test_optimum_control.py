@@ -237,7 +237,7 @@ def test_points_of_a_front_are_controlled_too(tmp_path: Path) -> None:
     )
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_search_where_premises_fail_ends_where_the_turns_are(tmp_path: Path) -> None:
     """The stated problem: no design with the premise meets the limits, and 6.79 mrad is no answer.
 
