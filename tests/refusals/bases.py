@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import pytest
 from small_machines import frame, hinge, link, slide, sources
 
-from nipper_pin import InputError, ModelError, load
+from nipper_pin import InputError, ModelError, UnknownNameError, load
 from nipper_pin.cli import main
 from nipper_pin.mechanism import find_model
 
@@ -35,17 +35,20 @@ stops.end = { joint = "rail", restitution = 0.1, at_mm = -4.0 }
 """
 
 
+Edits = str | Sequence[str]
+
+
 class Row(NamedTuple):
     """A model with a mistake, and what its refusal is to hold.
 
     Attributes:
         edits: Old and new text in turn, of either file; a single text comes below the TOML.
-        place: Key of the value; of a name that nothing has, what it should name.
+        place: Key, or column, of the value; of a name that nothing has, what it should name.
         value: What cannot be used; ``...`` here or above: the sentence is enough.
         files: Other files of the folder.
     """
 
-    edits: str | Sequence[str]
+    edits: Edits
     place: Any
     value: Any
     files: Mapping[str, bytes] = {}
@@ -60,7 +63,7 @@ class Refusal(NamedTuple):
     home: Path
 
 
-def model(base: str, edits: str | Sequence[str], folder: Path) -> Path:
+def model(base: str, edits: Edits, folder: Path) -> Path:
     """Write a base machine into a folder, with its edits; return the folder of the model."""
     home = folder / base
     if base == "small":
@@ -74,12 +77,19 @@ def model(base: str, edits: str | Sequence[str], folder: Path) -> Path:
     if isinstance(edits, str):
         changed["toml"] += edits + "\n"
         edits = ()
-    for old, new in zip(edits[::2], edits[1::2], strict=True):
-        (kind,) = (kind for kind, text in changed.items() if old in text)
-        changed[kind] = changed[kind].replace(old, new, 1)
+    changed = edited(changed, edits)
     for kind, path in texts.items():
         path.write_text(changed[kind], encoding="utf-8")
     return home
+
+
+def edited(texts: Mapping[str, str], edits: Sequence[str]) -> dict[str, str]:
+    """Texts of files with old pieces replaced by new ones, in turn; each is in one of them."""
+    changed = dict(texts)
+    for old, new in zip(edits[::2], edits[1::2], strict=True):
+        (kind,) = (kind for kind, text in changed.items() if old in text)
+        changed[kind] = changed[kind].replace(old, new, 1)
+    return changed
 
 
 def refusal(base: str, row: Row, folder: Path, capsys: pytest.CaptureFixture[str]) -> Refusal:
@@ -98,4 +108,6 @@ def evidence(error: InputError) -> tuple[Any, Any]:
     told = error.evidence
     if isinstance(error, ModelError):
         return told["key"], told["value"]
-    return told["kind"], told["name"]
+    if isinstance(error, UnknownNameError):
+        return told["kind"], told["name"]
+    return told.get("key", told.get("column")), told.get("value", told.get("name"))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -353,50 +352,6 @@ def test_best_point_of_the_built_in_problem_is_stationary() -> None:
     after = descend(objective, z, max_steps=4)
     # Numbers on a bound start a millionth of their range inside.
     assert after.cost == pytest.approx(before, rel=1e-4)
-
-
-NONSENSE: Sequence[tuple[str, str, str]] = (
-    ("no targets", free({PRELOAD: (8, 16)}), "nothing to aim at"),
-    ("nothing free", targets() + "[parameters]\n", "nothing is free"),
-    ("upside down", targets() + free({PRELOAD: (16, 8)}), "low below high"),
-    ("away from the model", targets() + free({PRELOAD: (12, 16)}), "own value 11"),
-    ("unknown path", targets() + free({"springs.steeve.colour": (0, 1)}), "colour"),
-    ("unknown point", targets() + free({"points.elbow.x_mm": (0, 1)}), "elbow"),
-    ("unknown coordinate", targets() + free({"points.jaw.y_mm": (0, 1)}), "y_mm"),
-    ("not a number", targets() + free({"springs.steeve.joint": (0, 1)}), "one number"),
-    ("two ways", targets() + free({"links.top_nipper.gyration_mm": (20, 40),
-                                   "links.top_nipper.inertia_kg_m2": (1e-4, 1e-2)}), "one of"),
-    ("misspelt table", targets() + "[limit]\n" + free({PRELOAD: (8, 16)}), "limit"),
-    ("unknown quantity", targets().replace('quantity = "duration_s"', 'quantity = "colour"')
-     + free({PRELOAD: (8, 16)}), "colour"),
-    ("two sigmas", targets() + "relative_sigma = 0.1\n" + free({PRELOAD: (8, 16)}), "one of"),
-    ("negative speed", targets().replace("450.0", "-450.0") + free({PRELOAD: (8, 16)}), "speed"),
-    ("wild index", targets() + "[limits]\nat = { speed_rpm = 450.0 }\nclosing_index = { low = 50.0,"
-     " high = 60.0 }\n" + free({PRELOAD: (8, 16)}), "0 and 40"),
-    ("range as a list", targets() + "[limits]\nat = { speed_rpm = 450.0 }\n"
-     "closing_index = [33, 35]\n" + free({PRELOAD: (8, 16)}), "a table with low and high"),
-    ("other limit", targets() + "[limits]\nat = { speed_rpm = 450.0 }\n"
-     "least_opening_deg = 1.0\n" + free({PRELOAD: (8, 16)}),
-     "unknown key `least_opening_deg`; known here: .*jaw_opening_deg"),
-    ("other table", targets() + f'[free."{PRELOAD}"]\nlow = 8\nhigh = 16\n',
-     "unknown key `free`; known here: .*parameters"),
-    ("tolerance at the top", "tolerance = 1e-8\n" + targets() + free({PRELOAD: (8, 16)}),
-     "unknown key `tolerance`; known here: "),
-    ("stiffness without unit", targets().replace("450.0", "450.0, stiffness = 9000.0")
-     + free({PRELOAD: (8, 16)}), "known here: .*stiffness_N_per_m"),
-    ("stiffness of a hinge", targets().replace("450.0", "450.0, stiffness_N_m_per_rad = 9000.0")
-     + free({PRELOAD: (8, 16)}), "write stiffness_N_per_m"),
-    ("no file", 'measured = "absent.csv"\n' + free({PRELOAD: (8, 16)}), "absent.csv"),
-)  # fmt: skip
-
-
-@pytest.mark.parametrize(
-    ("body", "word"), [row[1:] for row in NONSENSE], ids=[r[0] for r in NONSENSE]
-)
-def test_nonsense_is_refused_with_the_reason(tmp_path: Path, body: str, word: str) -> None:
-    """Before anything is simulated, in one sentence that holds the word to look for."""
-    with pytest.raises(InputError, match=word):
-        read_problem(problem_file(tmp_path, body))
 
 
 @pytest.mark.parametrize(

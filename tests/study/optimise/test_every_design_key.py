@@ -1,4 +1,4 @@
-"""Every key of the file of a design, read and refused."""
+"""Every key of the file of a design, as it is read."""
 
 from __future__ import annotations
 
@@ -6,37 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from nipper_pin.errors import ModelError
 from nipper_pin.mechanism import Mechanism
 from nipper_pin.study.optimise import read_problem
 from nipper_pin.study.optimise.problem.problem import Aim, Limit, read_text
-
-DESIGN = """
-format = 1
-title = "mine"
-model = "e62"
-minimise = "rebound_amplitude_1"
-maximise = ["clamping_force_N"]
-[case]
-speed_rpm = 512.5
-rest_rate = 1e-3
-tolerance = 1e-6
-[set]
-restitution = 0.25
-[parameters.preload]
-low = 9.0
-high = 13.0
-[parameters.speed_rpm]
-low = 400.0
-high = 600.0
-[parameters."links.top_nipper.mass_kg"]
-low = 1.3
-high = 1.6
-[limits]
-duration_s = { low = 1e-3, high = 2.0 }
-opening_index = { high = 40.0 }
-closing_index = { low = 0.0 }
-"""
+from tests.refusals.studies import DESIGN
 
 
 def written(folder: Path, text: str) -> Path:
@@ -89,29 +62,3 @@ def test_the_file_of_a_design(tmp_path: Path, e62: Mechanism) -> None:
     assert plain.speed(plain.start) == 450.0
     asked = plain.with_aim(found.aims[1], *found.limits[:1])
     assert (asked.aims, asked.limits) == (found.aims[1:], found.limits[:1])
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "key", "value"),
-    [
-        ('["clamping_force_N"]', '["rebound_amplitude_1"]', "minimise",
-         ["rebound_amplitude_1"] * 2),
-        ("low = 1e-3, high = 2.0", "low = 2.5, high = 2.0", "limits.duration_s", [2.5, 2.0]),
-        ("low = 1e-3, high = 2.0", "", "limits.duration_s", {"low": None, "high": None}),
-        ("high = 40.0 }", "high = 40.5 }", "limits.opening_index.high", 40.5),
-        ("{ low = 0.0 }", "{ low = -0.5 }", "limits.closing_index.low", -0.5),
-        ("high = 2.0", "high = inf", "limits.duration_s.high", float("inf")),
-        ("high = 13.0", "high = 9.0", "parameters.preload", [9.0, 9.0]),
-        ("high = 13.0", "high = inf", "parameters.preload", [9.0, float("inf")]),
-        ("low = 400.0", "low = 0.0", "parameters.speed_rpm", 0.0),
-        ("restitution = 0.25", "preload = 10.0", "parameters.preload", "preload"),
-    ],
-)  # fmt: skip
-def test_designs_that_are_refused(
-    tmp_path: Path, old: str, new: str, key: str, value: object
-) -> None:
-    assert old in DESIGN
-    with pytest.raises(ModelError) as caught:
-        read_problem(written(tmp_path, DESIGN.replace(old, new, 1)))
-    evidence = caught.value.evidence
-    assert (evidence["file"], evidence["key"], evidence["value"]) == ("study.toml", key, value)

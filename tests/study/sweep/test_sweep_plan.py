@@ -1,10 +1,9 @@
-"""Plans of sweeps as sets of numbers: every scenario once, and studies that cannot be used."""
+"""Plans of sweeps as sets of numbers: every scenario once."""
 
 from __future__ import annotations
 
 import itertools
 import json
-import re
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +13,7 @@ from sweep_studies import GEOMETRY, TABLE, plan, study
 
 from nipper_pin import InputError
 from nipper_pin.cli import main
-from nipper_pin.study.sweep import Plan, read_plan
+from nipper_pin.study.sweep import Plan, read_plan, run_sweep
 from nipper_pin.study.sweep.job import read_job
 from nipper_pin.study.transitions import REDUCED_PAYS_FROM
 
@@ -212,75 +211,19 @@ def test_every_number_of_a_model_can_vary(tmp_path: Path, path: str, own: float 
     assert found.axes[0].target.path == path
 
 
-@pytest.mark.parametrize(
-    ("text", "key"),
-    [
-        ("[parameters.speed_rpm]\nlow = 400.0\n", "parameters.speed_rpm"),
-        ("[parameters.speed_rpm]\nlow = 400.0\nhigh = 300.0\npoints = 3\n", "speed_rpm"),
-        ("[parameters.speed_rpm]\nlow = 0.0\nhigh = 300.0\npoints = 3\n", "above 0 r/min"),
-        ("[parameters.speed_rpm]\nlow = 1.0\nhigh = inf\npoints = 3\n", "finite"),
-        ("[parameters.restitution]\nvalues = [nan]\n", "parameters.restitution = nan"),
-        ("[parameters.restitution]\nvalues = [0.1, nan]\n", "finite"),
-        ("[parameters.'links.top_nipper.mass_kg']\nvalues = [1.0, nan, 2.0]\n", "finite"),
-        ("[parameters.speed_rpm]\nvalues = [450.0, inf]\n", "finite"),
-        ("[parameters.speed_rpm]\nlow = nan\nhigh = 300.0\npoints = 3\n", "finite"),
-        ("[parameters.outcome]\nvalues = [1.0]\n", "write the path instead"),
-        ("[parameters.premise_holds]\nvalues = [1.0]\n", "write the path instead"),
-        ("[parameters.duration_s]\nvalues = [1.0]\n", "write the path instead"),
-        ("quantities = ['duration_s', 'duration_s']\n"
-         "[parameters.restitution]\nvalues = [0.1]\n", "every name once"),
-        ("[parameters.speed_rpm]\nlow = 1.0\nhigh = 9.0\npoints = 1\n", "points"),
-        ("[parameters.speed_rpm]\nlow = 400.0\nhigh = 500.0\n", r"\[samples\]"),
-        ("[parameters.speed_rpm]\nvalues = [450.0]\nlow = 400.0\n", "either values"),
-        ("[parameters.speed_rpm]\nvalues = [450.0, 450.0]\n", "differ"),
-        ("[parameters.speed_rpm]\nvalues = ['450']\n", "parameters"),
-        ("[parameters.restitution]\nvalues = [0.5, 1.5]\n", "parameters.restitution = 1.5"),
-        ("[parameters.stiffness]\nvalues = [-1.0]\n", "parameters.stiffness = -1.0"),
-        ("[parameters.preload]\nlow = -1.0\nhigh = 2.0\npoints = 3\nscale = 'log'\n", "log"),
-        ("[parameters.nothing]\nvalues = [1.0]\n", "no parameter named 'nothing'"),
-        ("[parameters.'drives.tension.rate']\nvalues = [1.0]\n", "parameters.drives.tension.rate"),
-        ("[parameters.'drives.tension.law']\nvalues = [1.0]\n", "path of one number"),
-        ("[parameters.'links.jaw.mass_kg']\nvalues = [1.0]\n", "'jaw'"),
-        ("[parameters.'points.jaw.y_mm']\nvalues = [1.0]\n", "y_mm"),
-        ("[parameters.stiffness]\nvalues = [9e3]\n"
-         "[parameters.'springs.steeve.stiffness_N_per_m']\nvalues = [9e3]\n", "stiffness"),
-        ("[set]\nstiffness = 8000.0\n[parameters.stiffness]\nvalues = [9e3]\n", "set.stiffness"),
-        ("[case]\nspeed_rpm = 450.0\n[parameters.speed_rpm]\nvalues = [9e2]\n", "case.speed_rpm"),
-        ("[case]\nwindow = 'turn'\n[parameters.speed_rpm]\nvalues = [9e2]\n", "case.window"),
-        ("[case]\nturns = 3\n[parameters.speed_rpm]\nvalues = [9e2]\n", "case.turns"),
-        ("[case]\nleast_force_N = 3.0\n[parameters.speed_rpm]\nvalues = [9e2]\n",
-         "case.least_force_N"),
-        ("[case]\nwindow = 'cycle'\nturns = 0\n[parameters.speed_rpm]\nvalues = [9e2]\n",
-         "case.turns"),
-        ("quantities = ['duration_s']\n[case]\nwindow = 'cycle'\n[parameters.speed_rpm]\n"
-         "values = [9e2]\n", "duration_s"),
-        ("quantities = ['repeats_after']\n[case]\nwindow = 'cycle'\n[parameters.speed_rpm]\n"
-         "values = [9e2]\n", "repeats_after"),
-        ("[case]\nspeed = 450.0\n[parameters.restitution]\nvalues = [0.1]\n", "speed"),
-        ("[set]\n'stops.jaw.law' = 1\n[parameters.preload]\nvalues = [9.0]\n", r"toml: set: .*law"),
-        ("[parameters.'drives.pendulum.guide_axis_mm[2]']\nvalues = [1.0]\n", r"\[2\]"),
-        ("model = 'e63'\n[parameters.speed_rpm]\nvalues = [9e2]\n", "e63"),
-        ("quantities = ['rebound_time_s']\n[parameters.speed_rpm]\nvalues = [9e2]\n", "quantities"),
-        ("quantities = ['force_1']\n[parameters.speed_rpm]\nvalues = [9e2]\n", "force_1"),
-        ("[samples]\nmethod = 'sobol'\ncount = 8\n[parameters.speed_rpm]\nvalues = [9e2]\n",
-         "samples"),
-        (TABLE.replace("600", "2_000_000_000"), "samples.count"),
-        (TABLE.replace("sobol", "random"), "samples.method"),
-        ("[parameters]\n", "nothing varies"),
-        ("", "parameters"),
-        ("[parameters", "well-formed TOML"),
-    ],
-)  # fmt: skip
-def test_unusable_studies_are_refused(
-    tmp_path: Path, text: str, key: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Exit status 2 and one sentence that names the key; nothing is written."""
-    out = tmp_path / "out"
-    assert main(["sweep", study(tmp_path, text), "--out", str(out)]) == 2
-    said = capsys.readouterr().err
-    assert re.search(key, said), said
-    assert said.count("\n") == 1
-    assert not out.exists()
+def test_workers_that_cannot_be_used(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Refused before anything is written, or timed."""
+    found = plan(tmp_path, TABLE)
+    with pytest.raises(InputError, match="workers = 0 cannot be used: a whole") as caught:
+        run_sweep(found, tmp_path / "out", workers=0)
+    assert caught.value.evidence["key"] == "workers"
+    with pytest.raises(InputError, match="and --scheduler has its own") as caught:
+        run_sweep(found, tmp_path / "out", workers=1, scheduler="tcp://a")
+    assert caught.value.evidence == {"workers": 1, "scheduler": "tcp://a"}
+    words = ["sweep", str(tmp_path / "study.toml"), "--dry-run", "--workers", "0"]
+    assert main(words) == 2
+    assert "workers = 0 cannot be used" in capsys.readouterr().err
+    assert [item.name for item in tmp_path.iterdir()] == ["study.toml"]
 
 
 STUDIES = {"sweep_spring": 100_000, "sweep_turns": 100_000, "sweep_eccentric": 2000,
