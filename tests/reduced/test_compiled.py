@@ -80,7 +80,7 @@ def test_code_of_other_sources_is_not_used(
 
 
 def test_every_source_and_tolerance_counts(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The digest changes with one byte of any file that is compiled in."""
+    """The digest changes with one byte of any file that is compiled in, and of no other."""
     found = compiling._sources.__wrapped__()
     read, seen = Path.read_bytes, []
 
@@ -89,10 +89,15 @@ def test_every_source_and_tolerance_counts(monkeypatch: pytest.MonkeyPatch) -> N
         return read(file) + b"#" * (file.name == name)
 
     monkeypatch.setattr(Path, "read_bytes", changed)
-    for name in ("kernel.py", "flight.py", "reduced.py", "hybrid.py"):
+    kernels = Path(compiling.__file__).parent
+    constants = re.compile(r"^from \.\.\.tolerances\.(\w+) import", re.MULTILINE)
+    code = [file.read_text(encoding="utf-8") for file in kernels.glob("*.py")]
+    used = {f"{name}.py" for text in code for name in constants.findall(text)}
+    assert len(used) > 1
+    for name in ("kernel.py", "flight.py", *used):
         assert compiling._sources.__wrapped__() != found
         assert name in {file.name for file in seen}
-    name = "no such file"
+    name = "study.py"
     assert compiling._sources.__wrapped__() == found
 
 

@@ -14,11 +14,11 @@ from typing import TypeVar, cast
 import numba
 from numba.core.caching import FunctionCache, IndexDataCacheFile
 
-from ... import tolerances
-
 _Function = TypeVar("_Function", bound=Callable[..., object])
 _DIGEST = hashlib.sha256
 _DIGEST_BYTES = _DIGEST().digest_size
+# Modules of tolerances whose constants are compiled into the functions of this folder.
+_CONSTANTS = "hybrid", "mechanics", "reduced"
 
 
 def compiled(function: _Function) -> _Function:
@@ -56,8 +56,9 @@ def _tell_that_nothing_is_kept() -> None:
 @cache
 def _sources() -> str:
     """Digest of what is compiled: functions are compiled into others, and constants into them."""
-    folders = Path(__file__).parent, Path(tolerances.__file__).parent
-    files = sorted(file for folder in folders for file in folder.glob("*.py"))
+    here = Path(__file__).parent
+    constants = (here.parents[1] / "tolerances" / f"{name}.py" for name in _CONSTANTS)
+    files = sorted([*here.glob("*.py"), *constants])
     return _DIGEST(b"\0".join(file.read_bytes() for file in files)).hexdigest()
 
 
