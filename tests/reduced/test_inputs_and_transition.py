@@ -336,3 +336,11 @@ def test_advice_names_what_there_is() -> None:
             assert set(named) <= set(taken), reason
             knobs += len(named)
     assert knobs >= 4
+
+
+@pytest.mark.parametrize("value", [0.0, 1.0, 0.5, 0, 1, np.float32(0.25)])
+def test_one_number_is_that_of_a_column(value: Any) -> None:
+    """What lies plainly inside is taken as it is; all else is judged as a column is."""
+    found = inputs.number("restitution", value, 0.0, 1.0)
+    assert type(found) is float
+    assert found == inputs.column("restitution", value, 0.0, 1.0)[0]

@@ -65,9 +65,12 @@ def test_springs_in_another_unit(
     assert (caught.value.evidence["key"], caught.value.evidence["unit"]) == (key, unit)
 
 
-def test_springs_that_are_not_there(e62: Mechanism) -> None:
+def test_springs_that_are_not_there(e62: Mechanism, two: Mechanism) -> None:
     with pytest.raises(InputError, match="preload_deg: e62 has no spring on a joint that moves in"):
         spring_values(e62, {"preload_deg": 3.0})
+    given = {"preload_length_mm": [1.0, 2.0], "preload_deg": [1.0, 2.0, 3.0]}
+    with pytest.raises(InputError, match="need the same number of cases"):
+        spring_values(two, given)
     with pytest.raises(InputError, match="need the same number of cases"):
         cases_of(e62, [400.0, 500.0], [0.1, 0.2, 0.3])
 

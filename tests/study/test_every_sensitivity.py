@@ -36,8 +36,19 @@ def test_doubt() -> None:
     ):  # fmt: skip
         one = row("x", "%", *per, off=off)
         assert one.doubtful is doubtful
+        assert row("x", "%", *(-value for value in per), off=-off).doubtful is doubtful
         if not math.isnan(per[2]):
             assert one.disagreement == pytest.approx(off)
+
+
+def test_order_of_sensitivities() -> None:
+    """By the size of what a quantity does, whatever its sign."""
+    found = made_up(row("a", "mm", 1.0, -5.0, 2.0), row("b", "mm", -4.0, 3.0, 0.5),
+                    row("c", "mm", 2.0, 0.25, -3.0))  # fmt: skip
+    order = {"rebound_amplitude_1": "bca", "duration_s": "abc", "clamping_force_N": "cab"}
+    assert {
+        name: "".join(item.path for item in found.ranked(name)) for name in sensitivity.QUANTITIES
+    } == order
 
 
 def test_record_of_sensitivities() -> None:

@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 import os
+import signal
+import subprocess
+import sys
 import time
 from collections.abc import Iterator
 from concurrent.futures import wait
 from functools import partial
 from multiprocessing import active_children, get_context
+from pathlib import Path
 
 import pytest
 
 from nipper_pin.study import processes
 from nipper_pin.study.processes import WorkerError, Workers, fresh_processes
+from tests.study.sweep.sweep_studies import wait_for
 
+# What a copy of this process would know.
+MARKS: list[str] = []
 # What OpenMP, OpenBLAS and MKL read when they are loaded.
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
@@ -41,6 +48,82 @@ def test_results_in_order_and_as_they_come() -> None:
         assert dict(pool.as_completed(tasks)) == {k: divmod(k, 3) for k in range(7)}
         (elsewhere,) = pool.in_order(process_of, [0])
         assert elsewhere != os.getpid()
+
+
+def deaf(_: int) -> tuple[bool, bool]:
+    """Whether this process ignores Ctrl-C, and whether it began as a copy of the test's."""
+    return signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, ()), bool(MARKS)
+
+
+def test_processes_begin_afresh() -> None:
+    """Spawned, and deaf to the keyboard, which this process hears again."""
+    MARKS.append("here")
+    with fresh_processes(1, nothing) as pool:
+        assert list(pool.map(deaf, [0])) == [(True, False)]
+        assert deaf(0) == (False, True)
+    MARKS.clear()
+
+
+WHO = """
+import importlib, os, sys
+from nipper_pin.study import processes
+
+if __name__ == "__main__":
+    for blas, openmp in ((1, None), (None, 1), (1, 4), (4, 1), (None, None), (None, 2)):
+        for name, count in (("OPENBLAS", blas), ("OMP", openmp)):
+            os.environ.pop(f"{name}_NUM_THREADS", None)
+            if count:
+                os.environ[f"{name}_NUM_THREADS"] = str(count)
+        one = importlib.reload(processes).in_one_thread()
+        here = None
+        if (blas, openmp) in ((1, None), (None, None)):
+            ask = ["__import__('os').getpid()"]
+            here = [list(processes.mapped(eval, ask, k)) == [os.getpid()] for k in (1, 2)]
+        print(one, here)
+"""
+
+
+def test_who_computes(tmp_path: Path) -> None:
+    """This process, if it is one and computes in one thread; OpenBLAS reads its own name first."""
+    (tmp_path / "who.py").write_text(WHO, encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, tmp_path / "who.py"], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.splitlines() == [
+        "True [True, False]", "True None", "True None", "False None", "False [False, False]",
+        "False None",
+    ]  # fmt: skip
+
+
+PARENT = """
+import time
+from nipper_pin.study.processes import _nothing, fresh_processes
+
+if __name__ == "__main__":
+    with fresh_processes(1, _nothing) as pool:
+        print(*pool.map(eval, ["__import__('os').getpid()"]), flush=True)
+        time.sleep(600)
+"""
+
+
+def test_processes_end_with_their_parent(tmp_path: Path) -> None:
+    """However that ends."""
+    (tmp_path / "parent.py").write_text(PARENT, encoding="utf-8")
+    program = [sys.executable, tmp_path / "parent.py"]
+    with subprocess.Popen(program, stdout=subprocess.PIPE) as parent:
+        assert parent.stdout is not None
+        worker = int(parent.stdout.readline())
+        assert runs(worker)
+        parent.kill()
+    wait_for(lambda: not runs(worker))
+
+
+def runs(process: int) -> bool:
+    """Whether there is such a process, and not what one that ended leaves behind."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text(encoding="utf-8").rsplit(")")[-1][1] != "Z"
+    except FileNotFoundError:
+        return False
 
 
 def divmod_by_three(number: int) -> tuple[int, int]:

@@ -16,6 +16,7 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
+from small_machines import SLED, link, machine, slide
 
 from nipper_pin import Mechanism, SimulationError, load
 from nipper_pin.study import sensitivity
@@ -152,6 +153,19 @@ def test_every_number_is_asked_for_once(e62: Mechanism) -> None:
         "eccentric_pin",
     }
     assert {path.split(".")[1] for path in paths if path.startswith("links.")} == set(e62.links)
+    # Inertias of shafts, places on the index scale and axes that go with their points are left out.
+    heads = ("points.", "links.")
+    assert {path for path in paths if not path.startswith(heads)} == {
+        "speed_rpm", "cylinder.angle_at_touch_deg", "drives.pendulum.crank_radius_mm",
+        "drives.pendulum.guide_offset_mm", "drives.tension.ratio", "stops.jaw.restitution",
+        "springs.steeve.stiffness_N_per_m", "springs.steeve.preload_length_mm",
+        "stops.steeve.restitution",
+    }  # fmt: skip
+    sled = {"joint": "rail", "law": "fourier", "sine_mm": [0.5], **SLED}
+    small = machine([link("sled"), slide("rail", "frame", "sled")], 1, drives={"feed": sled})
+    assert [path for path in every_path(small) if not path.startswith(heads)] == [
+        "speed_rpm", "cylinder.angle_at_touch_deg",
+    ]  # fmt: skip
 
 
 def test_record_is_complete(found: Sensitivities) -> None:

@@ -18,8 +18,11 @@ import numpy as np
 import pytest
 
 from nipper_pin import Case, DriveMode, InputError, Resolution, load, simulate
+from nipper_pin.hybrid.event import Event
+from nipper_pin.hybrid.result.rebounds import Rebounds
 from nipper_pin.mechanism import Mechanism, from_sources
 from nipper_pin.reduced import ReducedModel, build, model_cache, reduced_model, transitions
+from nipper_pin.reduced.kernels import layout
 from nipper_pin.study.transitions import (
     REDUCED_PAYS_FROM,
     TURNS_PAY_FROM,
@@ -27,6 +30,8 @@ from nipper_pin.study.transitions import (
     engine_choice,
     transition_table,
 )
+from nipper_pin.study.transitions.rows import collision_rows
+from nipper_pin.study.true_transition import assumed_transition
 
 TESTS = Path(__file__).parents[1]
 STATED = {
@@ -393,3 +398,51 @@ def test_empty_table(e62: Mechanism) -> None:
     table = transition_table(e62, speed_rpm=[])
     assert isinstance(table, TransitionTable)
     assert len(table) == 0
+
+
+KNOWN = (
+    "TIME", "ANGLE", "APPROACH", "SEPARATION", "IMPULSE", "ENERGY", "TIME_ERROR", "RATE_ERROR",
+    "IMPULSE_ERROR",
+)  # fmt: skip
+REBOUND = ("AMPLITUDE", "REBOUND", "AMPLITUDE_ERROR", "REBOUND_ERROR")
+
+
+def test_rebounds_that_a_run_does_not_reach(e62: Mechanism) -> None:
+    """The last of three collisions has a row, and nothing in it of the rebound that follows."""
+    case = Case(speed_rpm=650.0, max_collisions=3)
+    hits = simulate(e62, case).collisions
+    assert [hit.rebound_time is None for hit in hits] == [False, False, True]
+    rows = collision_rows(assumed_transition(e62, case))
+    for name in KNOWN:
+        assert np.isfinite(rows[getattr(layout, name)]).all(), name
+    for name in REBOUND:
+        assert np.isfinite(rows[getattr(layout, name), :2]).all(), name
+        assert np.isnan(rows[getattr(layout, name), 2]), name
+
+
+class Half:
+    """Rebounds of which one number is missing."""
+
+    def __init__(self, whole: Rebounds, unknown: str) -> None:
+        self._whole, self._unknown = whole, unknown
+
+    def amplitude(self, event: Event, stop: str) -> float | None:
+        return None if self._unknown == "amplitude" else self._whole.amplitude(event, stop)
+
+    def time(self, event: Event, stop: str) -> float | None:
+        return None if self._unknown == "time" else self._whole.time(event, stop)
+
+
+@pytest.mark.parametrize("unknown", ["amplitude", "time"])
+def test_rebounds_of_which_one_number_is_missing(e62: Mechanism, unknown: str) -> None:
+    """Half a rebound is none."""
+    found = assumed_transition(e62, Case(speed_rpm=650.0))
+    first, *others = found.collisions
+    rebounds: Any = Half(first.rebounds, unknown)
+    half = dataclasses.replace(first, rebounds=rebounds)
+    whole = collision_rows(found)
+    rows = collision_rows(dataclasses.replace(found, collisions=(half, *others)))
+    for name in REBOUND:
+        assert np.isnan(rows[getattr(layout, name), 0])
+        assert np.isfinite(whole[getattr(layout, name), 0])
+        assert rows[getattr(layout, name), 1] == whole[getattr(layout, name), 1]

@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks.run_time import cost, turns
+from benchmarks.run_time import certified, cost, turns
 from benchmarks.run_time.benchmark import Benchmark
 from benchmarks.run_time.certified import certified_cycle
 from benchmarks.run_time.timing import Timing
 from benchmarks.run_time.work_precision import Row
 from benchmarks.views import benchmark_report
 from benchmarks.views.work_precision_plot import work_precision_figure
-from nipper_pin import Mechanism, Window
+from nipper_pin import Case, InputError, Mechanism, Window, simulate
 
 MEDIAN, FASTEST = 12.0, 7.0
 
@@ -65,10 +65,14 @@ def test_chains_of_four_bars(clock: list[Any], monkeypatch: pytest.MonkeyPatch) 
 
 
 def test_one_evaluation(clock: list[Any]) -> None:
-    """The time of a batch by the number of its states."""
+    """The time of a batch by the number of its states, along the turn, with nothing closed."""
     chain = cost.four_bar_chain(1)
     assert cost._evaluation_ms(chain, states=20) == MEDIAN / 20.0
-    assert len(clock[-1][0]) == 20 or len(clock[-1]) == 20
+    turn = simulate(chain, Case(speed_rpm=60.0, window=Window.CYCLE, start_index=0.0))
+    times, system = np.linspace(*turn.trajectory.span, 20), turn.system
+    states, phase = turn.trajectory.evaluate(times), system.constraint_set(frozenset())
+    found = system.accelerations(system.shaft.driven(times), states.q, states.v, phase)
+    np.testing.assert_array_equal(clock[-1][0], found[0])
 
 
 def test_errors_of_a_turn() -> None:
@@ -170,3 +174,9 @@ def test_figure_of_work_against_precision() -> None:
     ]  # fmt: skip
     assert "2026-01-02" in axes.get_title()
     assert math.isfinite(axes.get_ylim()[1])
+
+
+def test_a_reference_that_is_missing() -> None:
+    with pytest.raises(InputError, match=r"nothing\.json is missing: get the checkout") as caught:
+        certified._document("nothing.json")
+    assert caught.value.evidence == {"file": "nothing.json"}

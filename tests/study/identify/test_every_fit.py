@@ -15,7 +15,7 @@ from scipy.stats import qmc
 from nipper_pin.errors import InputError, MisfitError, SimulationError
 from nipper_pin.hybrid.result.premise import Premise
 from nipper_pin.study.identify.fitting import fit as fit_module
-from nipper_pin.study.identify.fitting import search
+from nipper_pin.study.identify.fitting import profiles, search
 from nipper_pin.study.identify.fitting.determine import determinability
 from nipper_pin.study.identify.fitting.fit import descend
 from nipper_pin.study.identify.fitting.limits import broken_limits
@@ -200,3 +200,16 @@ def test_searches_that_cannot_be(monkeypatch: pytest.MonkeyPatch) -> None:
         with pytest.raises(InputError, match=f"{name} = 0 cannot be used") as caught:
             search.identify(linear().problem, **{name: 0})  # type: ignore[arg-type]
         assert (caught.value.evidence["key"], caught.value.evidence["value"]) == (name, 0)
+
+
+def test_a_profile_of_the_only_number() -> None:
+    """Half the sum of squares where nothing is left to fit; infinite where there is no machine."""
+    rows = lambda z: np.array([3.0 * z[0], 4.0])  # noqa: E731
+    objective: Any = SimpleNamespace(rows=rows)
+    assert profiles._held(objective, np.array([0.9]), 0, 1.0) == 12.5
+
+    def none(_: Any) -> Any:
+        message = "no machine"
+        raise SimulationError(message)
+
+    assert profiles._held(SimpleNamespace(rows=none), np.array([0.9]), 0, 1.0) == math.inf  # type: ignore[arg-type]

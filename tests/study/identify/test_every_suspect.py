@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from linear_problem import Linear, fitted, problem
 
+from nipper_pin.errors import SimulationError
 from nipper_pin.study.identify.fitting import suspects
 from nipper_pin.study.identify.fitting.fit import Fit
 from nipper_pin.study.identify.fitting.suspects import suspected_units
@@ -98,3 +99,21 @@ def test_units_of_a_slide() -> None:
          "metres at the contact point a second": 0.07,
          "millimetres at the contact point a second": 70.0}
     )  # fmt: skip
+
+
+def test_units_are_suspected_by_the_fit_where_the_model_itself_fails(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A thousand times what is found, though nothing is known of the model's own numbers."""
+    monkeypatch.setattr(suspects, "_units", lambda *_: {})
+    monkeypatch.setattr(suspects, "_question", lambda factor, _: f"what? {factor:g}")
+
+    def predicted(_: Any) -> Any:
+        message = "it jams"
+        raise SimulationError(message)
+
+    aims = problem(np.array([4.0, 6.0]), np.ones(2)).targets
+    objective: Any = SimpleNamespace(mechanism=lambda _: None, predicted=predicted, start=None,
+                                     problem=SimpleNamespace(targets=aims))  # fmt: skip
+    (told,) = suspects.suspected_units(objective, np.zeros(0), np.array([4e-3, 6e-3]))
+    assert told == "duration_s is wanted about 1000 times what? 1000"

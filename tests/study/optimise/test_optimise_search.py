@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+import os
+import time
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from nipper_pin import InputError
-from nipper_pin.study.optimise import Problem, optimise, read_problem
-from nipper_pin.study.optimise.points import Evaluator, bounces
-from nipper_pin.study.optimise.search.samples import evolve, look, samples, scales
+from nipper_pin import InputError, SimulationError
+from nipper_pin.study.identify import working_cycle
+from nipper_pin.study.optimise import Problem, optimise, read_problem, run
+from nipper_pin.study.optimise.points import Evaluator, bounces, one_machine
+from nipper_pin.study.optimise.problem.quantities import cycle_values, thinned
+from nipper_pin.study.optimise.search.samples import SHARE, evolve, look, samples, scales
+from nipper_pin.study.optimise.search.stages import Search, screen
+from nipper_pin.study.optimise.work import Work
+from nipper_pin.tolerances.study import QUANTITY_ROUND_OFF
 
 MASS = Path(__file__).resolve().parents[2] / "verification" / "models" / "bouncing_mass"
 HEAD = f"""
@@ -116,8 +124,6 @@ def test_a_search_without_its_tables_says_so(
 def test_a_point_that_its_tables_do_not_know_is_counted_as_direct(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from nipper_pin import SimulationError
-
     def beyond(*_: object, **__: object) -> None:
         message = "beyond the tables"
         raise SimulationError(message)
@@ -161,3 +167,84 @@ def test_turns_that_differ_are_no_usable_machine(
     point = source.at(z)
     assert not point.usable
     assert "turns differ from one another" in point.why
+
+
+def test_a_screen_is_made_of_shares_in_order(tmp_path: Path) -> None:
+    found = problem(tmp_path, HEAD)
+    places = [tuple(z) for z in samples(found, 3).tolist()]
+    assert len(places) > SHARE
+    assert [item.z for item in screen(found, 3, Work(1, None))] == places
+
+
+def test_only_what_meets_the_limits_is_polished(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The check of a problem whose limit nothing meets ends with its evolution."""
+    monkeypatch.setattr("nipper_pin.study.optimise.search.samples._GENERATIONS", 2)
+    for limit, feasible in ((1.0, False), (1e-6, True)):
+        text = f"{HEAD}[limits]\nrebound_amplitude_1 = {{ low = {limit} }}\n"
+        found, work = problem(tmp_path, text), Work(1, None)
+        search = Search(found, screen(found, 1, work), 1, 2, work)
+        evolved, polished = search.check(found.aims[0])
+        assert evolved.feasible is feasible
+        assert (polished is not None) is feasible
+
+
+def test_stated_errors_of_a_design(tmp_path: Path) -> None:
+    """What half of the samples of a cycle change, and round-off; else those of the transition."""
+    text = f"{E62}[limits]\nstop_force_N = {{ low = 1.0 }}\nduration_s = {{ high = 1.0 }}\n"
+    source, z = Evaluator(problem(tmp_path, text)), np.array([0.5])
+    machine = source.mechanism(z)
+    cycle = working_cycle(machine, 650.0)
+    whole, half = (cycle_values(item)["stop_force_N"] for item in (cycle, thinned(cycle)))
+    found = source.errors(z)
+    assert found["stop_force_N"] == abs(whole - half) + QUANTITY_ROUND_OFF * abs(whole)
+    assert found["duration_s"] == source.transitions.at(machine, 650.0).errors["duration_s"]
+    assert abs(whole - half) > QUANTITY_ROUND_OFF * abs(whole)
+
+
+def test_a_search_without_numba(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    found = problem(tmp_path, E62)
+    monkeypatch.setattr(one_machine, "installed", lambda name: name != "numba")
+    assert Evaluator(found).transitions.why == (
+        "the reduced engine needs numba, which is not installed"
+    )
+
+
+def test_designs_that_cannot_be_simulated_again() -> None:
+    design: Any = object()
+    assert run._known(design) is design
+    with pytest.raises(SimulationError, match="unforeseen"):
+        run._known(None)
+
+
+def late(pause: float, answer: int) -> int:
+    """A task that another process can find."""
+    time.sleep(pause)
+    return answer
+
+
+@pytest.mark.slow
+def test_parts_of_a_search_in_processes() -> None:
+    """In their order whoever ends first, and counted as they end."""
+    told: list[tuple[int, int]] = []
+    with Work(2, lambda done, known: told.append((done, known))) as work:
+        assert work.all([partial(late, 0.4, 7), partial(late, 0.0, 11)]) == [7, 11]
+        assert told == [(0, 2), (1, 2), (2, 2)]
+        assert work.one(lambda: 5) == 5
+        assert told[-1] == (3, 3)
+        assert work.mapper(abs, [-3, 2]) == [3, 2]
+
+
+@pytest.mark.slow
+def test_a_search_whose_process_dies() -> None:
+    for ask in (
+        lambda work: work.all([partial(os._exit, 3)]),
+        lambda work: work.mapper(os._exit, [3]),
+    ):
+        with (
+            pytest.raises(SimulationError, match="a worker process died, perhaps") as caught,
+            Work(2, None) as work,
+        ):
+            ask(work)
+        assert caught.value.evidence == {"workers": 2}

@@ -56,10 +56,19 @@ def test_reasons_that_differ_in_numbers_are_told_once(tmp_path: Path) -> None:
 def test_the_bound_that_is_in_the_way_is_named(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """No rebound is a metre high, and the highest is that of the largest restitution."""
-    body = 'minimise = "duration_s"\nlimits = { rebound_amplitude_1 = { low = 1.0 } }'
+    """No rebound is a metre high, and the highest is that of the largest restitution.
+
+    A limit that is kept is not told.
+    """
+    body = (
+        'minimise = "duration_s"\n'
+        "limits = { rebound_amplitude_1 = { low = 1.0 }, duration_s = { high = 10.0 } }"
+    )
     file = study(tmp_path, MASS, body, **{E_N: (0.1, 0.5)})
     command = ["optimise", str(file), "--out", str(tmp_path / "out"), "--workers", "1"]
     assert main([*command, "--starts", "1", "--no-check"]) == 1
     advice = f"Relax these limits, or widen the bound {E_N} <= 0.5\n"
-    assert capsys.readouterr().err.endswith(advice)
+    said = capsys.readouterr().err
+    assert said.endswith(advice)
+    assert "breaks rebound_amplitude_1 >= 1: " in said
+    assert "duration_s <= 10" not in said

@@ -186,3 +186,10 @@ def test_rows_that_are_read(tmp_path: Path, most: int | None, step: int) -> None
         "links.top_nipper.mass_kg>"
     )
     assert sweep.to_frame("pyarrow") is sweep.table
+    frame = sweep.to_frame("pandas")
+    assert list(frame) == sweep.table.column_names
+    assert frame["scenario"].tolist() == sweep.table["scenario"].to_pylist()
+    page, shown = sweep._repr_html_(), min(len(sweep.table), 12)
+    assert "36 of 36 stored" in page
+    assert (f"and {len(sweep.table) - shown} more" in page) is (len(sweep.table) > shown)
+    assert page.count("<tr>") == 2 + 1 + shown

@@ -154,11 +154,19 @@ def test_a_chunk_of_another_place_or_plan_is_named(copy: Path, tmp_path: Path) -
     assert read_sweep(copy / "out").stored == 4
 
 
+def test_rows_of_another_chunk_are_computed_anew(copy: Path) -> None:
+    whole = chunk(copy).read_bytes()
+    chunk(copy).write_bytes(chunk(copy, 1).read_bytes())
+    report = run_sweep(read_plan(str(copy / "study.toml")), copy / "out", workers=1)
+    assert (report.found, report.damaged) == (2, ("0000000.parquet",))
+    assert chunk(copy).read_bytes() == whole
+
+
 @pytest.mark.slow
 def test_whole_chunks_of_something_else_are_computed_anew(copy: Path, tmp_path: Path) -> None:
     """Each doctored chunk can be read, and is not what belongs in its place.
 
-    A file of another number, of another plan, one that lost a row, and rows in another order.
+    A file of another plan, one that lost a row, and rows in another order.
     """
     (tmp_path / "other").mkdir()
     other = plan(tmp_path / "other", SMALL.replace("12.0", "12.5"))
@@ -166,7 +174,6 @@ def test_whole_chunks_of_something_else_are_computed_anew(copy: Path, tmp_path: 
     found, whole = read_plan(str(copy / "study.toml")), chunk(copy).read_bytes()
     table = pq.read_table(chunk(copy))
     doctored = {
-        "number": chunk(copy, 1).read_bytes(),
         "plan": chunk(tmp_path / "other").read_bytes(),
         "row": written(table.slice(0, 1)),
         "order": written(table.take([1, 0])),
@@ -177,6 +184,39 @@ def test_whole_chunks_of_something_else_are_computed_anew(copy: Path, tmp_path: 
         report = run_sweep(found, copy / "out", workers=1)
         assert (report.found, report.damaged) == (2, ("0000000.parquet",)), name
         assert chunk(copy).read_bytes() == whole
+
+
+def test_records_of_another_format(copy: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Of each key that is read again, and of the whole."""
+    file = copy / "out" / "plan.json"
+    whole = json.loads(file.read_text(encoding="utf-8"))
+    damaged = "not the plan of a sweep, or a damaged one"
+    keys = ("hash", "identity", "title", "model", "scenarios", "axes", "samples", "quantities",
+            "description")  # fmt: skip
+    texts = {json.dumps({**whole, key: 1.5}): damaged for key in keys}
+    texts |= dict.fromkeys(("[]", "{", "{}"), damaged)
+    texts[json.dumps({**whole, "format": 3})] = "format 3, and this version reads 2; sweep again"
+    for text, said in texts.items():
+        file.write_text(text, encoding="utf-8")
+        with pytest.raises(InputError, match=said) as caught:
+            read_sweep(copy / "out")
+        assert caught.value.evidence == {"file": str(file)}
+    assert main(["plot", str(copy / "out")]) == 2
+    assert capsys.readouterr().err == f"nipper-pin: {caught.value.message}\n"
+
+
+def test_chunks_without_a_plan(copy: Path) -> None:
+    """Without chunks the plan is written; with chunks and no plan nothing is."""
+    found, out = read_plan(str(copy / "study.toml")), copy / "out"
+    (out / "plan.json").unlink()
+    with pytest.raises(InputError, match=r"holds chunks and no plan\.json") as caught:
+        run_sweep(found, out, workers=1)
+    assert caught.value.evidence == {"folder": str(out)}
+    assert not (out / "plan.json").exists()
+    for path in (out / "chunks").iterdir():
+        path.unlink()
+    assert run_sweep(found, out, workers=1).computed == 4
+    assert json.loads((out / "plan.json").read_text(encoding="utf-8"))["hash"] == found.hash
 
 
 def written(table: pa.Table) -> bytes:
