@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebpts2
+from scipy.interpolate import BarycentricInterpolator
 
 from nipper_pin.arrays import FloatArray
 from nipper_pin.hybrid.motion.panel import Panel
@@ -72,6 +74,11 @@ def samples(solution: Solution) -> Iterator[tuple[Segment, Panel, FloatArray]]:
                 seen.add(key)
                 # The end belongs to the next segment.
                 yield segment, panel, np.linspace(begin, np.nextafter(end, begin), _POINTS)
+
+
+def polynomial(values: FloatArray) -> BarycentricInterpolator:
+    """Through values at the Chebyshev-Lobatto nodes of a panel, shape (N, nv); it is [0, 1]."""
+    return BarycentricInterpolator(0.5 * (1.0 + chebpts2(len(values))), values, rng=0)
 
 
 def some(count: int, most: int) -> list[int]:

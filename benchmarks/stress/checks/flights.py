@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebpts1
 
 from nipper_pin.arrays import FloatArray
 from nipper_pin.hybrid.motion.panel import Panel
@@ -12,8 +13,7 @@ from nipper_pin.hybrid.result.solution import Solution
 
 from ...tolerances import EPS, LEFT_OUT, POSITION_TERMS
 from ..mechanics.equations import Equations
-from ..mechanics.interpolants import farthest, halfway, interpolated
-from ..observations import beyond, samples
+from ..observations import beyond, polynomial, samples
 
 
 def flights(solution: Solution) -> Iterator[str]:
@@ -23,10 +23,10 @@ def flights(solution: Solution) -> Iterator[str]:
         if not panel.integrated:
             continue
         # Times at equal distances are nodes where there are four, seven or thirteen of them.
-        between = panel.t + panel.h * halfway(panel.order)
+        between = panel.t + panel.h * 0.5 * (1.0 + chebpts1(panel.order - 1))
         t = np.append(t, between[(t[0] < between) & (between < t[-1])])
         motion = solution.trajectory.evaluate(t)
-        told = interpolated(panel.a, (t - panel.t) / panel.h)
+        told = polynomial(panel.a)((t - panel.t) / panel.h)
         longest = max(item.h for item in segment.panels)
         off = _beside(equations, panel, segment.closed, longest, (t, motion.q, motion.v, told))
         loose = equations.loose(segment.closed)
@@ -60,8 +60,9 @@ def _beside(
     rates = 2.0 * longest * unsure
     fed = equations.accelerations(t, q + 0.5 * longest * rates, v + rates, closed)
     noise = unsure + np.abs(aside - there) + np.abs(fed - there)
-    # That of the judge's own equations, and as much at every node of the interpolant.
-    allowed = (1.0 + farthest(panel.order)) * noise
+    # That of the judge's own equations, and as much at every node of the interpolant, which exceeds
+    # the largest of its values by Lebesgue's constant.
+    allowed = (2.0 + 2.0 / np.pi * float(np.log(panel.order))) * noise
     return np.asarray(off - allowed - np.abs(drifted - there))
 
 

@@ -28,8 +28,7 @@ from ...tolerances import (
     SLOPE_SHARE,
 )
 from ..mechanics.equations import Equations
-from ..mechanics.interpolants import slope
-from ..observations import EVENTS, Shown, beyond, samples, shown, some
+from ..observations import EVENTS, Shown, beyond, polynomial, samples, shown, some
 from .elements import elements
 from .flights import flights
 from .impacts import impulses
@@ -189,7 +188,8 @@ def _motion(solution: Solution) -> Iterator[str]:
         # A panel of one unit in the last place of time has no slope.
         if segment.kinematic and panel.h > 1e-9 * solution.shaft.period:
             # Nodes are solved one by one: velocities do not depend on accelerations.
-            rising = slope(panel.v) / panel.h
+            course = polynomial(panel.v)
+            rising = course.derivative(course.xi) / panel.h
             size = np.abs(panel.a).max() + np.abs(panel.v).max() / panel.h
             # Of a machine at rest only what round-off of its coordinates would make of it.
             size += 1e5 * EPS * (1.0 + np.abs(panel.q).max()) / panel.h**2

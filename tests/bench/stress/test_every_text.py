@@ -19,7 +19,6 @@ from benchmarks.stress.checks import model as model_invariants
 from benchmarks.stress.checks import rebounds as rebound_invariants
 from benchmarks.stress.machines.mirror import mirrored
 from benchmarks.stress.machines.parts import Source
-from benchmarks.stress.mechanics import interpolants
 from benchmarks.stress.mechanics.planar_tree import PlanarTree
 
 INERTIA = '<inertia ixx="0.3" iyy="0.4" izz="0.5" ixy="0.02" ixz="-0.03" iyz="0.04"/>'
@@ -418,15 +417,3 @@ def test_what_a_solution_shows(parts: int) -> None:
     assert np.array_equal(found.drives, drives)
     assert list(found.stops) == ["c", "a"]
     assert all(np.array_equal(found.stops[k], ord(k) * t) for k in "ac")
-
-
-def test_places_between_nodes() -> None:
-    """One between any two nodes, and the largest that an interpolant of ones can be."""
-    for count in (2, 3, 4, 13):
-        nodes = 0.5 * (1.0 - np.cos(np.pi * np.arange(count) / (count - 1)))
-        halves = np.sin(np.pi * (2.0 * np.arange(count - 1) + 1.0) / (4.0 * (count - 1))) ** 2
-        found = interpolants.halfway(count)
-        assert found == pytest.approx(halves)
-        assert (nodes[:-1] < found).all()
-        assert (found < nodes[1:]).all()
-        assert interpolants.farthest(count) == pytest.approx(1.0 + 2.0 * math.log(count) / math.pi)
