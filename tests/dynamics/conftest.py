@@ -10,6 +10,8 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
+from dense import close
+
 from benchmarks.stress.mechanics.planar_tree import PlanarTree
 from nipper_pin.dynamics.shaft import ShaftMotion
 from nipper_pin.dynamics.system import DriveMode, System
@@ -64,7 +66,7 @@ def states(mechanism: Mechanism, tree: PlanarTree) -> list[State]:
             q[driven] += rng.uniform(-0.02, 0.02, len(driven))
             q[stops] = 0.0
             kept = sorted({*driven, *stops})
-            q = tree.close(q, [i for i in range(tree.nv) if i not in kept])
+            q = close(tree, q, [i for i in range(tree.nv) if i not in kept])
             G = tree.closure_jacobian(q)
             v = rng.uniform(-8.0, 8.0, tree.nv)
             rows = np.vstack([G, np.eye(tree.nv)[stops]])

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from dense import close
 from test_constrained_accelerations import kkt
 
 from benchmarks.stress.mechanics.planar_tree import PlanarTree
@@ -49,7 +50,7 @@ def both_closed(mechanism: Mechanism, tree: PlanarTree, count: int, seed: int) -
         # In small steps from touch, where everything is zero.
         for angle in np.linspace(0.0, rng.uniform(-0.3, 0.2), 9)[1:]:
             q[driven[0]] = angle
-            q = tree.close(q, free)
+            q = close(tree, q, free)
         G = tree.closure_jacobian(q)
         v = np.zeros(tree.nv)
         v[driven[0]] = rng.uniform(-6.0, 6.0)

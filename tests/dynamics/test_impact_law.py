@@ -11,7 +11,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from dense import constrained
+from dense import close, constrained
 
 from benchmarks.stress.mechanics.planar_tree import PlanarTree
 from nipper_pin.dynamics.impact import Impact, arrest, collide, drive_impulses
@@ -51,7 +51,7 @@ def _meetings(tree: PlanarTree, system: System, stops: tuple[str, ...], count: i
             q[pendulum] = part
             if tension in kept:
                 q[tension] = 2.2 * part
-            q = tree.close(q, [i for i in range(tree.nv) if i not in kept])
+            q = close(tree, q, [i for i in range(tree.nv) if i not in kept])
         yield Meeting(q, system.body.closures(q[None])[1][0])
 
 

@@ -80,13 +80,11 @@ class Links:
         links: The links.
         frames: All axes, by name.
         steepness: Part of gravity that acts in the plane.
-        couplings: Pairs of coordinates, the second one followed by the first, and their ratio.
     """
 
     links: list[Link] = field(default_factory=list)
     frames: dict[str, Frame] = field(default_factory=dict)
     steepness: float = 1.0
-    couplings: list[tuple[int, int, float]] = field(default_factory=list)
 
     def touch(self, frame: Frame) -> complex:
         """Place of a frame in the touch configuration."""
@@ -140,7 +138,7 @@ def read_links(
             moment = float(across @ _moments(inertial.find("inertia")) @ across)
             mass = _number(inertial.find("mass"), "value")
             links[body].add(mass, flat(place + turn @ step), moment)
-    result = Links(links, frames, float(view[2, 2]), _couplings(moving, number))
+    result = Links(links, frames, float(view[2, 2]))
     for name, closure in (closures or {}).items():
         if closure.get("slot_axis"):
             _add_block(result, number[name], name, closure)
@@ -177,17 +175,6 @@ def _add_block(links: Links, place: int, name: str, item: Mapping[str, Any]) -> 
     offset, block = slot.place + along * direction, f"{name}_block"
     links.links[place] = Link(block, name, slot.body, offset, direction, mass=item["block_mass_kg"])
     links.frames[block] = Frame(place, 0j, slot.axes)
-
-
-def _couplings(
-    joints: list[ElementTree.Element], number: Mapping[str, int]
-) -> list[tuple[int, int, float]]:
-    return [
-        (number[str(item.get("name"))], number[str(mimic.get("joint"))],
-         float(mimic.get("multiplier", "1")))
-        for item in joints
-        if (mimic := item.find("mimic")) is not None
-    ]  # fmt: skip
 
 
 def _side_view(axes: Sequence[Real], turns: Sequence[bool]) -> Real:

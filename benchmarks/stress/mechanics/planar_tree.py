@@ -86,9 +86,6 @@ class PlanarTree:
             (self.frames[firsts[name]], self.frames[item["frame_b"]])
             for name, item in closures.items()
         ]
-        self.couplings = np.zeros((len(text.couplings), self.nv))
-        for row, (follows, of, ratio) in zip(self.couplings, text.couplings, strict=True):
-            row[follows], row[of] = 1.0, -ratio
         self.parents = np.array([link.parent for link in self.links], dtype=int)
         self.offsets = np.array([link.offset for link in self.links], dtype=complex)
         self.slides = np.array([link.slide is not None for link in self.links], dtype=bool)
@@ -152,10 +149,6 @@ class PlanarTree:
         linear = np.abs(motion.com_rate) ** 2 @ self.masses
         return np.asarray(0.5 * (linear + motion.spin**2 @ self.inertias))
 
-    def height_energy(self, q: Real) -> Real:
-        """Sum of m g z, shape (...)."""
-        return np.asarray(self.gravity * self._still(q).com.imag @ self.masses)
-
     def closure(self, q: Real, v: Real, a: Real, *, world: bool = False) -> tuple[Real, Real, Real]:
         """Gaps of the closures, their rates and accelerations, each of shape (..., m).
 
@@ -177,17 +170,6 @@ class PlanarTree:
         rows = self.jacobian(motion, firsts) - self.jacobian(motion, seconds)
         axes = np.ones(1) if world else motion.axes(firsts).conj()
         return np.swapaxes(_parts(np.swapaxes(rows * axes[..., None], -1, -2)), -1, -2)
-
-    def close(self, q: Real, free: list[int]) -> Real:
-        """Move the free coordinates by the least amount that closes the loops (Gauss-Newton)."""
-        q, zero = q.copy(), np.zeros(self.nv)
-        for _ in range(12):
-            g = self.closure(q, zero, zero)[0]
-            step = np.linalg.lstsq(self.closure_jacobian(q)[:, free], g, rcond=None)[0]
-            q[free] -= step
-            if np.abs(step).max() < 1e-15:
-                break
-        return q
 
     @property
     def _ends(self) -> tuple[list[Frame], list[Frame]]:

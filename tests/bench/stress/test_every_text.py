@@ -73,14 +73,6 @@ def test_inertias_of_a_tree_in_any_plane(order: list[str], seed: int) -> None:
     assert tree.inverse_dynamics(*many)[0] == pytest.approx(force[places], abs=1e-12)
 
 
-def test_couplings_of_a_text() -> None:
-    """The joint that follows is its multiplier times the other."""
-    mimic = TREE.replace('<axis xyz="0 2 0"/>', '<axis xyz="0 2 0"/><mimic joint="a" '
-                         'multiplier="-2.5"/>')  # fmt: skip
-    tree = PlanarTree(mimic, {"gravity_m_s2": 7.5}, ["b", "a", "c"])
-    assert tree.couplings.tolist() == [[0.0, 2.5, 1.0]]
-
-
 def test_links_that_are_fixed_and_the_block_of_a_slot() -> None:
     """Two masses on a hinge at (3, 4) and (-3, 0); the block slides from where the pin is."""
 
