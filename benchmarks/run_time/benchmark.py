@@ -26,7 +26,7 @@ class Benchmark:
         accuracy: Errors of the direct engine in every certified transition.
         peers: Work against precision of other people's solvers, as far as they are installed.
         unavailable: What could not be run, and why.
-        reduced: Build time, speed and error of the reduced engine; None without it.
+        reduced: Build time, speed and error of the reduced engine.
         turns: Whole turns of both engines against the certified ones.
         cost: How the time grows with the size of the problem.
     """
@@ -37,7 +37,7 @@ class Benchmark:
     accuracy: tuple[Row, ...]
     peers: tuple[Row, ...]
     unavailable: tuple[str, ...]
-    reduced: dict[str, Any] | None
+    reduced: dict[str, Any]
     turns: tuple[TurnRow, ...]
     cost: dict[str, Any]
 

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from dataclasses import astuple
+from typing import Any
 
 import numpy as np
 
-from nipper_pin.extras import installed
+from nipper_pin.reduced import ReducedModel, build, transition, transitions
 from nipper_pin.units import MS_PER_S
 
 from ..tolerances import REDUCED_DEFAULT
 from .certified import Certified
 from .timing import Timing, timed
 from .work_precision import Observed, Row, graded
-
-if TYPE_CHECKING:
-    from nipper_pin.reduced import ReducedModel
 
 _TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 _BATCH, _QUICK_BATCH = 50_000, 10_000
@@ -29,19 +27,14 @@ _BUDGET_S, _QUICK_BUDGET_S = 3.0, 0.5
 
 def reduced_work(
     reference: Certified, *, quick: bool, repeats: int
-) -> tuple[list[Row], dict[str, Any] | None]:
+) -> tuple[list[Row], dict[str, Any]]:
     """Measure the reduced engine: called from Python case by case, and in a batch.
 
     Returns:
         Rows by tolerance, and what the engine is measured by: time to build its tables [ms] (the
         first time apart), first transition with its compilation [ms], one transition [ms], the
-        same in a batch, transitions per second on one core, true error and its own bound. Nothing
-        where numba, which it compiles with, is missing.
+        same in a batch, transitions per second on one core, true error and its own bound.
     """
-    if not installed("numba"):
-        return [], None
-    from nipper_pin.reduced import build, transitions
-
     mechanism, speed = reference.mechanism(), reference.speed_rpm
     budget = _QUICK_BUDGET_S if quick else _BUDGET_S
     building = timed(lambda: build(mechanism), repeats, budget)
@@ -67,16 +60,16 @@ def _rows(
     model: ReducedModel, reference: Certified, tolerance: float, repeats: int, budget: float
 ) -> tuple[Row, Row, float]:
     """Work of one tolerance, called case by case and in a batch, and the error that is stated."""
-    from nipper_pin.reduced import transition, transitions
-
     speed = reference.speed_rpm
     speeds = np.full(_SHORT_BATCH, speed)
     single = timed(
         lambda: transition(model, speed_rpm=speed, tolerance=tolerance), 100 * repeats, budget
     )
-    batch = _each(
-        timed(lambda: transitions(model, speed_rpm=speeds, tolerance=tolerance), repeats, budget)
+    batch = timed(
+        lambda: transitions(model, speed_rpm=speeds, tolerance=tolerance), repeats, budget
     )
+    first, median, fastest, spread = (time / _SHORT_BATCH for time in astuple(batch)[:4])
+    each = Timing(first, median, fastest, spread, batch.runs)
     found = transition(model, speed_rpm=speed, tolerance=tolerance)
     observed = Observed(
         times=found.time,
@@ -87,18 +80,6 @@ def _rows(
     name = f"{tolerance:.0e}"
     return (
         graded("reduced", name, single, observed, reference),
-        graded("reduced, batch", name, batch, observed, reference),
+        graded("reduced, batch", name, each, observed, reference),
         found.error_bound,
-    )
-
-
-def _each(batch: Timing) -> Timing:
-    """Time of a batch by its number of cases."""
-    share = 1.0 / _SHORT_BATCH
-    return Timing(
-        share * batch.first_ms,
-        share * batch.median_ms,
-        share * batch.fastest_ms,
-        share * batch.spread_ms,
-        batch.runs,
     )

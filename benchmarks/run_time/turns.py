@@ -9,11 +9,11 @@ from itertools import groupby
 import numpy as np
 
 from nipper_pin.arrays import FloatArray
-from nipper_pin.extras import installed
 from nipper_pin.hybrid.case import Case, Resolution, Window
 from nipper_pin.hybrid.event import EventKind
 from nipper_pin.hybrid.simulate import simulate
 from nipper_pin.mechanism import Mechanism, load
+from nipper_pin.reduced.turns import build_turns, turns
 from nipper_pin.units import MS_PER_S, S_PER_MIN
 
 from .certified import MODEL, certified_cycle
@@ -50,23 +50,15 @@ class TurnRow:
 def turn_rows(*, repeats: int) -> list[TurnRow]:
     """Measure one turn at each certified speed, engine beside engine."""
     mechanism = load(MODEL)
-    reduced = installed("numba")
-    tables_ms = _tables_ms(mechanism, repeats) if reduced else None
+    tables_ms = timed(lambda: build_turns(mechanism), repeats, _BUDGET_S).median_ms
     rows = []
     for speed in _SPEEDS:
         for tolerance in _TOLERANCES:
             rows.append(_row("direct", speed, tolerance, _direct(mechanism, speed, tolerance),
                              repeats, None))  # fmt: skip
-            if reduced:
-                rows.append(_row("reduced", speed, tolerance, _reduced(mechanism, speed, tolerance),
-                                 repeats, tables_ms))  # fmt: skip
+            rows.append(_row("reduced", speed, tolerance, _reduced(mechanism, speed, tolerance),
+                             repeats, tables_ms))  # fmt: skip
     return rows
-
-
-def _tables_ms(mechanism: Mechanism, repeats: int) -> float:
-    from nipper_pin.reduced.turns import build_turns
-
-    return timed(lambda: build_turns(mechanism), repeats, _BUDGET_S).median_ms
 
 
 _Hits = tuple[list[str], FloatArray, FloatArray]
@@ -89,8 +81,6 @@ def _direct(mechanism: Mechanism, speed: str, tolerance: float) -> _Turn:
 
 
 def _reduced(mechanism: Mechanism, speed: str, tolerance: float) -> _Turn:
-    from nipper_pin.reduced.turns import turns
-
     def turn() -> _Hits:
         found = turns(mechanism, speed_rpm=float(speed), tolerance=tolerance)
         hits = found.collisions

@@ -102,9 +102,8 @@ def sheets(result: Benchmark) -> list[Sheet]:
     ]
     if result.peers:
         found.append(_measured("Peers: the same transition", _PEERS, result.peers, 3))
-    if result.reduced is not None:
-        rows = tuple((name, _cell(name, value)) for name, value in result.reduced.items())
-        found.append(Sheet("Reduced engine", ("what", "value"), rows))
+    rows = tuple((name, _cell(name, value)) for name, value in result.reduced.items())
+    found.append(Sheet("Reduced engine", ("what", "value"), rows))
     found.append(_measured("A whole turn, against the certified one", _TURNS, result.turns, 2))
     for title, name in _COSTS.items():
         costs: list[dict[str, Any]] = result.cost[name]

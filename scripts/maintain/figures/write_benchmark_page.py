@@ -46,7 +46,7 @@ def page(document: Mapping[str, Any]) -> str:
     """
     found, cost = document["environment"], document["cost"]
     versions = ", ".join(f"{name} {value}" for name, value in found["versions"].items())
-    reduced = document["reduced"] or {}
+    reduced = document["reduced"]
     return _PAGE.read_text(encoding="utf-8").format(
         run=f"{found['date'][:10]}, {found['processor']}, {found['cores']} cores, Python "
         f"{found['python']}, {versions}",
@@ -55,8 +55,8 @@ def page(document: Mapping[str, Any]) -> str:
             "engine": "engine", "setting": "setting", "ms": "wall_ms", "error of times":
             "error_times", "error of impulses": "error_impulses", "tables [ms]": "tables_ms",
         }, text=2),
-        batch=f"{reduced.get('transitions_per_s', math.nan):,.0f}",
-        tables=_number(reduced.get("build_ms")),
+        batch=f"{reduced['transitions_per_s']:,.0f}",
+        tables=_number(reduced["build_ms"]),
         repeated=_table("Turns that repeat are copied", cost["turns"], {
             "turns": "turns", "copied where they repeat [ms]": "reuse_ms",
             "each computed [ms]": "no_reuse_ms",

@@ -173,7 +173,7 @@ def test_rows_of_the_reduced_engine(
     import nipper_pin.reduced as engine
 
     for name in ("build", "transition", "transitions"):
-        clock.watch(monkeypatch, engine, name)
+        clock.watch(monkeypatch, reduced_work, name)
     monkeypatch.setattr(reduced_work, "_BATCH", 40)
     monkeypatch.setattr(reduced_work, "_QUICK_BATCH", 20)
     rows, summary = reduced_work.reduced_work(reference, quick=quick, repeats=3)
@@ -207,12 +207,10 @@ def test_rows_of_the_reduced_engine(
         assert rows[place].error_amplitudes is not None
         assert rows[place].error_amplitudes < 100.0 * tolerance
         if tolerance == 1e-10:
-            assert summary is not None
             assert summary["transition_ms"] == float(single.number)
             assert summary["transition_in_batch_ms"] == rows[place + 5].wall_ms
             assert summary["error"] == rows[place].error_worst
             assert summary["stated_error"] == found.error_bound
-    assert summary is not None
     assert (summary["build_ms"], summary["build_first_ms"]) == (1.0, 101.0)
     assert summary["first_transition_ms"] == 102.0
     ((name, _, given),) = last.calls
@@ -221,10 +219,3 @@ def test_rows_of_the_reduced_engine(
     assert summary["batch"] == len(speeds)
     # Number n lasts n ms.
     assert summary["transitions_per_s"] == pytest.approx(len(speeds) / (1e-3 * last.number))
-
-
-def test_without_a_compiler_there_is_no_reduced_engine(
-    monkeypatch: pytest.MonkeyPatch, reference: Certified
-) -> None:
-    monkeypatch.setattr(reduced_work, "installed", lambda name: name != "numba")
-    assert reduced_work.reduced_work(reference, quick=True, repeats=1) == ([], None)
