@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.polynomial.chebyshev import chebder, chebfit, chebpts2, chebroots, chebtrim
+from numpy.polynomial import Chebyshev
 
 from nipper_pin.arrays import FloatArray
 from nipper_pin.hybrid.result.solution import Solution
@@ -17,7 +17,7 @@ from ...tolerances import AMPLITUDE_SHARE, CLOSURE_SUM, EPS
 from ..observations import beyond, some
 
 _LOOKED_AT = 12
-# Terms beyond those of a panel: two of its integrals, and some for gaps that closures determine.
+# Degree beyond the nodes of a panel: two of its integrals, some for gaps that closures determine.
 _FURTHER = 8
 
 
@@ -75,32 +75,24 @@ def _numbers(where: str, stop: Stop, hit: Collision) -> Iterator[str]:
 def _highest(solution: Solution, stop: Stop, begin: float, end: float) -> float:
     """Largest gap between two times, from positions alone.
 
-    On each panel they are a polynomial of the time, or nearly so: a fit of more terms tells where
-    all its crests are, however many there are, and the positions there tell how high they are.
+    On each panel they are a polynomial of the time, or nearly so: one of more terms tells where all
+    its crests are, however many there are, and the positions there tell how high they are.
     """
 
     def gaps(times: FloatArray) -> FloatArray:
         return stop.gaps(solution.trajectory.evaluate(times, left=True).q)
 
-    best, fits = -np.inf, []
-    for first, last, count in _parts(solution, begin, end):
-        times = 0.5 * (first + last) + 0.5 * (last - first) * chebpts2(count)
-        values = gaps(np.clip(times, first, last))
-        fits.append((first, last, chebfit(chebpts2(count), values, count - 1)))
-        best = max(best, float(values.max()))
-    for first, last, terms in fits:
-        if terms[0] + np.abs(terms[1:]).sum() <= best:
-            continue
-        places = chebroots(chebder(chebtrim(terms, EPS * np.abs(terms).max())))
-        crests = places.real[(places.imag == 0.0) & (np.abs(places.real) < 1.0)]
-        if crests.size:
-            times = 0.5 * (first + last) + 0.5 * (last - first) * np.sort(crests)
-            best = max(best, float(gaps(times).max()))
+    best = -np.inf
+    for first, last, degree in _parts(solution, begin, end):
+        course = Chebyshev.interpolate(gaps, degree, domain=[first, last])
+        crests = course.trim(EPS * np.abs(course.coef).max()).deriv().roots()
+        times = [first, last, *crests.real[crests.imag == 0.0]]
+        best = max(best, float(gaps(np.sort(np.clip(times, first, last))).max()))
     return best
 
 
 def _parts(solution: Solution, begin: float, end: float) -> Iterator[tuple[float, float, int]]:
-    """Ends [s] of the parts of panels between two times, and terms that tell each of them."""
+    """Ends [s] of the parts of panels between two times, and a degree that tells each of them."""
     for segment in solution.segments:
         for panel, first, last in segment.pieces():
             if last > begin and first < end:
