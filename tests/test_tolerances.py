@@ -18,8 +18,7 @@ SETTINGS = {
     "benchmarks/paper/counts.py": "LOWEST, HIGHEST",  # range of thresholds
     "benchmarks/paper/fixed_step.py": "STEPS_S",  # steps of the schemes that are compared
     "benchmarks/peers/fixed_steps.py": "SETTINGS",
-    "benchmarks/peers/mujoco_shell.py": "SETTINGS",  # steps and tolerances that are compared
-    "benchmarks/peers/rk4.py": "SETTINGS",
+    "benchmarks/peers/rk4.py": "SETTINGS",  # steps and tolerances that are compared
     "benchmarks/peers/scipy_flight.py": "SETTINGS",
     "benchmarks/run_time/reduced_work.py": "_TOLERANCES",
     "benchmarks/run_time/turns.py": "_TOLERANCES",

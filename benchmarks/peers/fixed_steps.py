@@ -9,12 +9,11 @@ from __future__ import annotations
 
 import math
 
-from nipper_pin.errors import SimulationError
 from nipper_pin.mechanism import Mechanism
 
 from .planar import Planar, acceleration, compiled, frame
 from .planar_model import first_rebound_rate, planar_model
-from .protocol import Four, Run, Setting
+from .protocol import Run, Setting, stepped
 
 NAME = "fixed small steps as published (numba, hand-derived equation)"
 PACKAGE = "numba"
@@ -64,12 +63,4 @@ def prepare(mechanism: Mechanism, speed_rpm: float) -> Run:
     p = planar_model(mechanism, speed_rpm)
     rate = first_rebound_rate(p)
     transition(p, rate, 1e-5, True)
-
-    def run(setting: Setting) -> Four:
-        *four, steps = transition(p, rate, setting.value, setting.method == "forward")
-        if not math.isfinite(four[3]):
-            message = f"the bounces do not come to an end with a step of {setting.value:g} s"
-            raise SimulationError(message, step_s=setting.value)
-        return Four(four[0], four[1], four[2], four[3], steps)
-
-    return run
+    return stepped(lambda setting: transition(p, rate, setting.value, setting.method == "forward"))

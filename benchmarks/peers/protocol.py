@@ -132,6 +132,19 @@ class Bounces:
         return Four(t[1], t[2] - t[1], self.amplitude, limit, evaluations)
 
 
+def stepped(transition: Callable[[Setting], tuple[float, float, float, float, int]]) -> Run:
+    """A run by compiled steps, whose times are not finite where the bounces do not end."""
+
+    def run(setting: Setting) -> Four:
+        found = Four(*transition(setting))
+        if not isfinite(found.transition_time_s):
+            message = f"the bounces do not come to an end with a step of {setting.value:g} s"
+            raise SimulationError(message, step_s=setting.value)
+        return found
+
+    return run
+
+
 def available() -> Iterator[tuple[Peer, str]]:
     """Peers whose package is installed, each with the version of that package."""
     for name in MODULES:

@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import math
 
-from nipper_pin.errors import SimulationError
 from nipper_pin.mechanism import Mechanism
 
 from .planar import Frame, Planar, acceleration, compiled, frame
 from .planar_model import first_rebound_rate, planar_model
-from .protocol import MOST_COLLISIONS, Four, Run, Setting
+from .protocol import MOST_COLLISIONS, Run, Setting, stepped
 
 NAME = "fixed-step RK4, located impacts (numba, hand-derived equation)"
 PACKAGE = "numba"
@@ -130,12 +129,6 @@ def prepare(mechanism: Mechanism, speed_rpm: float) -> Run:
     p = planar_model(mechanism, speed_rpm)
     rate = first_rebound_rate(p)
     transition(p, rate, 1e-4, 1e-9)
-
-    def run(setting: Setting) -> Four:
-        *four, evaluations = transition(p, rate, setting.value, closing(setting.value, p.psi_rate))
-        if not math.isfinite(four[3]):
-            message = f"the bounces do not come to an end with a step of {setting.value:g} s"
-            raise SimulationError(message, step_s=setting.value)
-        return Four(four[0], four[1], four[2], four[3], evaluations)
-
-    return run
+    return stepped(
+        lambda setting: transition(p, rate, setting.value, closing(setting.value, p.psi_rate))
+    )

@@ -9,9 +9,7 @@ from typing import Any
 import numpy as np
 
 from .draws import Generator, log, one_of, restitution, sign
-from .parts import SHAFT, Place, Source, description, frame, hinge, link, robot, slide
-
-_SLED = {"reflected_mass_kg": 10.0, "shaft_frequency_hz": 10.0, "shaft_damping_ratio": 0.7}
+from .parts import SHAFT, SLED, Place, Source, description, frame, hinge, link, robot, slide
 
 
 @dataclass
@@ -55,7 +53,7 @@ class Chain:
         self.parts.append(link("base", 1.0, 0.01, (0.05, 0.02)))
         if kind == "lift":
             self.parts.append(slide("shaft", "frame", "base", (0.0, 1.0)))
-            drive = {"law": "screw", "lead_mm_per_turn": sign(rng) * log(rng, 1e-2, 1e4), **_SLED}
+            drive = {"law": "screw", "lead_mm_per_turn": sign(rng) * log(rng, 1e-2, 1e4), **SLED}
         else:
             self.parts.append(hinge("shaft", "frame", "base", (0.0, 0.0)))
             drive = {"law": "constant_speed", "ratio": sign(rng) * log(rng, 1e-2, 3.0), **SHAFT}

@@ -12,6 +12,7 @@ Place = tuple[float, float]
 """(x, z) of a point [m], or a direction."""
 
 SHAFT = {"reflected_inertia_kg_m2": 1.0, "shaft_frequency_hz": 10.0, "shaft_damping_ratio": 0.7}
+SLED = {"reflected_mass_kg": 10.0, "shaft_frequency_hz": 10.0, "shaft_damping_ratio": 0.7}
 
 
 @dataclass(frozen=True)

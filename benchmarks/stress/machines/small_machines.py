@@ -13,7 +13,7 @@ from math import sqrt
 
 from nipper_pin.mechanism import load
 
-from .parts import SHAFT, Source, description, frame, hinge, link, robot, slide
+from .parts import SHAFT, SLED, Source, description, frame, hinge, link, robot, slide
 
 
 @cache
@@ -129,14 +129,7 @@ def bouncing_mass(mass: float, lead_mm: float, restitution: float, gravity: floa
     ]
     texts = description("bouncing mass on a rising table", 2, gravity)
     texts["drives"] = {
-        "table": {
-            "joint": "lift",
-            "law": "screw",
-            "lead_mm_per_turn": lead_mm,
-            "reflected_mass_kg": 10.0,
-            "shaft_frequency_hz": 10.0,
-            "shaft_damping_ratio": 0.7,
-        }
+        "table": {"joint": "lift", "law": "screw", "lead_mm_per_turn": lead_mm, **SLED}
     }
     texts["stops"] = {
         "table": {"joint": "height", "restitution": restitution},
