@@ -152,46 +152,6 @@ def test_a_change_beside_a_saved_run_is_that_of_its_model(
     assert restitutions(saved) == {PRELOAD: (11.0, 9.25)}
 
 
-@pytest.mark.parametrize(
-    ("line", "said"),
-    [
-        ("e62 e62 --speed 450 500 e62", "compare takes two, A and B, and these are 3"),
-        ("before.npz e62 --set-b speed=fast", "speed=fast: write a number"),
-        ("e62 --speed 450 --set-b speed=500", "--speed 450 and speed=500: leave one out"),
-        ("e62 --set preload=9 --set-b preload=8", "--set preload is given twice"),
-        ("before.npz --cycles 2", "--cycles changes nothing beside before.npz, a saved run"),
-        ("e62 out --drive held inertial", "--drive changes nothing beside out/solution.npz"),
-        ("before.npz --set-b preload=9 --drive held", "leave one of them out"),
-        ("e62 --cycles 2 --window transition", "add --window cycle, or leave --cycles out"),
-        ("e62 --exaggerate 5", "--exaggerate changes nothing beside a table"),
-        ("e62 --browser --json -", "so does the server of --browser"),
-        ("e62 nowhere", "nowhere"),
-        ("missing.npz e62", "missing.npz"),
-        ("before.npz cycle.npz", "simulate both with the same --window"),
-        ("e62 other/mine.toml", "holds one URDF file"),
-        ("e62 broken.npz", "not a saved solution, or a damaged one"),
-    ],
-)
-def test_what_cannot_be_compared(
-    line: str,
-    said: str,
-    home: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    """One sentence and status 2."""
-    monkeypatch.chdir(home)
-    (home / "other").mkdir(exist_ok=True)
-    (home / "other" / "mine.toml").write_text("", encoding="utf-8")
-    (home / "broken.npz").write_bytes(b"PK\x03\x04 not an archive")
-    if "cycle.npz" in line and not (home / "cycle.npz").exists():
-        save(simulate(load("e62"), Case(speed_rpm=600.0, window="cycle")), home / "cycle.npz")
-    assert main(["compare", *shlex.split(line)]) == 2
-    out, err = capsys.readouterr()
-    assert (out, err.count("\n")) == ("", 1)
-    assert said in err
-
-
 def test_the_command_after_a_film_shows_the_same_window(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -17,8 +16,7 @@ from programs import main
 from test_cli_options import DESIGN, FIT, STUDY
 
 from benchmarks.stress import Campaign, Verdict
-from nipper_pin import Mechanism, SimulationError, cli
-from nipper_pin.study.next_steps import NextSteps
+from nipper_pin import SimulationError, cli
 
 CASE = {
     "speed_rpm": 450.0, "window": "transition", "cycles": 1, "drive": "held", "rest_rate": None,
@@ -235,70 +233,18 @@ def test_what_contradicts_itself_is_printed_and_status_1(
     assert err == "nipper-pin: no start arrived\n"
 
 
-def test_what_check_ends_with(
-    probe: Probe,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-    e62: Mechanism,
-) -> None:
-    """The findings and the next steps, which carry the user's own words, are printed together."""
-    assert probe is not None
-    given: list[Any] = []
-
-    told: list[Any] = []
-    steps = NextSteps(("this is missing",), ("one", "two"))
-
-    def next_steps(_report: Any, model: str, words: list[str], begin: list[str]) -> NextSteps:
-        given.append((model, shlex.join(words), begin))
-        return steps
-
-    monkeypatch.setattr("nipper_pin.study.next_steps.next_steps", next_steps)
-    monkeypatch.setattr(
-        "nipper_pin.view.studies.check_report.print_report",
-        lambda _report, shown, _console, *, provenance: told.append((shown, provenance)),
-    )
+def test_what_check_ends_with(capsys: pytest.CaptureFixture[str]) -> None:
+    """The next steps carry the user's own words; the start stands where a turn is followed."""
     words = "--set preload=9.25 --set stops.jaw.restitution=0.1 --stiffness 1e4 --speed 500"
-    assert main(["check", e62.name, *words.split(), "--start-index", "20.5"]) == 0
-    assert capsys.readouterr().out == ""
-    assert told == [(steps, False)]
-    typed = words.replace("1e4", "10000.0").replace("500", "500.0")
-    assert given == [("e62", typed, ["--start-index", "20.5"])]
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        ("run --repeats 0", "--repeats 0: at least 1"),
-        ("identify {fit} --profiles -1", "--profiles -1: at least 0"),
-        ("identify {fit} --starts 1 --seed 3", "--seed changes nothing beside --starts 1"),
-        ("sweep {sweep} --chunks a-2", "--chunks a-2: write A-B"),
-        ("sweep {sweep} --dry-run --out here", "--out changes nothing beside --dry-run"),
-        ("sweep {sweep} --dry-run --scheduler tcp://a:1", "--scheduler changes nothing beside"),
-        ("study speed-limit e62 --plot x.svg", "there is no command 'study': nipper-pin speed-lim"),
-        ("study paper --out here", "and python -m benchmarks paper, in a checkout, does the publ"),
-        ("study --help", "there is no command 'study'"),
-        ("new", "name the folder to write"),
-        ("new --list a", "MODEL changes nothing beside --list"),
-        ("new --list --from a", "--from changes nothing beside --list"),
-        ("view --json -", "so does the server; add --html FILE"),
-        ("check --json - --provenance", "--provenance changes nothing beside --json -, whose doc"),
-    ],
-)
-def test_what_cannot_be_asked(
-    words: str,
-    said: str,
-    files: dict[str, str],
-    probe: Probe,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    """One sentence and status 2, and nothing is begun."""
-    assert probe is not None
-    assert main(words.format(**files).split()) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.startswith("nipper-pin: ")
-    assert said in err
-    assert err.count("\n") == 1
+    assert main(["check", "e62", *words.split(), "--start-index", "20.5"]) == 0
+    steps = [line for line in capsys.readouterr().out.splitlines() if ": nipper-pin " in line]
+    typed = f"e62 {words.replace('1e4', '10000.0').replace('500', '500.0')}"
+    start = "--start-index 20.5"
+    assert steps == [
+        f"Run next: nipper-pin simulate {typed}",
+        f"Then: nipper-pin simulate {typed} --window cycle {start}",
+        f"Look at it: nipper-pin view {typed} {start} --html e62.html",
+    ]
 
 
 def test_control_characters_are_written_out(capsys: pytest.CaptureFixture[str]) -> None:

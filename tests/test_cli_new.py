@@ -248,29 +248,6 @@ def test_new_writes_the_name_into_the_urdf_and_the_schema_beside_it(press: Mecha
     ).read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize(
-    ("name", "words"),
-    [
-        ("e62", "comes with the package"),
-        ("a b", "cannot name a model"),
-        ("1st", "cannot name a model"),
-        ("full", "is not empty"),
-        ("file", "is not empty"),
-        ("file/press", "cannot be made"),
-    ],
-)
-def test_new_refuses_and_leaves_everything_as_it_was(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str, words: str
-) -> None:
-    (tmp_path / "full").mkdir()
-    (tmp_path / "full" / "notes.txt").write_text("mine")
-    (tmp_path / "file").write_text("mine")
-    before = sorted(item.relative_to(tmp_path) for item in tmp_path.rglob("*"))
-    assert main(["new", str(tmp_path / name)]) == 2
-    assert words in capsys.readouterr().err
-    assert sorted(item.relative_to(tmp_path) for item in tmp_path.rglob("*")) == before
-
-
 def test_new_takes_an_empty_folder(tmp_path: Path) -> None:
     (tmp_path / "press").mkdir()
     assert load(write_skeleton(tmp_path / "press")).name == "press"

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from programs import main
 
-from nipper_pin import Case, load, save, save_case, simulate
+from nipper_pin import Case, save_case
 
 BASE = {"--speed": "650", "--set": "preload=10.5", "--restitution": "0.2"}
 # The last 3 are about whole turns; the cases of all others are transitions.
@@ -75,53 +75,3 @@ def test_a_case_can_be_taken_back_to_the_limit_and_to_copies(
     )
     back = document(["--case", str(file), "--rest-rate", "limit", "--reuse"], capsys)
     assert back == document(["--window", "cycle", "--cycles", "2"], capsys)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "sentence"),
-    [
-        (["simulate", "e62_identified", "--case", "CASE"], "e62_identified names a model"),
-        (["simulate", "--case", "CASE", "--cycles", "2"], "--cycles is about whole turns"),
-        (["simulate", "--cycles", "2"], "--cycles is about whole turns"),
-        (["simulate", "--start-index", "20"], "--start-index is about whole turns"),
-        (["simulate", "--no-reuse"], "--no-reuse is about whole turns"),
-        (["simulate", "--forces", "--json", "-"], "--forces changes nothing beside"),
-        (["simulate", "--restitution", "0.1", "--set", "restitution=0.2"], "leave one out"),
-        (["simulate", "--set", "restitution=0.1", "--set", "restitution=0.2"], "given twice"),
-        (
-            ["simulate", "--restitution", "0.1", "--set", "stops.jaw.restitution=0.2"],
-            "stops.jaw.restitution",
-        ),
-        (["simulate", "--set", "preloda=3"], "preload"),
-        (["simulate", "--case", "CASE", "--set", "stops.knee.restitution=0.2"], "jaw"),
-        (["view", "--solution", "RUN", "e62"], "e62 (a model) changes nothing"),
-        (["view", "--solution", "RUN", "--set", "preload=1"], "--set changes nothing"),
-        (["view", "--solution", "RUN", "--restitution", "0"], "--restitution changes nothing"),
-        (["view", "--solution", "RUN", "--stiffness", "9000"], "--stiffness changes nothing"),
-        (["view", "--solution", "RUN", "--speed", "450"], "--speed changes nothing"),
-        (["view", "--solution", "RUN", "--window", "cycle"], "--window changes nothing"),
-        (["view", "--solution", "RUN", "--start-index", "24"], "--start-index changes nothing"),
-        (["view", "--html", "page.html", "--port", "0"], "--port changes nothing"),
-        (["view", "--gif", "film.gif", "--no-browser"], "--no-browser changes nothing"),
-        (["view", "--window", "transition", "--start-index", "0"], "--start-index is about"),
-    ],
-    ids=lambda item: " ".join(item) if isinstance(item, list) else "",
-)
-def test_what_another_option_would_ignore_is_refused(
-    arguments: list[str],
-    sentence: str,
-    saved: dict[str, str],
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    """One sentence, status 2, and nothing written."""
-    monkeypatch.chdir(tmp_path)
-    run = save(simulate(load("e62"), Case(speed_rpm=650.0)), tmp_path / "run.npz")
-    files = {"CASE": saved["transition"], "RUN": str(run)}
-    assert main([files.get(item, item) for item in arguments]) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.count("\n") == 1
-    assert sentence in err
-    assert [path.name for path in tmp_path.iterdir()] == ["run.npz"]

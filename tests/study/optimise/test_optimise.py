@@ -322,17 +322,6 @@ def test_limits_that_starts_break_are_mended_first(tmp_path: Path) -> None:
     assert found.best.values["duration_s"] == pytest.approx(rest(u, 0.1), rel=2e-5)
 
 
-@pytest.mark.parametrize("option", ["--starts", "--points", "--workers"])
-def test_arguments_that_cannot_be_used(
-    option: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    # A front, and so its points, is there with two aims only.
-    file = study(tmp_path, 'maximise = "rebound_time_s_1"\n' + AT_LEAST)
-    assert main(["optimise", str(file), "--out", str(tmp_path / "out"), option, "0"]) == 2
-    assert f"{option[2:]} = 0" in capsys.readouterr().err
-    assert not (tmp_path / "out").exists()
-
-
 # --- the command and its files -------------------------------------------------------------------
 
 

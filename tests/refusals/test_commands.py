@@ -1,0 +1,87 @@
+"""Lines that commands refuse: one sentence, status 2, and nothing is begun."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from programs import main
+from snapshots import Words
+
+from nipper_pin import Case, Mechanism, save, save_case, simulate
+from tests.refusals.commands import TABLES
+
+SWEEP = "format = 1\n[parameters.restitution]\nvalues = [0.1, 0.2]\n"
+FREE = "[parameters.restitution]\nlow = 0.05\nhigh = 0.3\n"
+FIT = f"""format = 1
+title = "fit"
+model = "e62"
+{FREE}[[targets]]
+name = "one"
+quantity = "first_two_share"
+at = {{ speed_rpm = 650.0 }}
+value = 0.8
+sigma = 0.1
+"""
+_KNOWN: dict[str, tuple[int, str, str]] = {}
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory: pytest.TempPathFactory, e62: Mechanism) -> Path:
+    """Files that lines name."""
+    folder = tmp_path_factory.mktemp("home")
+    for name in ("full", "out", "other"):
+        (folder / name).mkdir()
+    texts = {
+        "file": "mine", "full/notes.txt": "mine", "other/mine.toml": "", "sweep.toml": SWEEP,
+        "fit.toml": FIT, "one.toml": f'format = 1\nminimise = "duration_s"\n{FREE}',
+        "two.toml": f'format = 1\nmaximise = ["clamping_force_N", "stop_force_N"]\n{FREE}',
+    }  # fmt: skip
+    for name, text in texts.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    (folder / "broken.npz").write_bytes(b"PK\x03\x04 not an archive")
+    case = Case(speed_rpm=600.0)
+    save_case(e62, case, folder / "case.json")
+    for name, window in (("before", "transition"), ("cycle", "cycle"), ("out/solution", "cycle")):
+        save(simulate(e62, Case(speed_rpm=600.0, window=window)), folder / f"{name}.npz")
+    return folder
+
+
+def held(folder: Path) -> dict[Path, bytes]:
+    """Everything in a folder, with the contents of files."""
+    return {path: path.read_bytes() if path.is_file() else b"" for path in folder.rglob("*")}
+
+
+@pytest.fixture
+def refused(
+    home: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Callable[[str], tuple[int, str, str]]:
+    """Status, stdout and stderr of a line."""
+
+    def find(line: str) -> tuple[int, str, str]:
+        if line not in _KNOWN:
+            monkeypatch.chdir(home)
+            there = held(home)
+            status = main(shlex.split(line))
+            assert held(home) == there
+            out, err = capsys.readouterr()
+            _KNOWN[line] = status, out, err.replace(str(home), "HOME")
+        return _KNOWN[line]
+
+    return find
+
+
+@pytest.mark.parametrize("line", [line for lines in TABLES.values() for line in lines])
+def test_a_line_is_refused(line: str, refused: Callable[[str], tuple[int, str, str]]) -> None:
+    status, out, err = refused(line)
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert err.startswith("nipper-pin: ")
+
+
+@pytest.mark.parametrize("table", TABLES)
+def test_sentences(
+    table: str, refused: Callable[[str], tuple[int, str, str]], words: Words
+) -> None:
+    words("".join(f"{line}\n    {refused(line)[2][12:]}" for line in TABLES[table]))
