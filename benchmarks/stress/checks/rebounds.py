@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.polynomial import Chebyshev
+from numpy.polynomial.chebyshev import Chebyshev, chebfit, chebpts2
 
 from nipper_pin.arrays import FloatArray
 from nipper_pin.hybrid.result.solution import Solution
@@ -84,10 +84,12 @@ def _highest(solution: Solution, stop: Stop, begin: float, end: float) -> float:
 
     best = -np.inf
     for first, last, degree in _parts(solution, begin, end):
-        course = Chebyshev.interpolate(gaps, degree, domain=[first, last])
+        places = chebpts2(degree + 1)
+        times = np.clip(0.5 * (first + last) + 0.5 * (last - first) * places, first, last)
+        course = Chebyshev(chebfit(places, gaps(times), degree), domain=[first, last])
         crests = course.trim(EPS * np.abs(course.coef).max()).deriv().roots()
-        times = [first, last, *crests.real[crests.imag == 0.0]]
-        best = max(best, float(gaps(np.sort(np.clip(times, first, last))).max()))
+        tops = np.clip([first, last, *crests.real[crests.imag == 0.0]], first, last)
+        best = max(best, float(gaps(np.sort(tops)).max()))
     return best
 
 
