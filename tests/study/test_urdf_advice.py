@@ -5,13 +5,13 @@ from __future__ import annotations
 import json
 import math
 import tomllib
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
 import pytest
 from small_machines import hinge, link, sources
+from snapshots import Words
 
 from nipper_pin import Case, Mechanism, load, simulate
 from nipper_pin.cli import main
@@ -151,81 +151,60 @@ def test_units(length: float, mass: float, inertia: float, told: str | None) -> 
     assert told is None or told in sentences[0]
 
 
-PLACES: dict[str, tuple[str, str]] = {
-    "robot": ('<robot name="r"><link name="a"/>{}</robot>', ""),
-    "link": ('<robot name="r"><link name="a">{}</link></robot>', " in link a"),
-    "inertial": (
-        '<robot name="r"><link name="a"><inertial>{}</inertial></link></robot>',
-        " in link a",
-    ),
-    "joint": ('<robot name="r"><joint name="j" type="fixed">{}</joint></robot>', " in joint j"),
-    "limit": ('<robot name="r"><joint name="j"><limit>{}</limit></joint></robot>', " in joint j"),
-    "geometry": (
-        '<robot name="r"><link name="a"><visual><geometry>{}</geometry></visual></link></robot>',
-        " in link a",
-    ),
+# Texts inside the root element; an odd element, with a comment beside it, at each place.
+ODD = '<odd value="1"/><!-- of no matter -->'
+PLACES = {
+    "robot": '<link name="a"/>{}',
+    "link": '<link name="a">{}</link>',
+    "inertial": '<link name="a"><inertial>{}</inertial></link>',
+    "joint": '<joint name="j" type="fixed">{}</joint>',
+    "limit": '<joint name="j"><limit>{}</limit></joint>',
+    "geometry": '<link name="a"><visual><geometry>{}</geometry></visual></link>',
 }
+UNREAD = {
+    **{f"element of {place}": text.format(ODD) for place, text in PLACES.items()},
+    "attribute of a link": '<link name="a" mass="1"/>',
+    "attribute of a limit": '<joint name="j"><limit force="1"/></joint>',
+    "element of another name space": '<x:arg xmlns:x="http://x"/><x:arg xmlns:x="http://x"/>',
+    "damping in another place": '<joint name="j"><joint_properties damping="1"/></joint>',
+    "many elements": "".join(f"<a{i}/>" for i in range(8)),
+    **{f"two of {tag}": f'<joint name="j"><{tag}/><{tag}/></joint>'
+       for tag in ("origin", "parent", "child", "axis", "limit", "dynamics", "mimic")},
+    "text of a link": '<link name="a">crank</link>',
+    "text of an inertial": '<link name="a"><inertial><mass value="1"/> kg</inertial></link>',
+    "text of an axis": '<joint name="j"><axis xyz="0 -1 0">0 1 0</axis></joint>',
+    "text beside a comment": '<joint name="j"><!-- a note -->x\ty</joint>',
+    "text of the root": 'stray<link name="a"/>',
+}  # fmt: skip
 
 
-@pytest.mark.parametrize("place", PLACES)
-def test_elements_that_nobody_reads_are_named(place: str) -> None:
-    text, where = PLACES[place]
-    root = ElementTree.fromstring(text.format('<odd value="1"/><!-- of no matter -->'))
-    assert [*unread(root)] == [f"the URDF holds what is not read: <odd>{where}"]
-    assert [*unread(ElementTree.fromstring(text.format("")))] == []
+def said(text: str, attributes: str = "") -> list[str]:
+    return [*unread(ElementTree.fromstring(f'<robot name="r"{attributes}>{text}</robot>'))]
 
 
-@pytest.mark.parametrize(
-    ("text", "told"),
-    [
-        ('<robot name="r" kind="arm"/>', "attribute kind of <robot>"),
-        ('<robot name="r"><link name="a" mass="1"/></robot>', "attribute mass of link a"),
-        (
-            '<robot name="r"><joint name="j"><limit force="1"/></joint></robot>',
-            "attribute force of <limit> in joint j",
-        ),
-        (
-            '<robot name="r" xmlns:x="http://x"><x:arg/><x:arg/></robot>',
-            "<arg> (2 times)",
-        ),
-        (
-            '<robot name="r"><joint name="j"><joint_properties damping="1"/></joint></robot>',
-            "<joint_properties> in joint j; damping belongs into <dynamics>",
-        ),
-        (
-            f'<robot name="r">{"".join(f"<a{i}/>" for i in range(8))}</robot>',
-            "<a0>, <a1>, <a2>, <a3>, <a4>, <a5> and 2 more",
-        ),
-    ],
-)
-def test_what_is_not_read(text: str, told: str) -> None:
-    root = ElementTree.fromstring(text)
-    assert [*unread(root)] == [f"the URDF holds what is not read: {told}"]
+def test_what_is_not_read(words: Words) -> None:
+    """Elements, attributes and texts that nobody reads, and what counts once, by their places."""
+    told = {name: said(text) for name, text in UNREAD.items()}
+    told["attribute of the root"] = said("", ' kind="arm"')
+    assert all(len(sentences) == 1 for sentences in told.values())
+    words("".join(f"{name}\n    {sentence}\n" for name, (sentence,) in told.items()))
 
 
-@pytest.mark.parametrize("tag", ["origin", "parent", "child", "axis", "limit", "dynamics", "mimic"])
-def test_what_counts_once_is_told_if_it_is_there_twice(tag: str) -> None:
-    root = ElementTree.fromstring(
-        f'<robot name="r"><joint name="j"><{tag}/><{tag}/></joint></robot>'
-    )
-    assert [*unread(root)] == [
-        f"joint j has 2 <{tag}> in the URDF, and only the first one counts: put all that it says "
-        "into one"
-    ]
+def test_what_is_read_is_not_named() -> None:
+    for text in (*(place.format("") for place in PLACES.values()),
+                 '<gazebo>words</gazebo>\n<link name="a">\n</link>'):  # fmt: skip
+        assert said(text) == []
 
 
 def test_what_is_called_ignored_is_not_named() -> None:
     page = (Path(__file__).parents[2] / "docs" / "model_urdf.md").read_text(encoding="utf-8")
-    inner: Callable[[str], str] = lambda text: f'<robot name="r" version="1.0">{text}</robot>'  # noqa: E731
-    root = ElementTree.fromstring(
-        inner(
-            '<gazebo><odd/></gazebo><transmission name="t"><odd/></transmission>'
-            '<material name="m"><texture filename="f"/></material>'
-            '<joint name="j" type="revolute"><calibration rising="1"/><safety_controller k="1"/>'
-            '<limit effort="1" velocity="1"/></joint>'
-        )
+    text = (
+        '<gazebo><odd/></gazebo><transmission name="t"><odd/></transmission>'
+        '<material name="m"><texture filename="f"/></material>'
+        '<joint name="j" type="revolute"><calibration rising="1"/><safety_controller k="1"/>'
+        '<limit effort="1" velocity="1"/></joint>'
     )
-    assert [*unread(root)] == []
+    assert said(text, ' version="1.0"') == []
     for word in ("gazebo", "transmission", "texture", "calibration", "safety_controller", "effort",
                  "velocity", "version"):  # fmt: skip
         assert f"`{word}`" in page or f"`<{word}>`" in page, word
@@ -239,29 +218,10 @@ def test_the_command_prints_advice(tmp_path: Path, capsys: pytest.CaptureFixture
     (tmp_path / "hoist.urdf").write_text(urdf, encoding="utf-8")
     (tmp_path / "hoist.toml").write_text(toml(description), encoding="utf-8")
     assert main(["check", str(tmp_path)]) == 0
-    said = capsys.readouterr().out
-    assert "To look at" in said
-    assert '[stops.trolley_upper]\njoint = "trolley"\nside = "upper"\nat_mm = 200.0' in said
+    shown = capsys.readouterr().out
+    assert "To look at" in shown
+    assert '[stops.trolley_upper]\njoint = "trolley"\nside = "upper"\nat_mm = 200.0' in shown
     assert main(["check", str(tmp_path), "--json", "-"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert document["advice"][0].startswith("limits of joint trolley")
     assert document["stops_to_paste"].count("[stops.") == 2
-
-
-@pytest.mark.parametrize(
-    ("text", "told"),
-    [
-        ("<link name='a'>crank</link>", "text 'crank' in link a"),
-        ("<link name='a'><inertial><mass value='1'/> kg</inertial></link>",
-         "text 'kg' in <inertial> in link a"),
-        ("<joint name='j'><axis xyz='0 -1 0'>0 1 0</axis></joint>",
-         "text '0 1 0' in <axis> in joint j"),
-        ("<joint name='j'><!-- a note -->x\ty</joint>", "text 'x y' in joint j"),
-        ("stray<link name='a'/>", "text 'stray' in <robot>"),
-        ("<gazebo>words</gazebo>\n<link name='a'>\n</link>", None),
-    ],
-)  # fmt: skip
-def test_text_between_elements_is_told(text: str, told: str | None) -> None:
-    root = ElementTree.fromstring(f"<robot name='r'>{text}</robot>")
-    expected = [f"the URDF holds what is not read: {told}"] if told else []
-    assert [*unread(root)] == expected
