@@ -6,13 +6,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from nipper_pin.arrays import FloatArray
 from nipper_pin.mechanism.drawing import FRAME, Body, Part, Pin, Place, Slide, Slot
 
 from ..machines.draws import Generator, log, sign
 from .motion import (
     ANGLES,
     POSES,
+    Complex,
     NoAssemblyError,
     Output,
     Pose,
@@ -50,7 +50,7 @@ class Growing:
     size: float
     least: float
     poses: dict[str, Pose] = field(default_factory=lambda: dict(POSES))
-    places: dict[str, FloatArray] = field(default_factory=dict)
+    places: dict[str, Complex] = field(default_factory=dict)
     on: dict[str, list[str]] = field(default_factory=dict)
     bodies: dict[str, float] = field(default_factory=dict)
     joints: list[Pin | Slide | Slot] = field(default_factory=list)
@@ -79,14 +79,16 @@ class Growing:
             self.on[name]
             if rng.random() < 0.05
             else [
-                point for point in self.on[name] if np.ptp(self.places[point]) > 0.2 * self.radius
+                point
+                for point in self.on[name]
+                if np.ptp(self.places[point].view(float)) > 0.2 * self.radius
             ]
         )
         if there and rng.random() < 0.6:
             return name, str(rng.choice(there))
         point = f"P{len(self.places)}"
-        along, aside = rng.uniform(-0.3, 1.0) * self.size, rng.uniform(-0.4, 0.4) * self.size
-        self.places[point] = self.poses[name].at(float(along), float(aside))
+        place = complex(rng.uniform(-0.3, 1.0), rng.uniform(-0.4, 0.4))
+        self.places[point] = self.poses[name].at(place * self.size)
         self.on[name].append(point)
         return name, point
 
@@ -95,19 +97,14 @@ def crank(rng: Generator, least: float) -> Growing:
     """A driven crank about the origin."""
     radius = float(rng.uniform(10.0, 40.0))
     found = Growing(radius, radius * float(rng.uniform(2.0, 4.0)), least)
-    found.places = {"O": still(np.zeros(2)), "A": radius * unit(ANGLES)}
+    found.places = {"O": still(0j), "A": radius * unit(ANGLES)}
     found.add("crank", "O A", Pose(found.places["O"], ANGLES), 1.0)
     found.joints.append(Pin("O", FRAME, "crank"))
     return found
 
 
 def add_dyad(rng: Generator, linkage: Growing, kind: str) -> None:
-    """Join a dyad to a linkage.
-
-    Args:
-        rng: Where its numbers come from.
-        linkage: The linkage; half changed if the dyad does not close.
-        kind: One of :data:`KINDS`.
+    """Join a dyad of one of the :data:`KINDS` to a linkage, half changed if it does not close.
 
     Raises:
         NoAssemblyError: With these numbers it does not close over the whole turn.
@@ -121,12 +118,11 @@ def _density(rng: Generator) -> float:
     return log(rng, 0.3, 3.0)
 
 
-def _near(rng: Generator, linkage: Growing, point: str) -> FloatArray:
-    """A place at about one size of the links from where a point is on average, shape (2,) [mm]."""
+def _near(rng: Generator, linkage: Growing, point: str) -> complex:
+    """A place at about one size of the links from where a point is on average [mm]."""
     away = float(rng.uniform(0.6, 1.8)) * linkage.size
-    return np.asarray(
-        linkage.places[point].mean(axis=0) + away * unit(float(rng.uniform(0.0, 2.0 * np.pi)))
-    )
+    turned = away * unit(float(rng.uniform(0.0, 2.0 * np.pi)))
+    return complex(linkage.places[point].mean() + turned)
 
 
 def _rrr(rng: Generator, linkage: Growing, number: str) -> None:
@@ -141,7 +137,7 @@ def _rrr(rng: Generator, linkage: Growing, number: str) -> None:
     else:
         linkage.places[q] = still(_near(rng, linkage, a))
     pivot = linkage.places[q]
-    apart = np.linalg.norm(end - pivot, axis=1)
+    apart = np.abs(end - pivot)
     both = float(apart.max() * rng.uniform(1.1, 1.9))
     more = float(apart.min() * rng.uniform(-0.8, 0.8))
     l_rod, l_rocker = 0.5 * (both + more), 0.5 * (both - more)
@@ -164,16 +160,16 @@ def _rrp(rng: Generator, linkage: Growing, number: str) -> None:
     driver, a = linkage.moving(rng)
     end, at, along = linkage.places[a], _near(rng, linkage, a), float(rng.uniform(0.0, 2.0 * np.pi))
     if rng.random() < 0.3:
-        at = linkage.places[a].mean(axis=0)
-    aside = float(np.abs((end - at) @ unit(along + 0.5 * np.pi)).max())
+        at = complex(linkage.places[a].mean())
+    aside = float(np.abs(((end - at) * unit(-along)).imag).max())
     length = aside * float(rng.uniform(1.05, 1.6)) + linkage.size * float(rng.uniform(0.2, 1.5))
     travel = rod_on_line(end, length, at, along, sign(rng), linkage.least)
-    linkage.places[m] = at + travel[:, None] * unit(along)
+    linkage.places[m] = at + travel * unit(along)
     linkage.add(rod, f"{a} {m}", Pose(end, heading(end, linkage.places[m])), _density(rng))
     linkage.add(block, m, Pose(linkage.places[m], np.zeros(len(ANGLES))), log(rng, 0.1, 2.0))
     linkage.joints += [Slide(joint, FRAME, block, m, _way(along)),
                        Pin(a, driver, rod, f"{rod}_end"), Pin(m, rod, block, m)]  # fmt: skip
-    moved = Rod(rod, length, end, lambda value: still(at + value * unit(along)))
+    moved = Rod(rod, length, end, lambda value: complex(at + value * unit(along)))
     linkage.outputs.append(Output(joint, travel, False, moved))
 
 
@@ -184,7 +180,7 @@ def _rpr(rng: Generator, linkage: Growing, number: str) -> None:
     linkage.places[q] = still(_near(rng, linkage, a))
     end, pivot = linkage.places[a], linkage.places[q]
     turned = heading(pivot, end)
-    if np.linalg.norm(end - pivot, axis=1).min() < linkage.least * linkage.size:
+    if np.abs(end - pivot).min() < linkage.least * linkage.size:
         raise NoAssemblyError
     far = f"F{number}"
     reach = linkage.size * float(rng.uniform(0.5, 2.0)) * sign(rng)
@@ -209,8 +205,8 @@ def _rpp(rng: Generator, linkage: Growing, number: str) -> None:
     end, at, along = linkage.places[a], _near(rng, linkage, a), float(rng.uniform(0.0, 2.0 * np.pi))
     lean = along + sign(rng) * float(rng.uniform(0.3, 0.5)) * np.pi
     # A block in a slot of one that slides: with the line through the pin the two ways cross there.
-    travel, _ = crossing(still(at), still(unit(along)), end, still(unit(lean)), linkage.least)
-    linkage.places[y] = at + travel[:, None] * unit(along)
+    travel, _ = crossing(still(at), unit(along), end, unit(lean), linkage.least)
+    linkage.places[y] = at + travel * unit(along)
     linkage.add(yoke, y, Pose(linkage.places[y], np.zeros(len(ANGLES))), log(rng, 0.1, 2.0))
     block = log(rng, 0.005, 0.2)
     linkage.joints += [Slide(joint, FRAME, yoke, y, _way(along)),
@@ -224,12 +220,12 @@ def _prp(rng: Generator, linkage: Growing, number: str) -> None:
     driver, a = linkage.moving(rng)
     pose = linkage.poses[driver]
     way, along = pose.angle + float(rng.uniform(0.0, np.pi)), float(rng.uniform(0.0, np.pi))
-    at = linkage.places[a].mean(axis=0)
     end = linkage.places[a]
-    rides, travel = crossing(end, unit(way), still(at), still(unit(along)), max(linkage.least, 0.2))
+    at = complex(end.mean())
+    rides, travel = crossing(end, unit(way), still(at), unit(along), max(linkage.least, 0.2))
     if np.abs(rides).max() > 4.0 * linkage.size:
         raise NoAssemblyError
-    linkage.places[m] = at + travel[:, None] * unit(along)
+    linkage.places[m] = at + travel * unit(along)
     linkage.add(first, m, Pose(linkage.places[m], pose.angle), log(rng, 0.1, 1.0))
     linkage.add(second, m, Pose(linkage.places[m], np.zeros(len(ANGLES))), log(rng, 0.1, 2.0))
     # Drawn with the driver at the angle that the turn is begun at: the guide's way is its own.

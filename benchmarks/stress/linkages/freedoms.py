@@ -41,13 +41,9 @@ class Struck:
 
 
 def struck(rng: Generator, output: Output, rod: Rod, step: int) -> Struck | None:
-    """A stop that a dyad's output meets on its way, if the rod can give way there.
+    """A stop that an output, moved by a rod, meets on its way, if the rod can give way there.
 
-    Args:
-        rng: Where its place comes from.
-        output: What is stopped.
-        rod: The rod that moves it.
-        step: 1 if the crank turns counter-clockwise, -1 otherwise.
+    The crank turns counter-clockwise if ``step`` is 1, clockwise if it is -1.
     """
     lower = bool(rng.random() < 0.5)
     x = output.coordinate if lower else -output.coordinate
@@ -60,7 +56,7 @@ def struck(rng: Generator, output: Output, rod: Rod, step: int) -> Struck | None
     contact = int(meets[0])
     held = rod.held(float(output.coordinate[contact]))
     beyond = x < x[contact]
-    length = np.linalg.norm(held - rod.driving, axis=1)[beyond] - rod.length
+    length = np.abs(held - rod.driving)[beyond] - rod.length
     worst = float(length[np.argmax(np.abs(length))])
     if (length * worst).min() < -1e-3 * worst**2:
         # It would have to give way in both directions.
@@ -70,15 +66,7 @@ def struck(rng: Generator, output: Output, rod: Rod, step: int) -> Struck | None
 
 def rod_parts(rng: Generator, linkage: Growing, stop: Struck | None, name: str, force: float
               ) -> tuple[Part, ...]:  # fmt: skip
-    """A rod of the linkage as two halves on a spring.
-
-    Args:
-        rng: Where its numbers come from.
-        linkage: The linkage.
-        stop: The stop that makes it give way, if there is one.
-        name: Name of the rod.
-        force: Preload of its spring [N].
-    """
+    """A rod as two halves on a spring with this preload [N]; a stop may make it give way."""
     preload = float(rng.uniform(5.0, 20.0))
     points = " ".join(linkage.on[name][:2])
     longer = bool(rng.random() < 0.5) if stop is None else stop.longer
@@ -91,11 +79,7 @@ def rod_parts(rng: Generator, linkage: Growing, stop: Struck | None, name: str, 
 def lever_parts(rng: Generator, linkage: Growing, name: str, pull: float) -> tuple[Part, ...]:
     """A lever on one of the links, held by a spring against the first of two stops.
 
-    Args:
-        rng: Where its numbers come from.
-        linkage: The linkage; it gets the lever's end.
-        name: Name of the lever.
-        pull: Acceleration that it feels [m/s2].
+    It feels an acceleration ``pull`` [m/s2]; the linkage gets its end.
     """
     parent, point = linkage.moving(rng)
     end, length = f"{name}_end", linkage.size * float(rng.uniform(0.2, 0.8))
@@ -116,16 +100,9 @@ def lever_parts(rng: Generator, linkage: Growing, name: str, pull: float) -> tup
 def box_parts(
     rng: Generator, linkage: Growing, name: str, pull: float
 ) -> tuple[tuple[Part, ...], bool]:
-    """A box that slides on one of the links between two stops, on a spring.
+    """A box on a spring that slides on one of the links between two stops.
 
-    Args:
-        rng: Where its numbers come from.
-        linkage: The linkage.
-        name: Name of the box.
-        pull: Acceleration that it feels [m/s2].
-
-    Returns:
-        The parts, and whether the first stop is closed as drawn.
+    It feels an acceleration ``pull`` [m/s2]. Told is, too, if its first stop is closed as drawn.
     """
     parent, point = linkage.moving(rng)
     lean = float(rng.uniform(0.0, 2.0 * np.pi))
@@ -158,6 +135,6 @@ def furthest(linkage: Growing) -> float:
     """Largest second derivative of a point's place by the crank's angle [mm]."""
     step = float(ANGLES[1] - ANGLES[0])
     return max(
-        float(np.linalg.norm(np.roll(x, 1, 0) - 2.0 * x + np.roll(x, -1, 0), axis=1).max())
+        float(np.abs(np.roll(x, 1) - 2.0 * x + np.roll(x, -1)).max())
         for x in linkage.places.values()
     ) / step**2  # fmt: skip

@@ -1,7 +1,8 @@
 """Points of a growing linkage over a turn of its crank, dyad by dyad, in closed form.
 
 A dyad is two links and three joints that two links more are joined by: each letter is a pin (R) or
-a slide (P). It adds no freedom, so a crank and any dyads move as the crank says.
+a slide (P). It adds no freedom, so a crank and any dyads move as the crank says. Points of the
+drawing are complex numbers x + i z [mm], of shape (angles,) where they move.
 """
 
 from __future__ import annotations
@@ -10,9 +11,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from nipper_pin.arrays import FloatArray
 from nipper_pin.mechanism.drawing import FRAME
+
+Complex = NDArray[np.complex128]
 
 ANGLES = np.radians(np.arange(0.0, 360.0, 3.0))
 """Angles of the crank at which the motion is tabulated [rad]."""
@@ -27,16 +31,16 @@ class Pose:
     """Motion of a body.
 
     Attributes:
-        point: Place of one of its points, shape (angles, 2) [mm].
+        point: Place of one of its points, shape (angles,) [mm].
         angle: Its angle, continuous, shape (angles,) [rad].
     """
 
-    point: FloatArray
+    point: Complex
     angle: FloatArray
 
-    def at(self, along: float, aside: float) -> FloatArray:
-        """A point of the body, by its place in the body's axes [mm]; shape (angles, 2)."""
-        return self.point + along * unit(self.angle) + aside * unit(self.angle + 0.5 * np.pi)
+    def at(self, place: complex) -> Complex:
+        """A point of the body, by its place in the body's axes [mm]; shape (angles,)."""
+        return self.point + place * unit(self.angle)
 
 
 @dataclass(frozen=True)
@@ -45,14 +49,14 @@ class Rod:
 
     Attributes:
         length: Its length [mm].
-        driving: Its driven end, shape (angles, 2) [mm].
+        driving: Its driven end, shape (angles,) [mm].
         held: Where its other end is while the coordinate that it moves keeps a value [mm].
     """
 
     name: str
     length: float
-    driving: FloatArray
-    held: Callable[[float], FloatArray]
+    driving: Complex
+    held: Callable[[float], Complex | complex]
 
 
 @dataclass(frozen=True)
@@ -72,44 +76,34 @@ class Output:
     rod: Rod | None = None
 
 
-def still(place: FloatArray) -> FloatArray:
-    """A point that does not move, shape (angles, 2) [mm]."""
-    return np.broadcast_to(np.asarray(place, dtype=np.float64), (len(ANGLES), 2))
+def still(place: complex) -> Complex:
+    """A point that does not move, shape (angles,) [mm]."""
+    return np.full(len(ANGLES), place, dtype=complex)
 
 
-def unit(angle: FloatArray | float) -> FloatArray:
-    """Directions of angles [rad], shape (..., 2)."""
-    return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+def unit(angle: FloatArray | float) -> Complex:
+    """Directions of angles [rad], of their shape."""
+    return np.asarray(np.exp(1j * np.asarray(angle)))
 
 
-def heading(first: FloatArray, second: FloatArray) -> FloatArray:
+def heading(first: Complex, second: Complex) -> FloatArray:
     """Angle of the way from one point to another, continuous, shape (angles,) [rad].
 
     Raises:
         NoAssemblyError: They nearly meet.
     """
     way = second - first
-    size = np.linalg.norm(way, axis=1)
-    if size.min() < 0.05 * size.max():
+    if np.abs(way).min() < 0.05 * np.abs(way).max():
         raise NoAssemblyError
-    return np.asarray(np.unwrap(np.arctan2(way[:, 1], way[:, 0])))
+    return np.asarray(np.unwrap(np.angle(way)))
 
 
 def two_rods(
-    first: FloatArray,
-    l_first: float,
-    second: FloatArray,
-    l_second: float,
-    side: float,
-    least: float,
-) -> FloatArray:
-    """The pin of two rods, shape (angles, 2) [mm].
+    first: Complex, l_first: float, second: Complex, l_second: float, side: float, least: float
+) -> Complex:
+    """The pin of two rods of these ends and lengths, shape (angles,) [mm].
 
     Args:
-        first: End of the first rod, shape (angles, 2) [mm].
-        l_first: Its length [mm].
-        second: End of the second rod, shape (angles, 2) [mm].
-        l_second: Its length [mm].
         side: 1 to the left of the way from first to second, -1 to the right.
         least: Least sine of the angle between the rods.
 
@@ -117,7 +111,7 @@ def two_rods(
         NoAssemblyError: They do not meet, or their angle is too flat.
     """
     way = second - first
-    apart = np.linalg.norm(way, axis=1)
+    apart = np.abs(way)
     along = (apart**2 + l_first**2 - l_second**2) / (2.0 * np.maximum(apart, 1e-9))
     high = l_first**2 - along**2
     # Twice the triangle's area, by the rods and by its height.
@@ -125,20 +119,18 @@ def two_rods(
         least * l_first * l_second
     ):
         raise NoAssemblyError
-    ahead = way / apart[:, None]
-    left = np.stack([-ahead[:, 1], ahead[:, 0]], axis=1)
-    return np.asarray(first + along[:, None] * ahead + side * np.sqrt(high)[:, None] * left)
+    return np.asarray(first + (along + 1j * side * np.sqrt(high)) * way / apart)
 
 
 def rod_on_line(
-    end: FloatArray, length: float, at: FloatArray, along: float, side: float, least: float
+    end: Complex, length: float, at: complex, along: float, side: float, least: float
 ) -> FloatArray:
     """Travel of a block on a still line that a rod moves, shape (angles,) [mm].
 
     Args:
-        end: The rod's driven end, shape (angles, 2) [mm].
+        end: The rod's driven end, shape (angles,) [mm].
         length: Its length [mm].
-        at: A point of the line, shape (2,) [mm].
+        at: A point of the line [mm].
         along: The line's angle [rad].
         side: 1 for the block further along the line, -1 for the other one.
         least: Least cosine of the angle between rod and line.
@@ -146,45 +138,29 @@ def rod_on_line(
     Raises:
         NoAssemblyError: It does not reach the line, or stands too square to it.
     """
-    foot = (end - at) @ unit(along)
-    aside = (end - at) @ unit(along + 0.5 * np.pi)
-    reach = length**2 - aside**2
+    seen = (end - at) * unit(-along)
+    reach = length**2 - seen.imag**2
     if reach.min() < (least * length) ** 2:
         raise NoAssemblyError
-    return np.asarray(foot + side * np.sqrt(reach))
+    return np.asarray(seen.real + side * np.sqrt(reach))
 
 
 def crossing(
-    first: FloatArray,
-    way_first: FloatArray,
-    second: FloatArray,
-    way_second: FloatArray,
-    least: float,
+    first: Complex, way_first: Complex, second: Complex, way_second: Complex, least: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Distances along two lines to their intersection, each of shape (angles,) [mm].
+    """Distances from a point of each of two lines to their intersection, (angles,) each [mm].
 
-    Args:
-        first: A point of the first line, shape (angles, 2) [mm].
-        way_first: Its direction, unit vectors.
-        second: A point of the second line, shape (angles, 2) [mm].
-        way_second: Its direction, unit vectors.
-        least: Least sine of the angle between them.
+    Ways are directions of size one, ``least`` is the least sine of the angle between them.
 
     Raises:
         NoAssemblyError: They are too nearly parallel.
     """
-    cross = _cross(way_first, way_second)
+    cross, apart = (way_first.conj() * way_second).imag, second - first
     if np.abs(cross).min() < least:
         raise NoAssemblyError
-    return _cross(second - first, way_second) / cross, _cross(second - first, way_first) / cross
+    to_first, to_second = ((apart.conj() * way).imag / cross for way in (way_second, way_first))
+    return to_first, to_second
 
 
-def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
-
-
-GROUND = Pose(still(np.zeros(2)), np.zeros(len(ANGLES)))
-"""The frame."""
-
-POSES = {FRAME: GROUND}
-"""Where every linkage begins."""
+POSES = {FRAME: Pose(still(0j), np.zeros(len(ANGLES)))}
+"""Where every linkage begins: the frame."""

@@ -31,7 +31,7 @@ from ..machines.draws import Draft, Generator, log, one_of, sign
 from ..machines.parts import Source
 from .dyads import KINDS, Growing, add_dyad, crank
 from .freedoms import Struck, box_parts, furthest, lever_parts, open_at, rod_parts, struck
-from .motion import ANGLES, NoAssemblyError
+from .motion import ANGLES, NoAssemblyError, still
 
 _TRIES = 60
 
@@ -44,12 +44,7 @@ def linkage(rng: Generator) -> Draft:
 
 
 def write_linkage(seed: int, number: int, folder: str | Path) -> dict[str, Any]:
-    """Write the machine of a trial of this family as a model folder.
-
-    Args:
-        seed: Seed of a campaign of this family alone.
-        number: Number of the trial in it.
-        folder: Folder to write; its name becomes the model's.
+    """Write the machine of a trial of a campaign of this family alone as a model folder.
 
     Returns:
         What is done with the machine, as arguments of :class:`~nipper_pin.Case`.
@@ -139,7 +134,9 @@ def _mass(linkage: Growing, touch: int) -> float:
 
 
 def _points(linkage: Growing, touch: int) -> dict[str, Place]:
-    return {name: (float(x[touch, 0]), float(x[touch, 1])) for name, x in linkage.places.items()}
+    return {
+        name: (x.real[touch].item(), x.imag[touch].item()) for name, x in linkage.places.items()
+    }
 
 
 def _struck_stops(rng: Generator, stops: list[Struck], touch: int) -> list[Part]:
@@ -173,10 +170,10 @@ def _elements(rng: Generator, linkage: Growing, touch: int, force: float) -> lis
     if rng.random() < 0.25:
         body, point = linkage.moving(rng)
         away = linkage.size * float(rng.uniform(1.0, 2.0))
-        anchor = linkage.places[point].mean(axis=0) + away * np.array([0.6, 0.8])
-        apart = np.linalg.norm(linkage.places[point] - anchor, axis=1)
+        anchor = complex(linkage.places[point].mean() + away * (0.6 + 0.8j))
+        apart = np.abs(linkage.places[point] - anchor)
         if apart.min() > 0.2 * linkage.size:
-            linkage.places["Z"] = np.broadcast_to(anchor, linkage.places[point].shape)
+            linkage.places["Z"] = still(anchor)
             free = float(apart[touch] * rng.uniform(0.4, 1.2))
             found.append(Tie("coil", (f"{body} {point}", "frame Z"),
                              force * float(rng.uniform(0.02, 0.3)) / arm, free))  # fmt: skip

@@ -20,7 +20,6 @@ from benchmarks.stress.linkages.motion import (
     Output,
     Rod,
     rod_on_line,
-    still,
     unit,
 )
 from nipper_pin import Case, SimulationError, UnknownNameError, load, simulate
@@ -71,7 +70,7 @@ def test_a_dyad_moves_as_the_closed_form_says(kind: str) -> None:
     rng, found = np.random.default_rng(11), None
     while found is None:
         found = _with_dyad(rng, kind)
-    points = {name: (float(x[0, 0]), float(x[0, 1])) for name, x in found.places.items()}
+    points = {name: (float(x[0].real), float(x[0].imag)) for name, x in found.places.items()}
     drawing = Drawing(
         "dyad", "a dyad", points,
         (*(found.body(name) for name in found.bodies), *found.joints, Drive("O")), 0.0, 0.0, 60.0,
@@ -129,8 +128,8 @@ def test_the_rod_gives_way_to_the_side_that_the_stop_asks_for() -> None:
     """A block beyond the crank: one that is kept from going on needs a shorter rod, one that is
     kept from coming back a longer one; and before it is met a stop is open."""
     pin = 20.0 * unit(ANGLES)
-    travel = rod_on_line(pin, 100.0, np.zeros(2), 0.0, 1.0, 0.1)
-    rod = Rod("rod", 100.0, pin, lambda value: still(np.array([value, 0.0])))
+    travel = rod_on_line(pin, 100.0, 0j, 0.0, 1.0, 0.1)
+    rod = Rod("rod", 100.0, pin, complex)
     sides = set()
     for seed in range(8):
         step = 1 if seed % 2 else -1

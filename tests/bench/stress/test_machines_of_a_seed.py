@@ -78,7 +78,7 @@ def digest_of_dyads(kind: str) -> str:
             continue
         for name, place in linkage.places.items():
             # To a millionth of a millimetre.
-            numbers = [float(x) + 0.0 for x in np.round(place[::17].ravel(), 6)]
+            numbers = [float(x) + 0.0 for x in np.round(place[::17].copy().view(float), 6)]
             found.update(f"{name} {written(numbers)}".encode())
         found.update(f"{linkage.on} {written(linkage.bodies)}".encode())
     return found.hexdigest()[:16]
