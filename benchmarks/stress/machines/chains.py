@@ -39,10 +39,8 @@ class Chain:
     def add_base(self, rng: Generator, kind: str) -> None:
         """Let what follows hang on a driven link.
 
-        Args:
-            rng: Where the numbers come from.
-            kind: "swing" or "turn" (a shaft), "lift" (a screw), "yoke" (a crank pin in the slot of
-                a slide), or "none".
+        Kinds are "swing" and "turn" (a shaft), "lift" (a screw), "yoke" (a crank pin in the slot of
+        a slide), and "none".
         """
         if kind == "none":
             return
@@ -102,10 +100,8 @@ class Chain:
     def tie(self, rng: Generator, kind: str) -> None:
         """Tie the end of the chain to the frame.
 
-        Args:
-            rng: Where the numbers come from.
-            kind: "links" (two more, which leave it its freedoms), "slot" (a slot in the frame,
-                which takes one), or "none".
+        Kinds are "links" (two more, which leave it its freedoms), "slot" (a slot in the frame,
+        which takes one), and "none".
         """
         if kind == "none":
             return
@@ -137,12 +133,7 @@ class Chain:
         }  # fmt: skip
 
     def add_stops(self, rng: Generator, count: int, room: tuple[float, float]) -> list[str]:
-        """Put stops on joints chosen at random, one or two on each.
-
-        Args:
-            rng: Where the numbers come from.
-            count: Number of stops.
-            room: Smallest and largest gap [rad or m].
+        """Put stops on joints chosen at random, with gaps in this room [rad or m].
 
         Returns:
             Stops that have to be closed at the start, as their joints stand beyond them at touch.
@@ -198,14 +189,9 @@ class Chain:
     def strut(
         self, rng: Generator, name: str, stiffness: float | None, damping: float | None, near: float
     ) -> None:
-        """Put a spring and a damper between a point of a link and one of another link.
+        """Put a spring [N/m] and a damper [N s/m], or one, between points of two links.
 
-        Args:
-            rng: Where the numbers come from.
-            name: Of both.
-            stiffness: [N/m]; None: no spring.
-            damping: [N s/m]; None: no damper.
-            near: Distance of the points at touch [m].
+        At touch the points are ``near`` to each other [m].
         """
         one, other = (int(k) for k in rng.permutation(len(self.links))[:2])
         (first, place), (second, there) = self.links[one], self.links[other]
@@ -242,13 +228,7 @@ def _one_a_joint(stops: list[str]) -> list[str]:
 def spring_table(rng: Generator, reach: float, force: float) -> tuple[list[float], list[float]]:
     """Rows of a spring with kinks, steep ends, level or falling parts, or narrow rows.
 
-    Args:
-        rng: Where the numbers come from.
-        reach: Coordinates go about as far on both sides [m or rad].
-        force: Size of the forces [N or N m].
-
-    Returns:
-        Coordinates and forces.
+    Coordinates go about as far as ``reach`` on both sides [m or rad]; forces are of this size.
     """
     count = int(rng.integers(2, 9))
     x = np.sort(rng.uniform(-1.0, 1.0, count)) * reach

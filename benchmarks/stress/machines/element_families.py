@@ -170,13 +170,8 @@ def slotted_lever(rng: Generator, radius: float, axis: Place, block: float) -> C
     """A crank pin in the slot of a lever, with a flap hinged to the lever.
 
     With the lever's axis just inside or outside the circle of the pin the lever turns over in no
-    time: the pin passes its axis, which is the dead centre of this machine.
-
-    Args:
-        rng: Where the numbers of the flap come from.
-        radius: Of the crank [m], which points along x at touch.
-        axis: Of the lever (x, z) [m].
-        block: Mass of the block in the slot [kg].
+    time: the pin passes its axis, which is the dead centre of this machine. At touch the crank of
+    this radius [m] points along x; the block has this mass [kg].
     """
     machine = Chain(freedom=1)
     x, z = radius - axis[0], -axis[1]

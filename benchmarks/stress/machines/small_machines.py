@@ -36,14 +36,8 @@ def four_bar(
     """A four-bar with a driven crank; at q = 0 the crank points at the rocker's axis.
 
     With the crank at half a turn its pin is ``ground + crank`` away from that axis, so a coupler
-    and a rocker that are as long together stand in their dead centre there.
-
-    Args:
-        ground: Distance of the two axes [m]; the links' lengths follow.
-        crank: Length of the crank [m].
-        coupler: Length of the coupler [m].
-        rocker: Length of the rocker [m].
-        masses: Of crank, coupler and rocker [kg].
+    and a rocker that are as long together stand in their dead centre there. ``ground`` is the
+    distance of the axes; lengths are in m, masses are those of crank, coupler and rocker [kg].
     """
     base = ground - crank
     x = (coupler**2 + base**2 - rocker**2) / (2.0 * base)
