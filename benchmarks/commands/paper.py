@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import sys
 
-from nipper_pin.cli.arguments import check_outputs, load_mechanism, write_json
+from nipper_pin.cli.arguments import check_outputs, load_mechanism
 from nipper_pin.extras import require
+
+from . import hand_over, tell
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -31,16 +32,4 @@ def _run(options: argparse.Namespace) -> None:
     from ..paper.report import print_paper, write_paper
     from ..paper.study import paper_study
 
-    def say(text: str) -> None:
-        if sys.stderr.isatty():
-            sys.stderr.write(f"{text} ...\n")
-
-    result = paper_study(load_mechanism(options), say)
-    if options.out is not None:
-        write_paper(result, options.out)
-    if options.json is not None:
-        write_json(result.record(), options.json)
-    if options.json != "-":
-        from nipper_pin.view.console import Terminal
-
-        print_paper(result, Terminal())
+    hand_over(paper_study(load_mechanism(options), tell), options, write_paper, print_paper)

@@ -77,7 +77,6 @@ def transition(
     """Run one transition.
 
     Args:
-        p: The numbers of the equation.
         rate: Jaw rate after the first collision [rad/s].
         step: Step [s].
         certain: Relative uncertainty of the limit at which the bounces are closed.

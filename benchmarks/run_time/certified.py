@@ -81,10 +81,7 @@ def certified_names() -> tuple[str, ...]:
 
 
 def certified(name: str = CASE) -> Certified:
-    """Read one certified transition.
-
-    Args:
-        name: Name of the case; 650 r/min with the model's own values by default.
+    """Read one certified transition, by default at 650 r/min with the model's own values.
 
     Raises:
         UnknownNameError: There is no such case.

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import astuple
-from typing import Any
+from functools import partial
 
-from ..peers import Four, available
+from ..peers import available
 from .certified import Certified
 from .timing import timed
 from .work_precision import Row, graded_four
@@ -42,18 +42,14 @@ def peer_rows(
         for setting in peer.SETTINGS:
             if quick and not setting.quick:
                 continue
-            last: list[Four] = []
-
-            def run(setting: Any = setting, solve: Any = solve, last: list[Four] = last) -> None:
-                last[:] = [solve(setting)]
-
+            run = partial(solve, setting)
             try:
                 timing = timed(run, repeats, budget)
+                *four, evaluations = astuple(run())
             except Exception as error:
                 # A setting that is too coarse to find the bounces is a result, too.
                 failed.append(f"{peer.NAME}, {setting.label}: {error}")
                 continue
-            *four, evaluations = astuple(last[0])
             rows.append(
                 graded_four(
                     peer.NAME, setting.label, timing, four, reference,

@@ -127,8 +127,8 @@ def observe(solution: Solution) -> Observed:
     return Observed(
         times=np.array([item.t for item in collisions]) - origin,
         impulses=np.array([item.impulse for item in collisions]),
-        amplitudes=np.array([_number(item.rebound_amplitude) for item in collisions]),
-        transition_time=_duration(solution),
+        amplitudes=np.array([item.rebound_amplitude for item in collisions], dtype=float),
+        transition_time=solution.transitions[0].duration if solution.transitions else np.nan,
         evaluations=solution.evaluations,
         motion=motion,
     )
@@ -183,12 +183,7 @@ def graded_four(
 
 
 def relative(found: FloatArray, true: FloatArray) -> float | None:
-    """Largest relative error of the leading values that both have; None if that is not a number.
-
-    Args:
-        found: Values found, shape (N,).
-        true: Certified values, shape (K,).
-    """
+    """Largest relative error of the leading values that both have; None if that is not a number."""
     count = min(len(found), len(true))
     worst = float(np.abs(found[:count] / true[:count] - 1.0).max(initial=0.0))
     return worst if np.isfinite(worst) else None
@@ -219,11 +214,3 @@ def accuracy(certified: Certified, mechanism: Mechanism, tolerance: float) -> Ro
     timing = timed(lambda: simulate(mechanism, case).collisions, 1)
     observed = observe(simulate(mechanism, case))
     return graded("direct", f"case {certified.name}", timing, observed, certified)
-
-
-def _number(value: float | None) -> float:
-    return np.nan if value is None else value
-
-
-def _duration(solution: Solution) -> float:
-    return solution.transitions[0].duration if solution.transitions else np.nan

@@ -27,7 +27,6 @@ class Campaign:
     """All verdicts of a campaign, in order of number.
 
     Attributes:
-        verdicts: One for each trial.
         wall_s: Wall time of the whole [s].
     """
 

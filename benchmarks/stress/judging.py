@@ -18,6 +18,7 @@ from nipper_pin.hybrid.result.self_check import need_sound
 from nipper_pin.hybrid.result.solution import Solution
 from nipper_pin.hybrid.run.outcome import Outcome
 from nipper_pin.hybrid.simulate import simulate
+from nipper_pin.mechanism import Mechanism
 
 from ..tolerances import FINER_RUN, FINEST_RUN
 from .checks.agreement import bits, mirror_images, same_bits, within_errors
@@ -61,12 +62,7 @@ class _TimeIsUpError(BaseException):
 
 
 def judge(item: Trial, time_limit_s: float = TIME_LIMIT_S) -> Verdict:
-    """Run one trial and check it.
-
-    Args:
-        item: The trial.
-        time_limit_s: Time of the processor after which it is a hang [s].
-    """
+    """Run one trial and check it; after this time of the processor [s] it is a hang."""
     began = time.perf_counter()
     fingerprint = b""
 
@@ -107,25 +103,23 @@ def _run(item: Trial) -> tuple[str, bytes, list[Violation]]:
         return solution.outcome.name, bits(solution), found
     found += same_bits(solution, simulate(item.mechanism(), case))
     finer = replace(resolution, tolerance=max(resolution.tolerance / FINER_RUN, FINEST_RUN))
-    if finer.tolerance < resolution.tolerance:
-        # A tolerance that cannot be had is refused, which is an answer.
-        try:
-            fine = simulate(mechanism, replace(case, resolution=finer))
-        except SimulationError:
-            fine = None
-        if fine is not None:
-            found += within_errors(solution, fine)
-    if (image := item.mirror_image()) is not None:
-        try:
-            seen = simulate(image, case)
-        except SimulationError:
-            # Cases at the limit of what can be solved may be refused in one of two runs only.
-            seen = None
-        if seen is not None:
-            found += mirror_images(solution, seen)
+    if finer.tolerance < resolution.tolerance and (
+        fine := _beside(mechanism, replace(case, resolution=finer))
+    ):
+        found += within_errors(solution, fine)
+    if (image := item.mirror_image()) and (seen := _beside(image, case)):
+        found += mirror_images(solution, seen)
     if case.window is Window.TRANSITION and solution.outcome is Outcome.AT_REST:
         found += engines_agree(solution, resolution.tolerance) or []
     return solution.outcome.name, bits(solution), found
+
+
+def _beside(mechanism: Mechanism, case: Case) -> Solution | None:
+    """A run to compare with; a refusal is an answer, at the limit of what can be solved, too."""
+    try:
+        return simulate(mechanism, case)
+    except SimulationError:
+        return None
 
 
 def _self_check(solution: Solution) -> list[Violation]:

@@ -26,14 +26,7 @@ _MORE, _ROOM = 1.2, 0.02
 
 @dataclass(frozen=True)
 class Excess:
-    """A family of which more is refused than may be.
-
-    Attributes:
-        family: The family, or "all".
-        refused: Refused cases.
-        cases: Cases.
-        share: Share that may be refused.
-    """
+    """A family, or "all", of which more cases are refused than this share, which may be."""
 
     family: str
     refused: int

@@ -55,11 +55,7 @@ def markdown(result: Benchmark) -> str:
 
 
 def write_benchmark(result: Benchmark, folder: str | Path) -> list[Path]:
-    """Write ``benchmark.json``, ``tables.md`` and ``work_precision.png``.
-
-    Args:
-        result: The benchmark.
-        folder: Folder, made if it does not exist; files of the same names are replaced.
+    """Write ``benchmark.json``, ``tables.md`` and ``work_precision.png``, in place of older ones.
 
     Raises:
         InputError: The folder cannot be written.

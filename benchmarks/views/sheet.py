@@ -15,9 +15,6 @@ class Sheet:
     """One table.
 
     Attributes:
-        title: What it shows.
-        headings: Column headings.
-        rows: Cells.
         text: Number of leading columns that hold words.
     """
 

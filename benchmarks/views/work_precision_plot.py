@@ -32,9 +32,6 @@ def work_precision_figure(result: Benchmark) -> Figure:
 
     The fastest of the repeats is drawn: what other programs on the machine add only ever adds.
     Settings that never came to an answer have nothing to show.
-
-    Args:
-        result: A benchmark, with its engines and peers.
     """
     date, processor = result.environment["date"][:10], result.environment["processor"]
     figure = Figure(figsize=(WIDTH_IN, 5.8), dpi=200, layout="constrained")

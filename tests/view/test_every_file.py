@@ -319,7 +319,7 @@ def test_what_a_benchmark_is_given(
 
     stderr = Terminal(terminal)
     monkeypatch.setattr("benchmarks.run_time.benchmark.benchmark", benchmark)
-    monkeypatch.setattr(benchmark_command.sys, "stderr", stderr)
+    monkeypatch.setattr("sys.stderr", stderr)
     file = tmp_path / "out.json"
     monkeypatch.setattr(
         "benchmarks.views.benchmark_report.print_benchmark",

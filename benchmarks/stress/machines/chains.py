@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from math import cos, degrees, hypot, pi, sin
+from math import cos, degrees, pi, sin
 from typing import Any
 
 import numpy as np
@@ -204,7 +204,7 @@ class Chain:
         points = {"frame_a": f"{name}_a", "frame_b": f"{name}_b"}
         if stiffness is not None:
             # A free length in tension, one in compression, or zero.
-            free = hypot(near, 0.0) * one_of(rng, 0.0, 1.0, rng.uniform(0.0, 2.0))
+            free = near * one_of(rng, 0.0, 1.0, rng.uniform(0.0, 2.0))
             self.tables["springs"][name] = {
                 **points, "stiffness_N_per_m": stiffness, "free_length_mm": 1e3 * free
             }  # fmt: skip

@@ -38,10 +38,7 @@ class Pull(NamedTuple):
 class AppliedForces:
     """Forces that depend on state and time alone.
 
-    Args:
-        solution: The solution; its elements, drives and shaft are taken, not its motion.
-        tree: Its links.
-        chains: How long their chains are.
+    Of the solution its elements, drives and shaft are taken, not its motion.
     """
 
     def __init__(self, solution: Solution, tree: PlanarTree, chains: ChainSizes) -> None:

@@ -44,10 +44,8 @@ class _Solved(NamedTuple):
 class Equations:
     """Equations of motion of the machine of a solution.
 
-    States have any shape before that of the coordinates; each is solved by itself.
-
-    Args:
-        solution: The solution; its model, springs, drives and stops are taken, not its motion.
+    States have any shape before that of the coordinates; each is solved by itself. Of the solution
+    its model, springs, drives and stops are taken, not its motion.
     """
 
     def __init__(self, solution: Solution) -> None:

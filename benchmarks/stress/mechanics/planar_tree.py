@@ -62,12 +62,9 @@ class Motion:
 
 
 class PlanarTree:
-    """The links of a model with its loops cut.
+    """The links of a model, of its URDF and TOML document, with its loops cut.
 
-    Args:
-        urdf: The URDF text.
-        document: The TOML document.
-        order: Names of the joints in the order of their coordinates.
+    Coordinates are in the order of these names of joints.
     """
 
     def __init__(self, urdf: str, document: Mapping[str, Any], order: Sequence[str]) -> None:
