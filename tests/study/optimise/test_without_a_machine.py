@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from nipper_pin import SimulationError
+from nipper_pin import InfeasibleError, SimulationError
 from nipper_pin.cli import main
 from nipper_pin.study.optimise import optimise, read_problem
 
@@ -65,6 +65,17 @@ def test_the_bound_that_is_in_the_way_is_named(
         "limits = { rebound_amplitude_1 = { low = 1.0 }, duration_s = { high = 10.0 } }"
     )
     file = study(tmp_path, MASS, body, **{E_N: (0.1, 0.5)})
+    with pytest.raises(InfeasibleError) as caught:
+        optimise(read_problem(file), starts=1, check=False, workers=1)
+    (broken,) = caught.value.evidence["limits"]  # type: ignore[misc]
+    assert broken == {
+        "limit": "rebound_amplitude_1 >= 1", "reached": broken["reached"],
+        "missed_by": pytest.approx(1.0 - broken["reached"]), "can_be_met_alone": False,
+        "missed_by_alone": pytest.approx(broken["missed_by"], rel=1e-3),
+    }  # fmt: skip
+    # Half of the table's 1.5 m/s is thrown up by v^2 / 2 g.
+    assert broken["reached"] == pytest.approx(0.75**2 / (2.0 * 9.81), rel=1e-6)
+    assert caught.value.evidence["numbers"] == {E_N: pytest.approx(0.5)}
     command = ["optimise", str(file), "--out", str(tmp_path / "out"), "--workers", "1"]
     assert main([*command, "--starts", "1", "--no-check"]) == 1
     advice = f"Relax these limits, or widen the bound {E_N} <= 0.5\n"
