@@ -72,49 +72,6 @@ def test_no_panel_of_the_transition_is_blank(name: str, request: pytest.FixtureR
     assert_every_panel_shows_something(figure)
 
 
-def test_axes_carry_units_and_the_title_carries_the_models_own_words(cycle: Solution) -> None:
-    figure = motion_figure(cycle)
-    labels = [axes.get_ylabel() for axes in figure.axes]
-    assert labels == ["jaw angle [deg]", "steeve stroke [mm]", "jaw angle [mdeg]"]
-    for axes in figure.axes[1:]:
-        assert axes.get_xlabel() == "time from the start of the run [ms]"
-    title = figure.get_suptitle()
-    assert "estimate" in title
-    assert cycle.mechanism.title in title
-
-
-def test_the_curves_hold_the_numbers_of_the_solution(cycle: Solution) -> None:
-    jaw, steeve, rebounds = motion_figure(cycle).axes
-    for axes, name, factor, line in (
-        (jaw, "jaw", 180.0 / np.pi, 0),
-        (steeve, "steeve", 1e3, 0),
-        (rebounds, "jaw", 180e3 / np.pi, 1),
-    ):
-        t, y = axes.lines[line].get_data()
-        place = cycle.mechanism.stop(name).index
-        some = slice(3, -3, 7)
-        state = cycle.trajectory.evaluate(1e-3 * np.asarray(t)[some])
-        assert np.asarray(y)[some] == pytest.approx(factor * state.q[:, place], abs=1e-9)
-
-
-def test_the_logarithmic_panel_holds_every_rebound(transition: Solution) -> None:
-    _, log = transition_figure(transition, transition.transitions[0]).axes
-    left, gap = (np.asarray(item, dtype=float) for item in log.lines[0].get_data())
-    end = transition.transitions[0].t_start + transition.transitions[0].duration
-    for item, following in zip(transition.collisions[:-1], transition.collisions[1:], strict=True):
-        inside = (left <= 1e3 * (end - item.t)) & (left >= 1e3 * (end - following.t))
-        highest = np.radians(1e-3 * np.nanmax(gap[inside]))
-        assert highest == pytest.approx(item.rebound_amplitude, rel=2e-3)
-
-
-def test_a_run_of_the_transition_is_drawn_in_the_unit_of_rebounds(transition: Solution) -> None:
-    """It shows the rebounds as it is, so that they have no second panel."""
-    jaw, steeve = motion_figure(transition).axes
-    assert (jaw.get_ylabel(), steeve.get_ylabel()) == ("jaw angle [mdeg]", "steeve stroke [mm]")
-    highest = np.radians(1e-3 * np.asarray(jaw.lines[0].get_ydata()).max())
-    assert highest == pytest.approx(transition.collisions[0].rebound_amplitude, rel=2e-3)
-
-
 def test_samples_hold_both_limits_at_a_jump_of_force(cycle: Solution) -> None:
     t, force = sample_forces(cycle, *cycle.trajectory.span)["jaw"]
     closed = next(item for item in cycle.phases if item.number == 2)
