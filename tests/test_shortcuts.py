@@ -80,9 +80,9 @@ def test_studies_read_both_as_the_same(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        (IDENTIFY, "not what set.preload gives, too"),
-        (SWEEP, "not what set.preload gives, too"),
-        (OPTIMISE, "not what set.preload gives, too"),
+        (IDENTIFY, "a path that set.preload does not give already"),
+        (SWEEP, "a path that set.preload does not give already"),
+        (OPTIMISE, "a path that set.preload does not give already"),
     ],
 )
 def test_a_number_is_fixed_or_free(text: str, words: str, tmp_path: Path) -> None:

@@ -49,12 +49,13 @@ def read_table(file: Path, kind: type[TableT]) -> TableT:
     except msgspec.ValidationError as error:
         refusal = first_refusal(document, kind) or Refusal((), document, kind, text=str(error))
         key = refusal.key or "document"
-        message = f"{file.name}: {key} cannot be used: {_reason(refusal)}"
+        found = f" = {refusal.value!r}" if isinstance(refusal.value, str | int | float) else ""
+        message = f"{file.name}: {key}{found} cannot be used: {_reason(refusal)}"
         raise InputError(message, file=str(file), key=key) from error
 
 
 def _reason(refusal: Refusal) -> str:
-    """Error message, with what may stand there."""
+    """What is wrong, or what may stand there."""
     if refusal.unknown is not None:
         known = ", ".join(field.encode_name for field in msgspec.structs.fields(refusal.kind))
         return f"unknown key `{refusal.unknown}`; known here: {known}"
@@ -63,9 +64,10 @@ def _reason(refusal: Refusal) -> str:
     if isinstance(refusal.value, list) and may_be_table(refusal.kind):
         whole = refusal.path == ("parameters",)
         form = "[parameters.NAME] with" if whole else "a table with"
-        return f"{refusal.text}; write {form} low and high"
+        return f"no list; write {form} low and high"
+    # A number that is its only choice tells nothing by itself.
     choices = allowed_values(refusal.kind)
-    return f"{refusal.text}; write {choices}" if choices.startswith("one of") else refusal.text
+    return f"only {choices} is known" if choices.isdecimal() else choices or refusal.text
 
 
 def base_mechanism(

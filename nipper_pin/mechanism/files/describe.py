@@ -216,7 +216,7 @@ def allowed_values(kind: Any) -> str:
         "below": meta.lt,
         "at most": meta.le,
     }
-    words = [f"{word} {limit:g}" for word, limit in limits.items() if limit is not None]
+    words = [f"{word} {limit:.12g}" for word, limit in limits.items() if limit is not None]
     if meta.min_length is not None and arguments[0] is not str:
         return "a list that is not empty"
     allowed = " ".join([_NOUNS.get(arguments[0], ""), " and ".join(words)]).strip()

@@ -247,7 +247,8 @@ def _check_apart(
     for axis in axes:
         key = f"parameters.{axis.name}"
         if axis.target.path in fixed:
-            refuse(file, key, axis.target.path, f"not what {fixed[axis.target.path]} gives, too")
+            allowed = f"a path that {fixed[axis.target.path]} does not give already"
+            refuse(file, key, axis.target.path, allowed)
         fixed[axis.target.path] = key
     moving = [axis.target.path for axis in axes if axis.target.kind == "model"]
     if moving:

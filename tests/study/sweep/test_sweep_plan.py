@@ -234,9 +234,3 @@ STUDIES = {"sweep_spring": 100_000, "sweep_turns": 100_000, "sweep_eccentric": 2
 def test_studies_that_come_along_can_be_planned(name: str) -> None:
     found = read_plan(str(Path(__file__).parents[3] / "scripts" / f"{name}.toml"))
     assert found.scenarios == STUDIES[name]
-
-
-def test_a_word_that_is_none_of_several_is_refused_with_them(tmp_path: Path) -> None:
-    text = TABLE.replace('"sobol"', '"grid"')
-    with pytest.raises(InputError, match=r"samples\.method .*'grid'; .* sobol, latin_hypercube"):
-        plan(tmp_path, text)

@@ -115,7 +115,8 @@ def _check_heading(columns: list[str], file: str) -> None:
             raise InputError(message, file=file, columns=columns)
     for column in _NEEDED:
         if column not in columns:
-            message = f"{file}: the column {column} is missing; there must be {_NEEDED}"
+            needed = ", ".join(_NEEDED)
+            message = f"{file}: the column {column} is missing; there must be {needed}"
             raise InputError(message, file=file, columns=columns)
 
 

@@ -269,7 +269,8 @@ def _by_path(table: _ProblemTable, mechanism: Mechanism, file: str) -> dict[str,
     for name, item in table.parameters.items():
         path = mechanism.shortcuts.get(name, name)
         if path in taken:
-            refuse(file, f"parameters.{name}", path, f"not what {taken[path]} gives, too")
+            allowed = f"a path that {taken[path]} does not give already"
+            refuse(file, f"parameters.{name}", path, allowed)
         free[path], taken[path] = item, f"parameters.{name}"
     return free
 

@@ -161,7 +161,7 @@ def _parameters(
                 check_paths([target.path], mechanism)
             start = speed if target.path == SPEED else read_values(sources, [target.path])[0]
         if target.path in taken:
-            refuse(file, key, name, f"not what {taken[target.path]} gives, too")
+            refuse(file, key, name, f"a path that {taken[target.path]} does not give already")
         taken[target.path] = key
         check_bounds(target, (item.low, item.high), mechanism, key, file)
         found.append(Parameter(name=name, target=target, low=item.low, high=item.high, start=start))
