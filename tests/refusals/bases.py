@@ -7,11 +7,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import pytest
 from small_machines import frame, hinge, link, slide, sources
 
-from nipper_pin import InputError, ModelError, UnknownNameError, load
-from nipper_pin.cli import main
+from nipper_pin import InputError, ModelError, UnknownNameError
 from nipper_pin.mechanism import find_model
 
 # A lever and a wheel on hinges, and a sled on an inclined slide.
@@ -90,17 +88,6 @@ def edited(texts: Mapping[str, str], edits: Sequence[str]) -> dict[str, str]:
         (kind,) = (kind for kind, text in changed.items() if old in text)
         changed[kind] = changed[kind].replace(old, new, 1)
     return changed
-
-
-def refusal(base: str, row: Row, folder: Path, capsys: pytest.CaptureFixture[str]) -> Refusal:
-    """What is said of the model of a row."""
-    home = model(base, row.edits, folder)
-    for name, content in row.files.items():
-        (home / name).write_bytes(content)
-    with pytest.raises(InputError) as caught:
-        load(home)
-    status = main(["check", str(home)])
-    return Refusal(caught.value, status, capsys.readouterr().err, home)
 
 
 def evidence(error: InputError) -> tuple[Any, Any]:

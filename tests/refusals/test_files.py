@@ -1,4 +1,4 @@
-"""Studies with one mistake: error, evidence and status of each, and the reviewed sentences."""
+"""Models and studies with one mistake: error, evidence and status of each, and the sentences."""
 
 from __future__ import annotations
 
@@ -9,11 +9,13 @@ from typing import Any
 import pytest
 from snapshots import Words
 
-from nipper_pin import InputError, ModelError, UnknownNameError
+from nipper_pin import AssemblyError, InputError, ModelError, UnknownNameError, load
 from nipper_pin.cli import main
 from nipper_pin.study import identify, optimise
 from nipper_pin.study.sweep import read_plan
+from tests.refusals import descriptions as toml
 from tests.refusals import studies
+from tests.refusals import urdfs as urdf
 from tests.refusals.bases import Edits, Refusal, Row, edited, evidence, model
 
 READ: dict[str, Callable[[str], Any]] = {
@@ -22,8 +24,20 @@ READ: dict[str, Callable[[str], Any]] = {
     "camera": identify.read_problem,
     "optimise": optimise.read_problem,
 }
-# Study, kind of error, and rows.
+# Base machine or study, kind of error, and rows.
 TABLES: dict[str, tuple[str, type[InputError], dict[str, Row]]] = {
+    "values": ("e62", ModelError, toml.VALUES),
+    "names": ("e62", UnknownNameError, toml.NAMES),
+    "springs": ("small", ModelError, toml.SPRINGS),
+    "drives": ("small", ModelError, toml.DRIVES),
+    "small_names": ("small", UnknownNameError, toml.SMALL_NAMES),
+    "starts_and_stops": ("small", ModelError, toml.STARTS_AND_STOPS),
+    "apart": ("small", AssemblyError, toml.APART),
+    "urdfs": ("e62", ModelError, urdf.URDFS),
+    "urdf_names": ("e62", UnknownNameError, urdf.URDF_NAMES),
+    "small_urdfs": ("small", ModelError, urdf.SMALL_URDFS),
+    "hostile": ("e62", ModelError, urdf.HOSTILE),
+    "files": ("small", ModelError, toml.FILES),
     "sweep_values": ("sweep", ModelError, studies.SWEEP_VALUES),
     "sweep_keys": ("sweep", InputError, studies.SWEEP_KEYS),
     "sweep_names": ("sweep", UnknownNameError, studies.SWEEP_NAMES),
@@ -56,6 +70,25 @@ def study(base: str, edits: Edits, home: Path) -> str:
     return str(first)
 
 
+def refusal(base: str, row: Row, home: Path, capsys: pytest.CaptureFixture[str]) -> Refusal:
+    """What is said of the model or study of a row, by the library and by a command."""
+    read: Callable[[Any], Any]
+    if base in READ:
+        read, place, file = READ[base], home, study(base, row.edits, home)
+        line = ["identify" if base == "camera" else base, file, "--out", str(home / "out")]
+    else:
+        read, place = load, model(base, row.edits, home)
+        file, line = str(place), ["check", str(place)]
+        for name, content in row.files.items():
+            (place / name).write_bytes(content)
+    there = sorted(home.rglob("*"))
+    with pytest.raises(InputError) as caught:
+        read(file)
+    status = main(line)
+    assert sorted(home.rglob("*")) == there
+    return Refusal(caught.value, status, capsys.readouterr().err, place)
+
+
 @pytest.fixture
 def refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Callable[[str, str], Refusal]:
     """The refusal of a row, by the names of its table and of itself."""
@@ -65,14 +98,7 @@ def refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Callable[[str
             base, _, rows = TABLES[table]
             home = tmp_path / str(len(_KNOWN))
             home.mkdir()
-            file = study(base, rows[name].edits, home)
-            there = sorted(home.rglob("*"))
-            with pytest.raises(InputError) as caught:
-                READ[base](file)
-            command = "identify" if base == "camera" else base
-            status = main([command, file, "--out", str(home / "out")])
-            assert sorted(home.rglob("*")) == there
-            _KNOWN[table, name] = Refusal(caught.value, status, capsys.readouterr().err, home)
+            _KNOWN[table, name] = refusal(base, rows[name], home, capsys)
         return _KNOWN[table, name]
 
     return find
@@ -102,14 +128,22 @@ def test_sentences(table: str, refused: Callable[[str, str], Refusal], words: Wo
     words(text)
 
 
+@pytest.mark.parametrize("edits", [*toml.TAKEN.values(), *urdf.TAKEN.values()],
+                         ids=[*toml.TAKEN, *urdf.TAKEN])  # fmt: skip
+def test_values_of_models_at_their_bounds_are_taken(
+    edits: str | tuple[str, str], tmp_path: Path
+) -> None:
+    assert load(model("small", edits, tmp_path)).name == "small"
+
+
 @pytest.mark.parametrize(
     ("base", "name"), [(base, name) for base, rows in studies.TAKEN.items() for name in rows]
 )
-def test_values_at_their_bounds_are_taken(base: str, name: str, tmp_path: Path) -> None:
+def test_values_of_studies_at_their_bounds_are_taken(base: str, name: str, tmp_path: Path) -> None:
     assert READ[base](study(base, studies.TAKEN[base][name], tmp_path)) is not None
 
 
-def test_files_that_are_not_there(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_studies_that_are_not_there(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for base in ("sweep", "identify", "optimise"):
         with pytest.raises(ModelError) as caught:
             READ[base](str(tmp_path / "none.toml"))
