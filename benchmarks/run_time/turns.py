@@ -93,8 +93,8 @@ def _reduced(mechanism: Mechanism, speed: str, tolerance: float) -> _Turn:
 def _row(
     engine: str, speed: str, tolerance: float, turn: _Turn, repeats: int, tables_ms: float | None
 ) -> TurnRow:
+    error_times, error_impulses = _errors(speed, *turn())  # has what is compiled compiled, too
     timing = timed(turn, repeats, _BUDGET_S)
-    error_times, error_impulses = _errors(speed, *turn())
     return TurnRow(
         engine,
         f"{speed} r/min, {tolerance:.0e}",
