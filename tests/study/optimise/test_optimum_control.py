@@ -10,14 +10,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from designs import MASS, design, problem
 
 from nipper_pin import Case, Solution, Window, load, simulate
 from nipper_pin.cli import main
-from nipper_pin.study.optimise import Design, Problem, read_problem
-from nipper_pin.study.optimise.control import control
-from nipper_pin.study.optimise.points import Evaluator
+from nipper_pin.study.optimise import optimise
+from nipper_pin.study.optimise.control import Control, control
+from nipper_pin.study.optimise.control.compare import Row
 
-MASS = Path(__file__).resolve().parents[2] / "verification" / "models" / "bouncing_mass"
 STATED = """
 format = 1
 model = "e62"
@@ -55,31 +55,6 @@ speed_rpm = { high = 1e4 }
 )
 
 
-def problem(folder: Path, text: str = STATED) -> Problem:
-    file = folder / "study.toml"
-    file.write_text(text, encoding="utf-8")
-    return read_problem(file)
-
-
-def design(found: Problem, numbers: tuple[float, ...], **changes: Any) -> Design:
-    """A design as a search reports it."""
-    source = Evaluator(found)
-    z = (np.array(numbers) - found.low) / found.width
-    point = source.at(z)
-    assert point.usable, point.why
-    made = Design(
-        z=tuple(z.tolist()),
-        numbers=found.numbers(z),
-        values=dict(point.values),
-        errors=source.errors(z),
-        slacks=point.slacks,
-        inside=True,
-        holding=(),
-        engine=point.engine,
-    )
-    return replace(made, **changes)
-
-
 def turn_of(numbers: tuple[float, ...], speed: float) -> Solution:
     """Three turns of the E62 from index 24, as `simulate --window cycle --cycles 3`."""
     names = (
@@ -96,7 +71,7 @@ def test_a_point_whose_premise_fails_has_the_numbers_of_its_turn(tmp_path: Path)
     Both simulations state errors below 1e-10 of the rebound; the widest opening is the largest of
     20,000 samples, which misses less than a 1e-7 of it.
     """
-    found = design(problem(tmp_path), MISLED)
+    found = design(problem(tmp_path, STATED), MISLED)
     assert found.engine == "turn"
     turns = turn_of(MISLED, 700.0)
     hits = [hit for hit in turns.collisions if hit.stop == "jaw"]
@@ -115,7 +90,7 @@ def test_a_point_whose_premise_fails_has_the_numbers_of_its_turn(tmp_path: Path)
 
 def test_the_assumed_transition_is_contradicted_with_both_numbers(tmp_path: Path) -> None:
     """What an earlier search reported and called controlled: 6.79 mrad, 60 N and 25 degrees."""
-    found = problem(tmp_path)
+    found = problem(tmp_path, STATED)
     true = design(found, MISLED)
     values = {"rebound_amplitude_1": 0.00679271, "clamping_force_N": 60.0, "jaw_opening_deg": 25.0}
     seen = control(found.text(), replace(true, values={**true.values, **values}))
@@ -156,11 +131,93 @@ def test_every_doctored_quantity_is_refused(tmp_path: Path, speed: float) -> Non
 
 def test_turns_that_cannot_be_simulated_confirm_nothing(tmp_path: Path) -> None:
     """A model that is gone: no row, a reason, and not confirmed."""
-    found = problem(tmp_path)
+    found = problem(tmp_path, STATED)
     true = design(found, MISLED)
     seen = control(replace(found, model=str(tmp_path / "gone")).text(), true)
     assert not seen.confirmed
     assert "no turn can be simulated" in seen.contradictions[0]
+
+
+def row(**changes: Any) -> Row:
+    given = {"quantity": "duration_s", "unit": "s", "reported": 2.0, "turn": 2.5, "allowed": 0.5}
+    return Row(**{**given, **changes})
+
+
+@pytest.mark.parametrize(
+    ("changes", "agrees"),
+    [
+        ({}, True), ({"allowed": 0.49}, False), ({"turn": 1.5}, True), ({"turn": 1.49}, False),
+        ({"turn": None}, False), ({"breaks": ("x",)}, False),
+        ({"quantity": "stop_force_N", "turn": 0.0, "reported": -9.0}, True),
+        ({"quantity": "stop_force_N", "turn": 0.0, "reported": 0.5}, True),
+        ({"quantity": "stop_force_N", "turn": 0.0, "reported": 0.51}, False),
+        ({"quantity": "stop_force_N", "turn": 0.25, "reported": -9.0}, False),
+        ({"quantity": "opening_index", "turn": 39.9, "reported": 0.3}, True),
+        ({"quantity": "opening_index", "turn": 39.7, "reported": 0.3}, False),
+        ({"quantity": "opening_index", "turn": 0.3, "reported": 39.9}, True),
+    ],
+)  # fmt: skip
+def test_what_agrees(changes: dict[str, Any], agrees: bool) -> None:
+    """Within the stated errors of both; indices the short way around."""
+    assert row(**changes).agrees is agrees
+
+
+def test_what_is_confirmed() -> None:
+    """Turns that repeat and agree; what does not is told with the unit, or why there is none."""
+    good, wrong = row(quantity="speed_rpm"), row(allowed=0.1)
+    none = row(unit="", turn=None, why="no rebound", breaks=("a", "b"))
+    assert str(none) == (
+        "duration_s is 2 as reported and none (no rebound) in the simulated turn, which breaks a "
+        "and b"
+    )
+    assert Control(rows=(good,), turns=3, why="").confirmed
+    assert not Control(rows=(good, wrong), turns=3, why="").confirmed
+    assert not Control(rows=(good,), turns=3, why="they differ").confirmed
+    found = Control(rows=(good, wrong), turns=3, why="they differ")
+    assert found.contradictions == ("they differ", str(wrong))
+    assert found.values == {"speed_rpm": 2.5, "duration_s": 2.5}
+
+
+@pytest.mark.parametrize(
+    ("side", "limit", "reported", "error", "breaks"),
+    [
+        ("low", 1.02, 1.02, 0.01, True),
+        # The report breaks it, too, and by as much within the stated error.
+        ("low", 1.02, 1.01, 0.011, False), ("low", 1.02, 1.01, 0.009, True),
+        ("low", 1.01, 1.02, 0.011, False),
+        ("high", 0.98, 0.97, 0.01, True), ("high", 0.98, 0.99, 0.011, False),
+        ("high", 1.01, 1.0, 0.01, False),
+    ],
+)  # fmt: skip
+def test_limits_that_a_turn_breaks(
+    side: str, limit: float, reported: float, error: float, breaks: bool, tmp_path: Path
+) -> None:
+    """By more than the report does, and than both may err; a ball of e V bounces for 2 e V / g."""
+    name, time = "rebound_time_s_1", 2.0 * 0.3 * 0.1 / 9.81
+    text = MASS_STUDY + f"[limits]\n{name} = {{ {side} = {limit * time!r} }}\n"
+    found = problem(tmp_path, text)
+    true = design(found, (0.3, 100.0))
+    told = replace(
+        true, values={**true.values, name: reported * time},
+        errors={**true.errors, name: error * time},
+    )  # fmt: skip
+    (seen,) = (row for row in control(found.text(), told).rows if row.quantity == name)
+    assert seen.turn == pytest.approx(time, rel=1e-9)
+    assert seen.allowed == pytest.approx(error * time, rel=1e-6)
+    assert seen.breaks == ((str(found.limits[0]),) if breaks else ())
+    assert seen.agrees is (not breaks and abs(reported - 1.0) <= error)
+
+
+def test_limits_of_indices_are_the_short_way_around(tmp_path: Path) -> None:
+    """An opening at 8 is beyond 39 and before 15."""
+    limits = "[limits]\nopening_index = { low = 15.0, high = 39.0 }\n"
+    found = problem(tmp_path, STATED[: STATED.index("[limits]")] + limits)
+    true = design(found, (11.0, 176.0, 2.2))
+    told = replace(true, values={**true.values, "opening_index": 20.0})
+    (seen,) = (row for row in control(found.text(), told).rows if row.quantity == "opening_index")
+    assert seen.turn is not None
+    assert 0.0 < seen.turn < 15.0
+    assert set(seen.breaks) == {str(item) for item in found.limits}
 
 
 MASS_STUDY = f"""
@@ -225,8 +282,6 @@ def test_an_optimum_that_is_contradicted_is_status_1_with_all_files(
 @pytest.mark.slow
 def test_points_of_a_front_are_controlled_too(tmp_path: Path) -> None:
     """A front whose second point is doctored is contradicted, and says which point it is."""
-    from nipper_pin.study.optimise import optimise
-
     found = optimise(problem(tmp_path, MASS_STUDY), starts=1, points=2, check=False, workers=1)
     assert found.contradiction == ""
     assert len(found.front_controls) == 2
@@ -243,9 +298,7 @@ def test_a_search_where_premises_fail_ends_where_the_turns_are(tmp_path: Path) -
 
     The optimum is what three turns of its overrides have: rebound, opening and clamping force.
     """
-    from nipper_pin.study.optimise import optimise
-
-    found = optimise(problem(tmp_path), starts=1, check=False, workers=1)
+    found = optimise(problem(tmp_path, STATED), starts=1, check=False, workers=1)
     assert found.best.engine == "turn"
     assert found.engines["turn"] > found.engines.get("direct", 0)
     assert found.contradiction == ""

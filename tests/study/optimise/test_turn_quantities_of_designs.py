@@ -8,14 +8,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from designs import design, problem
 
-from nipper_pin import InputError, Mechanism
-from nipper_pin.study.optimise import optimise, read_problem
+from nipper_pin.study.optimise import optimise
 from nipper_pin.study.optimise.control.compare import control
-from nipper_pin.study.optimise.design import Design
 from nipper_pin.study.optimise.points import Evaluator
 from nipper_pin.study.optimise.problem import quantities
-from nipper_pin.study.optimise.problem.problem import Problem
 
 pytest.importorskip("numba", reason="numba is not installed (extra `study`)")
 
@@ -33,30 +31,13 @@ RATIO = '[parameters."drives.tension.ratio"]\nlow = 2.1\nhigh = 2.3\n'
 SPEED = "[parameters.speed_rpm]\nlow = 300.0\nhigh = 2000.0\n"
 
 
-def problem(folder: Path, text: str) -> Problem:
-    file = folder / "study.toml"
-    file.write_text(text, encoding="utf-8")
-    return read_problem(file)
-
-
-def design(found: Problem, z: list[float]) -> Design:
-    source, place = Evaluator(found), np.array(z)
-    point = source.at(place)
-    assert point.usable, point.why
-    return Design(
-        z=tuple(z), numbers=found.numbers(place), values=dict(point.values),
-        errors=source.errors(place), slacks=point.slacks, inside=True, holding=(),
-        engine=point.engine,
-    )  # fmt: skip
-
-
 def test_a_turn_by_tables_is_confirmed_and_doctored_numbers_are_not(tmp_path: Path) -> None:
     """The control reads the direct engine's dense motion; each number off by 1e-4 is refused.
 
     Errors are stated below 1e-5 of each, so that agreement says something.
     """
     found = problem(tmp_path, HEAD + PRELOAD + LIMITS)
-    true = design(found, [0.4])
+    true = design(found, [10.6])
     assert true.engine == "reduced_turn"
     assert set(NAMES) <= set(true.values)
     seen = control(found.text(), true)
@@ -72,8 +53,7 @@ def test_a_machine_that_changes_takes_the_direct_engine(tmp_path: Path) -> None:
     """And has the same turn at the same numbers, within what both state."""
     own = problem(tmp_path, HEAD + PRELOAD + LIMITS)
     free = problem(tmp_path, HEAD + RATIO + LIMITS)
-    ratio = free.start
-    one, other = design(own, own.start.tolist()), design(free, ratio.tolist())
+    one, other = design(own, [11.0]), design(free, [2.2])
     assert (one.engine, other.engine) == ("reduced_turn", "turn")
     assert Evaluator(free).why == "drives.tension.ratio change the machine, and so the tables"
     assert Evaluator(own).why == "one machine: its tables are sampled once"
@@ -93,13 +73,6 @@ def test_turns_without_a_quantity_or_a_period_are_no_usable_machine(tmp_path: Pa
     assert at(600.0).usable
     assert "the turn has no rest_index, rest_margin" in at(1600.0).why
     assert "turns differ from one another" in at(1900.0).why
-
-
-def test_a_force_needs_a_stop_with_one(e62: Mechanism, monkeypatch: pytest.MonkeyPatch) -> None:
-    quantities.check_fit(NAMES, e62, "here")
-    monkeypatch.setattr(quantities, "force_unit", lambda *_: "N m")
-    with pytest.raises(InputError, match="least_clamping_force_N cannot be used: its stop has a"):
-        quantities.check_fit(NAMES, e62, "here")
 
 
 @pytest.mark.slow

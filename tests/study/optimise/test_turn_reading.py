@@ -1,43 +1,38 @@
-"""Every quantity that is read off a simulated turn, and what the control says of it."""
+"""Quantities that are read off a simulated turn, and where its kinematics say the same."""
 
 from __future__ import annotations
 
 import math
 from contextlib import suppress
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
-from made_up_turn import PERIOD, solution
+from designs import MASS
 
 from nipper_pin import Window, load
 from nipper_pin.errors import InputError, SimulationError
 from nipper_pin.hybrid.event import EventKind
 from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.gallery import GALLERY, drawn
-from nipper_pin.study.identify.problem.working_cycle import unfit, working_cycle
-from nipper_pin.study.optimise.control import compare
-from nipper_pin.study.optimise.control.compare import Control, Row
-from nipper_pin.study.optimise.control.reading import (
-    MOST_TURNS,
-    ControlTurn,
-    Read,
-    control_turn,
-    read,
+from nipper_pin.study.identify.problem.working_cycle import (
+    Phase,
+    WorkingCycle,
+    unfit,
+    working_cycle,
 )
+from nipper_pin.study.optimise.control.reading import MOST_TURNS, ControlTurn, control_turn, read
 from nipper_pin.study.optimise.points.turn import differs
-from nipper_pin.study.optimise.problem.problem import Limit
 from nipper_pin.study.optimise.problem.quantities import (
     QUANTITIES,
     check_fit,
     cycle_values,
+    lowest,
     thinned,
 )
 from nipper_pin.tolerances.study import QUANTITY_ROUND_OFF
 
-MASS = Path(__file__).resolve().parents[2] / "verification" / "models" / "bouncing_mass"
 # Samples of a stretch: of a smooth curve the largest one misses the peak by a part of 1e-7.
 SAMPLES = 20_000
 
@@ -123,18 +118,24 @@ def test_every_quantity_is_in_the_motion(turn: ControlTurn) -> None:
         assert 0.0 <= found.error <= 1e-6 * max(abs(value), 40.0), name
 
 
-def test_a_turn_without_a_transition() -> None:
+@pytest.mark.parametrize(
+    ("speed", "why"),
+    [
+        # Its bounces outlast the time in which it is pressed shut; faster still, it never arrives.
+        (1600.0, "the simulated turn has no duration_s"),
+        (2500.0, "the stop jaw is not hit in the simulated turn"),
+    ],
+)
+def test_a_turn_without_a_transition(speed: float, why: str) -> None:
     """What it lacks is named, and its speed is read all the same."""
-    found = ControlTurn(solution(found=[], transitions=[]), 1, repeats=True)
-    assert read(found, "speed_rpm").value == pytest.approx(60.0 / PERIOD)
-    for name in ("rebound_amplitude_1", "duration_s", "closing_index", "stop_force_N"):
-        with pytest.raises(SimulationError, match="the stop jaw is not hit in the simul") as caught:
-            read(found, name)
-        assert caught.value.evidence == {"stop": "jaw"}
-    bouncing = ControlTurn(solution(transitions=[]), 1, repeats=True)
-    with pytest.raises(SimulationError, match="the simulated turn has no duration_s"):
-        read(bouncing, "duration_s")
-    assert read(bouncing, "rebound_time_s_1").value == 0.0375
+    turn = control_turn(load("e62"), speed, None)
+    assert read(turn, "speed_rpm").value == pytest.approx(speed)
+    for name in ("duration_s", "closing_index", "stop_force_N"):
+        with pytest.raises(SimulationError) as caught:
+            read(turn, name)
+        if name == "duration_s":
+            assert caught.value.message == why
+            assert caught.value.evidence == {"stop": "jaw"}
 
 
 @pytest.mark.parametrize(("model", "turns"), [("e62", MOST_TURNS), (MASS, 1)], ids=str)
@@ -177,106 +178,44 @@ def test_kinematics_and_turn_have_one_window(name: str) -> None:
         assert seen.value == pytest.approx(value, rel=0.0, abs=error), quantity
 
 
-def row(**changes: Any) -> Row:
-    given = {"quantity": "duration_s", "unit": "s", "reported": 2.0, "turn": 2.5, "allowed": 0.5}
-    return Row(**{**given, **changes})
+def cycle(least: float = 5.0, stop_force: float = 5.0, top: float = 20.0) -> WorkingCycle:
+    """At 600 r/min a rest after 10 ms is 4 of 40 indices after the touch at 10."""
+    at = np.linspace(10.0, 34.0, 25)
+    clamping = Phase(at, 0.01 - 1e-5 * (at - top) ** 2, least + (at - 22.0) ** 2)
+    waiting = Phase(at - 24.0, 0.2 - 1e-4 * (at - 24.0) ** 2, stop_force + (at - 16.0) ** 2)
+    return WorkingCycle(600.0, 10.0, 34.0, waiting, clamping, 77.0)
 
 
 @pytest.mark.parametrize(
-    ("changes", "agrees"),
+    ("made", "duration", "asked", "word"),
     [
-        ({}, True), ({"allowed": 0.49}, False), ({"turn": 1.5}, True), ({"turn": 1.49}, False),
-        ({"turn": None}, False), ({"breaks": ("x",)}, False),
-        ({"quantity": "stop_force_N", "turn": 0.0, "reported": -9.0}, True),
-        ({"quantity": "stop_force_N", "turn": 0.0, "reported": 0.5}, True),
-        ({"quantity": "stop_force_N", "turn": 0.0, "reported": 0.51}, False),
-        ({"quantity": "stop_force_N", "turn": 0.25, "reported": -9.0}, False),
-        ({"quantity": "opening_index", "turn": 39.9, "reported": 0.3}, True),
-        ({"quantity": "opening_index", "turn": 39.7, "reported": 0.3}, False),
-        ({"quantity": "opening_index", "turn": 0.3, "reported": 39.9}, True),
+        (cycle(), 0.0149, ("clamping_force_N",), ""), (cycle(least=-0.01), 0.0, (), "closed stop"),
+        (cycle(least=0.01), 0.0, (), ""),
+        (cycle(stop_force=-0.01), 0.0, ("jaw_opening_deg",), "initial phase"),
+        (cycle(stop_force=-0.01), 0.0, ("clamping_force_N",), ""),
+        # The middle half begins at 16, 6 indices or 15 ms after the touch.
+        (cycle(), 0.0151, ("clamping_force_N",), "middle half"), (cycle(), 0.0151, (), ""),
+        # The sample before the widest one, at 20: 9 indices or 22.5 ms after the touch.
+        (cycle(), 0.0224, ("stroke_mm",), ""), (cycle(), 0.0226, ("stroke_mm",), "stroke is"),
+        (cycle(), 0.0226, ("jaw_opening_deg",), ""),
+        (cycle(top=5.0), 0.0001, ("stroke_mm",), "stroke is"),
     ],
 )  # fmt: skip
-def test_what_agrees(changes: dict[str, Any], agrees: bool) -> None:
-    """Within the stated errors of both; indices the short way around."""
-    assert row(**changes).agrees is agrees
-
-
-def test_words_of_the_control() -> None:
-    one, two = row(allowed=0.1), row(unit="", turn=None, why="no rebound", breaks=("a", "b"))
-    said = "duration_s is 2 s as reported and 2.5 s in the simulated turn"
-    assert str(one) == said
-    assert str(two) == (
-        "duration_s is 2 as reported and none (no rebound) in the simulated turn, which breaks a "
-        "and b"
-    )
-    good = row(quantity="speed_rpm")
-    wrong = Control(rows=(good, one), turns=3, why="they differ")
-    assert not wrong.confirmed
-    assert wrong.contradictions == ("they differ", said)
-    assert not Control(rows=(good,), turns=3, why="they differ").confirmed
-    right = Control(rows=(good,), turns=3, why="")
-    assert right.confirmed
-    assert right.contradictions == ()
-    assert wrong.record() == {
-        "engine": "direct", "window": "cycle", "turns": 3, "confirmed": False,
-        "values": {"speed_rpm": 2.5, "duration_s": 2.5},
-        "allowed": {"speed_rpm": 0.5, "duration_s": 0.1}, "contradictions": ["they differ", said],
-    }  # fmt: skip
-
-
-@pytest.mark.parametrize(
-    ("name", "limits", "reported", "broken"),
-    [
-        # Allowed: 1e-4 of the report, and 6e-6 s of the 0.01 s that are read.
-        ("rebound_time_s_1", (("low", 0.0102),), 0.0102, 1),
-        ("rebound_time_s_1", (("low", 0.0102),), 0.0101, 0),
-        ("rebound_time_s_1", (("low", 0.0101),), 0.0102, 0),
-        ("rebound_time_s_1", (("high", 0.0098),), 0.0097, 1),
-        ("rebound_time_s_1", (("high", 0.0098),), 0.0100, 0),
-        ("rebound_time_s_1", (("high", 0.0099),), 0.0099, 0),
-        ("rebound_time_s_1", (("high", 0.0098), ("low", 0.0102)), 0.00985, 1),
-        ("opening_index", (("high", 1.0),), 0.0, 1), ("opening_index", (("low", 1.0),), 0.0, 0),
-        ("duration_s", (("high", 1e-9),), 0.02, 0),
-    ],
-)  # fmt: skip
-def test_limits_that_a_turn_breaks(
-    name: str,
-    limits: tuple[tuple[Any, float], ...],
-    reported: float,
-    broken: int,
-    monkeypatch: pytest.MonkeyPatch,
+def test_where_turns_differ_from_kinematics(
+    made: WorkingCycle, duration: float, asked: tuple[str, ...], word: str
 ) -> None:
-    """By more than the report does, and than both may err; only those of the quantity itself."""
-    seen = {"rebound_time_s_1": Read(0.01, 6e-6), "opening_index": Read(2.0, 4e-3),
-            "duration_s": Read(0.02, 5e-6)}  # fmt: skip
-    monkeypatch.setattr(compare, "read", lambda _turn, asked: seen[asked])
-    given = tuple(
-        Limit(quantity="opening_index" if name == "opening_index" else "rebound_time_s_1",
-              side=side, value=value)
-        for side, value in limits
-    )  # fmt: skip
-    problem: Any = SimpleNamespace(units={name: "s"}, limits=given)
-    turn: Any = None
-    found = compare._row(problem, turn, name, reported, 1e-4)
-    assert (found.quantity, found.unit, found.reported) == (name, "s", reported)
-    assert found.turn == seen[name].value
-    assert found.allowed == pytest.approx(1e-4 + seen[name].error)
-    assert len(found.breaks) == broken
-    if broken:
-        assert str(given[0]) in found.breaks or str(given[-1]) in found.breaks
+    said = differs(made, duration, frozenset(asked))
+    assert (word in said) if word else (said == "")
 
 
-def test_a_quantity_that_the_turn_lacks(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The row says why, and does not agree."""
+def test_least_values_of_intervals() -> None:
+    """A cosine of 48 samples: its bottom between two of them to h^4 / 384, and ends elsewhere.
 
-    def missing(*_: object) -> Read:
-        message = "it does not come to rest"
-        raise SimulationError(message)
-
-    monkeypatch.setattr(compare, "read", missing)
-    problem: Any = SimpleNamespace(units={"duration_s": "s"}, limits=())
-    turn: Any = None
-    found = compare._row(problem, turn, "duration_s", 1.0, 0.5)
-    assert (found.turn, found.allowed, found.reported) == (None, 0.5, 1.0)
-    assert found.why == "it does not come to rest"
-    assert not found.agrees
+    h = 2 pi / 47, so 1e-6; the samples alone miss it by up to h^2 / 8 = 2e-3.
+    """
+    t = np.linspace(0.3, 0.3 + 2.0 * math.pi, 48)
+    found = lowest(t, np.cos(t))
+    place = int(np.searchsorted(t, math.pi)) - 1
+    assert found[place] == pytest.approx(-1.0, abs=2e-6)
+    ends = np.minimum(np.cos(t)[:-1], np.cos(t)[1:])
+    np.testing.assert_array_equal(np.delete(found, place), np.delete(ends, place))

@@ -1,0 +1,101 @@
+"""What is told of an optimum: its record, its command, its case and its contradictions."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from snapshots import Words
+
+from nipper_pin import Case, Window
+from nipper_pin.study.optimise import Design, Optimum, read_problem
+from nipper_pin.study.optimise.control import Control
+from nipper_pin.study.optimise.control.compare import Row
+from nipper_pin.study.optimise.search.binding import Account, Binding
+from nipper_pin.study.optimise.search.descend import Descent
+from nipper_pin.study.optimise.search.samples import Found
+
+AIM, TIME = "rebound_amplitude_1", "duration_s"
+PRELOAD, RATIO = "springs.steeve.preload_length_mm", "drives.tension.ratio"
+PROBLEM = f"""
+format = 1
+title = "mine"
+model = "e62"
+minimise = "{AIM}"
+maximise = "{TIME}"
+case = {{ speed_rpm = 600.0 }}
+limits = {{ {TIME} = {{ high = 3.0 }} }}
+set = {{ "stops.jaw.restitution" = 0.25 }}
+parameters = {{ "{PRELOAD}" = {{ low = 10.0, high = 14.0 }}, \
+"{RATIO}" = {{ low = 2.0, high = 3.0 }} }}
+"""
+
+
+def design(value: float, engine: str = "direct") -> Design:
+    return Design(z=(0.25, 0.75), numbers={PRELOAD: 11.0, RATIO: 2.75},
+                  values={AIM: value, TIME: 2.0}, errors={AIM: 1e-3, TIME: float("nan")},
+                  slacks=(0.5,), inside=True, holding=("a limit",), engine=engine)  # fmt: skip
+
+
+def control(turn: float = 1.0, turns: int = 3) -> Control:
+    row = Row(quantity=AIM, unit="rad", reported=1.0, turn=turn, allowed=0.5)
+    return Control(rows=(row,), turns=turns, why="")
+
+
+@pytest.fixture(name="found")
+def made_up(tmp_path: Path) -> Optimum:
+    (tmp_path / "study.toml").write_text(PROBLEM, encoding="utf-8")
+    descent = Descent(start=(0.5, 0.5), z=(0.25, 0.75), aim=1.0, violation=0.0, evaluations=7,
+                      failures=1, engines={"direct": 6}, converged=True)  # fmt: skip
+    binding = Binding(name="b", kind="bound", value=1.0, slack=2.0, active=True, price=3.0)
+    return Optimum(
+        problem=read_problem(tmp_path / "study.toml"), seed=5, before=design(4.0), best=design(3.0),
+        account=Account(bindings=(binding,), residual=0.125), descents=(descent,), screened=65,
+        no_machine=("why",), check=Found(z=(0.25, 0.75), feasible=True, evaluations=40,
+                                         engines={"direct": 39}),
+        check_gain=0.0625, engines={"direct": 50, "turn": 2}, why_engine="they move",
+        control=control(), front=(design(3.0), design(5.0)),
+        front_controls=(control(), control(turns=4)), evaluations=123, wall_s=4.5,
+    )  # fmt: skip
+
+
+def test_the_record(found: Optimum, words: Words) -> None:
+    """As it is written; it has no number that JSON has not."""
+    words(json.dumps(found.record(), indent=1, allow_nan=False) + "\n")
+    bare = replace(found, before=None, check=None).record()
+    assert bare["before"] is bare["search"]["check"] is bare["relative_change"] is None
+    assert replace(found, before=design(0.0)).gain is None
+
+
+def test_the_command_and_the_case(found: Optimum) -> None:
+    """Numbers to their last digit; turns and one more where the transition is one of theirs."""
+    changes: dict[str, Any] = {"a.b": True, "c.d": "x y"}
+    found = replace(found, problem=replace(found.problem, changes=changes))
+    assert found.overrides == {**changes, PRELOAD: 11.0, RATIO: 2.75}
+    ending = ["--set", "a.b=true", "--set", "c.d=x y", "--set", f"{PRELOAD}=11.0", "--set",
+              f"{RATIO}=2.75"]  # fmt: skip
+    begin = ["nipper-pin", "simulate", "e62", "--speed", "600.0"]
+    assert shlex.split(found.command) == [*begin, *ending]
+    assert found.case == Case(speed_rpm=600.0)
+    limited = replace(
+        found, problem=replace(found.problem, rest_rate=1e-3), best=design(3.0, "turn")
+    )
+    assert shlex.split(limited.command) == [
+        *begin, "--window", "cycle", "--cycles", "4", "--rest-rate", "0.001", *ending,
+    ]  # fmt: skip
+    assert limited.case == Case(speed_rpm=600.0, rest_rate=1e-3, window=Window.CYCLE, cycles=4)
+
+
+def test_contradictions(found: Optimum) -> None:
+    """Of the best design first, then of the first point of the front that is wrong."""
+    assert found.contradiction == ""
+    said = str(control(2.0).rows[0])
+    wrong = replace(found, control=control(2.0), front_controls=(control(2.0), control(2.0)))
+    assert wrong.contradiction == f"the simulated turn contradicts the optimum: {said}"
+    second = replace(found, front_controls=(control(), control(2.0)))
+    assert second.contradiction == f"the simulated turn contradicts point 2 of the front: {said}"
+    assert second.record()["contradiction"] == second.contradiction
