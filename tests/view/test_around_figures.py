@@ -6,7 +6,6 @@ from dataclasses import replace
 from types import SimpleNamespace
 from typing import cast
 
-import numpy as np
 import pytest
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
@@ -21,7 +20,6 @@ from nipper_pin.study.optimise.problem.problem import Limit, Parameter
 from nipper_pin.study.sweep.axes import Target
 from nipper_pin.view.live.settings import knobs
 from nipper_pin.view.run import plots
-from nipper_pin.view.run.csv_tables import _motion
 from nipper_pin.view.scene import Look
 from nipper_pin.view.studies.front_plot import front_figure
 
@@ -165,19 +163,6 @@ def test_which_figures_a_run_has(
     assert list(plots._figures(transition)) == every[:4]
     dead = simulate(load("e62", {"stops.jaw.restitution": 0.0}), Case(speed_rpm=450.0))
     assert list(plots._figures(dead)) == ["impulses"]
-
-
-def test_rows_of_the_motion(transition: Solution) -> None:
-    """A hundred places evenly over each stretch between events, both its ends among them."""
-    _, rows = _motion(transition)
-    found = [(float(row[0]), row[1]) for row in rows]
-    stretches = [item for item in transition.segments if item.t_end > item.t_start]
-    assert len(found) == 100 * len(stretches)
-    for place, segment in enumerate(stretches):
-        part = found[100 * place : 100 * place + 100]
-        wanted = np.linspace(segment.t_start, segment.t_end, 100)
-        np.testing.assert_allclose([t for t, _ in part], wanted, rtol=1e-14)
-        assert [side for _, side in part] == ["right"] * 99 + ["left"]
 
 
 @pytest.mark.parametrize("values", [{"slow": 1.0}, {"slow": 1e5}, {"exaggerate": 50.0}])

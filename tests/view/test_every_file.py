@@ -24,7 +24,7 @@ from nipper_pin.errors import InputError, SingularConfigurationError
 from nipper_pin.hybrid.case import Window
 from nipper_pin.study.optimise import write as write_optimum
 from nipper_pin.view.live import serve, shapes
-from nipper_pin.view.run import csv_tables, export, lead, remarks, sampling
+from nipper_pin.view.run import export, lead, remarks, sampling
 from nipper_pin.view.studies import front_plot
 
 # The package has a function of the same name.
@@ -201,51 +201,6 @@ def test_runs_without_motion_have_no_shaft_speeds() -> None:
     )  # fmt: skip
     assert sampling.shaft_rates(solution) == {}
     assert printed(lambda console: remarks.shafts(solution, console)) == ""
-
-
-def test_forces_that_are_not_known_have_no_range(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The least and the largest of each phase and stop, of all its intervals together."""
-    closed, other = frozenset({"b", "a"}), frozenset({"c"})
-    phases = [SimpleNamespace(closed=item, t_start=n, t_end=n + 1) for n, item in
-              enumerate([closed, other, closed])]  # fmt: skip
-    forces = {
-        ("a", 0): [3.0, 1.0, 2.0], ("a", 2): [5.0, np.nan, 0.5], ("b", 0): [np.nan] * 3,
-        ("b", 2): [np.nan, -4.0, -1.0], ("c", 1): [np.nan] * 3,
-    }  # fmt: skip
-    monkeypatch.setattr(sampling, "shown_phases", lambda _: phases)
-    monkeypatch.setattr(sampling, "shown_until", lambda _: 3)
-    monkeypatch.setattr(
-        sampling,
-        "sample_forces",
-        lambda _, start, end: {
-            stop: (10.0 * start + np.arange(3.0), np.array(values))
-            for (stop, number), values in forces.items()
-            if start <= number < end
-        },
-    )
-    run: Any = None
-    found = [(item.closed, item.stop, item.lowest, item.t_lowest, item.highest, item.t_highest)
-             for item in sampling.force_ranges(run)]  # fmt: skip
-    assert found == [
-        (closed, "a", 0.5, 22.0, 5.0, 20.0), (closed, "b", -4.0, 21.0, -1.0, 22.0),
-    ]  # fmt: skip
-
-
-def test_motion_of_a_run_leaves_empty_stretches_out(
-    transition: Solution,
-) -> None:
-    """A segment that has no length has no rows."""
-    header, rows = csv_tables._motion(transition)
-    wanted = list(rows)
-    empty = SimpleNamespace(t_start=0.5, t_end=0.5)
-    more: Any = SimpleNamespace(
-        mechanism=transition.mechanism, trajectory=transition.trajectory, shaft=transition.shaft,
-        segments=[empty, *transition.segments],
-    )  # fmt: skip
-    again, found = csv_tables._motion(more)
-    assert again == header
-    assert [row[:3] for row in found] == [row[:3] for row in wanted]
-    assert all(len(row) == len(header) for row in wanted)
 
 
 # Pictures.

@@ -20,7 +20,7 @@ from nipper_pin.hybrid.simulate import simulate
 from nipper_pin.mechanism import load
 from nipper_pin.view.run.bounces import impulse_figure, transition_figure
 from nipper_pin.view.run.plots import plot_solution
-from nipper_pin.view.run.sampling import force_ranges, lift, sample_coordinates, sample_forces
+from nipper_pin.view.run.sampling import lift
 from nipper_pin.view.run.table import print_solution
 from nipper_pin.view.run.timelines import force_figure, motion_figure, phase_figure
 
@@ -70,41 +70,6 @@ def test_no_panel_of_the_transition_is_blank(name: str, request: pytest.FixtureR
     solution: Solution = request.getfixturevalue(name)
     figure = transition_figure(solution, solution.transitions[0])
     assert_every_panel_shows_something(figure)
-
-
-def test_samples_hold_both_limits_at_a_jump_of_force(cycle: Solution) -> None:
-    t, force = sample_forces(cycle, *cycle.trajectory.span)["jaw"]
-    closed = next(item for item in cycle.phases if item.number == 2)
-    finite = np.isfinite(force)
-    assert t[finite][-1] == pytest.approx(closed.t_end, abs=1e-15)
-    before = cycle.trajectory.reactions(closed.t_end, left=True).contacts["jaw"][0]
-    assert force[finite][-1] == before
-    assert before > 0.0
-    assert np.isnan(force[-1])
-
-
-def test_samples_contain_every_event(cycle: Solution) -> None:
-    t, q = sample_coordinates(cycle, *cycle.trajectory.span)
-    assert q.shape == (len(t), len(cycle.mechanism.joints))
-    assert (np.diff(t) >= 0.0).all()
-    for item in cycle.collisions:
-        assert item.t in t
-
-
-def test_force_ranges_name_phase_and_stop(cycle: Solution) -> None:
-    found = {(item.closed, item.stop) for item in force_ranges(cycle)}
-    assert found == {(frozenset({"steeve"}), "steeve"), (frozenset({"jaw"}), "jaw")}
-
-
-def test_a_lift_ends_at_the_next_collision(cycle: Solution) -> None:
-    released = next(item for item in cycle.events if item.kind is EventKind.RELEASE)
-    lifted = lift(cycle, released)
-    assert lifted is not None
-    gap, duration = lifted
-    assert duration == cycle.collisions[0].t - released.t
-    grid = np.linspace(released.t, cycle.collisions[0].t, 5000)
-    stroke = cycle.trajectory.evaluate(grid, left=True).q[:, cycle.mechanism.stop("steeve").index]
-    assert gap == pytest.approx(stroke.max(), rel=1e-3)
 
 
 def test_a_stop_that_is_open_at_the_end_has_left_and_not_come_back() -> None:

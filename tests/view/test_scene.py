@@ -25,7 +25,6 @@ from nipper_pin import Case, InputError, Solution, load, save, simulate
 from nipper_pin.cli import main
 from nipper_pin.hybrid.case import Window
 from nipper_pin.mechanism import collision_model, find_model, from_sources, known_models
-from nipper_pin.view.reading import index_at
 from nipper_pin.view.scene import Film, Look, film
 from nipper_pin.view.scene.pace import pace
 from nipper_pin.view.scene.page import scene_page
@@ -298,35 +297,6 @@ def test_arrows_are_as_long_as_impulses(plain: Film) -> None:
                 assert shown == pytest.approx(hit.impulse / largest, rel=1e-3)
         # Nothing is left over at the end, long after the last collision.
         assert scale[-1].max() < 2e-3
-
-
-def test_text_says_what_the_solution_says(plain: Film) -> None:
-    document = json.loads(json.dumps(readings(plain), allow_nan=False))
-    columns = {item["label"]: item for item in document["columns"]}
-    solution = plain.solution
-    for k in range(0, len(plain.q), 90):
-        t = float(plain.pace.machine[k])
-        assert columns["index"]["values"][k] == pytest.approx(index_at(solution, t), rel=1e-5)
-        jaw = solution.trajectory.evaluate(t).q[0, solution.mechanism.stop("jaw").index]
-        assert columns["jaw angle"]["values"][k] == pytest.approx(math.degrees(jaw), rel=1e-5)
-        force = solution.trajectory.reactions(t).contacts["jaw"][0]
-        found = columns["jaw clamping force"]["values"][k]
-        assert found == pytest.approx(force, rel=1e-5, abs=1e-9)
-    assert columns["jaw clamping force"]["unit"] == "N"
-    names = []
-    for item in solution.phases:
-        hits = {hit.stop for hit in solution.collisions if item.t_start <= hit.t < item.t_end}
-        # A steeve that leaves its stop while the jaw is open is no transition.
-        elsewhere = item.number == 3 and "jaw" not in hits
-        names.append("jaw open, steeve bounces" if elsewhere else f"phase {item.number}")
-    found = [item["name"] for item in document["phases"]]
-    assert all(name.startswith(wanted) for name, wanted in zip(found, names, strict=True))
-    assert names.count("phase 3") == 1
-    assert names.count("jaw open, steeve bounces") == 2
-    colours = {item["colour"] for item in document["phases"]}
-    assert len(colours) == len(set(found)) == 4
-    assert len(document["collisions"]) == len(solution.collisions)
-    assert "not the maker's" in document["note"]
 
 
 def test_a_drawing_that_exaggerates_says_so(large: Film, plain: Film) -> None:
