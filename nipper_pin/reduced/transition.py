@@ -218,4 +218,5 @@ def _weight(model: ReducedModel, gravity: ArrayLike | None) -> FloatArray:
 
 
 def _full(values: FloatArray, shape: tuple[int, ...]) -> FloatArray:
-    return np.ascontiguousarray(np.broadcast_to(values, shape))
+    # A copy, which may be written: one type of array, so one compilation, whatever is given.
+    return np.array(np.broadcast_to(values, shape), order="C")

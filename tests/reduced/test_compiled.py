@@ -15,7 +15,11 @@ import numpy as np
 import pytest
 from numba.core import config
 
+from nipper_pin import Mechanism, turn_table
+from nipper_pin.reduced import ReducedModel, transitions
 from nipper_pin.reduced.kernels import compiled as compiling
+from nipper_pin.reduced.kernels.kernel import run_batch
+from nipper_pin.reduced.kernels.turn_quantities import run_turns
 
 SOURCE = """
 from nipper_pin.reduced.kernels.compiled import compiled
@@ -134,6 +138,27 @@ def test_all_machine_code_is_kept_so() -> None:
         if re.search(r"^\s*(import|from) numba", file.read_text(encoding="utf-8"), re.MULTILINE)
     }
     assert users == {"reduced/kernels/compiled.py"}
+
+
+def test_other_columns_of_a_table_compile_nothing(model: ReducedModel, e62: Mechanism) -> None:
+    # Compiled code of a kind of arrays takes seconds; numbers and columns have to be of one kind.
+    two = np.array([640.0, 650.0])
+    held = np.frombuffer(two.tobytes())
+    cases: list[dict[str, Any]] = [
+        {"speed_rpm": 650.0},
+        {"speed_rpm": two},
+        {"speed_rpm": held, "restitution": held / 2000.0},
+        {"speed_rpm": 650.0, "restitution": np.linspace(0.1, 0.3, 6)[::3]},
+    ]
+    for kernel, run in (
+        (run_batch, lambda given: transitions(model, **given)),
+        (run_turns, lambda given: turn_table(e62, engine="reduced", turns=1, **given)),
+    ):
+        run(cases[0])
+        before = len(kernel.signatures)
+        for given in cases[1:]:
+            run(given)
+        assert len(kernel.signatures) == before
 
 
 def test_compiled_functions_divide_by_zero_as_numpy_does(tmp_path: Path) -> None:

@@ -122,4 +122,5 @@ def turn_cases(
         raise InputError(message) from error
     e_N = np.stack([np.broadcast_to(item, (n,)) for item in columns], axis=1)
     full = (speed, (n,)), (e_N, e_N.shape), (rates, (n, springs)), (lengths, (n, springs))
-    return [np.ascontiguousarray(np.broadcast_to(item, shape)) for item, shape in full]
+    # Copies, which may be written: one type of array, so one compilation, whatever is given.
+    return [np.array(np.broadcast_to(item, shape), order="C") for item, shape in full]
