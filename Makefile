@@ -26,6 +26,8 @@ PIP_INSTALL := $(BIN)/python -m pip install -q --disable-pip-version-check -c co
 
 IMAGES := docs/images
 FIGURES := $(BIN)/python scripts/maintain/figures
+# Once, before workers would do it at the same time.
+MACHINE_CODE := $(BIN)/python tests/machine_code.py
 # Plots that `make pictures` draws as PNG files.
 PLOTS := $(addprefix $(IMAGES)/,$(addsuffix .png,cycle_650 transition impulses phases speed_limit \
   front_e62 main_effects_duration_s level_lines_duration_s))
@@ -42,9 +44,11 @@ demo: $(VIEW)
 	@echo "open out/demo.html in a browser: the nipper and its rebounds"
 
 test: $(DEV)
+	$(MACHINE_CODE)
 	$(BIN)/python -m pytest -m "not slow" $(PYTEST_ARGS) --dist loadfile
 
 test-slow: $(DEV)
+	$(MACHINE_CODE)
 	$(BIN)/python -m pytest -m slow --day $(DAY) $(PYTEST_ARGS) --dist loadfile
 
 test-all: test
