@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
@@ -17,9 +17,10 @@ from nipper_pin.study.identify.problem.geometry import Sources
 from nipper_pin.study.identify.problem.problem import Parameter, Problem
 from nipper_pin.study.identify.problem.targets import Condition, Target
 
-PATHS = ("springs.steeve.preload_length_mm", "stops.jaw.restitution", "drives.tension.ratio")
-RANGES = ((8.0, 16.0), (0.1, 0.3), (1.8, 2.6))
-STARTS = (11.0, 0.15, 2.0)
+PATHS = ("springs.steeve.preload_length_mm", "stops.jaw.restitution",
+         "springs.steeve.stiffness_N_per_m")  # fmt: skip
+RANGES = ((8.0, 16.0), (0.1, 0.3), (6000.0, 12000.0))
+STARTS = (11.0, 0.15, 7500.0)
 AT = Condition(650.0)
 
 
@@ -28,34 +29,42 @@ def _e62() -> Mechanism:
     return load("e62")
 
 
-class At:
-    """The E62, which remembers the unit coordinates that it was made of."""
-
-    def __init__(self, z: np.ndarray) -> None:
-        self.z = z
-        self._mechanism = _e62()
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._mechanism, name)
-
-
 @dataclass(frozen=True)
 class Linear(Objective):
-    """Targets ``slopes @ z + offset``; no machine where a coordinate exceeds ``edge``."""
+    """Targets ``slopes @ z + offset`` of a machine's three numbers.
+
+    Where one of them exceeds ``edge`` in unit coordinates the machine cannot be simulated.
+    """
 
     matrix: Any = None
     offset: Any = None
     edge: float = 2.0
 
-    def mechanism(self, z: np.ndarray) -> Any:
-        """The machine of these coordinates."""
+    def mechanism(self, z: np.ndarray) -> Mechanism:
+        """The E62 with these numbers, not built anew."""
+        machine, numbers = _e62(), self.values(z)
+        preload, restitution, stiffness = (
+            numbers.get(path, start) for path, start in zip(PATHS, STARTS, strict=True)
+        )
+        (spring,) = machine.springs
+        jaw = replace(machine.stop("jaw"), restitution=restitution)
+        return replace(
+            machine,
+            springs=(replace(spring, preload=1e-3 * preload, stiffness=stiffness),),
+            stops=tuple(jaw if stop.name == "jaw" else stop for stop in machine.stops),
+        )
+
+    def _predicted(self, mechanism: Mechanism) -> np.ndarray:
+        (spring,) = mechanism.springs
+        numbers = (1e3 * spring.preload, mechanism.stop("jaw").restitution, spring.stiffness)
+        by_path = dict(zip(PATHS, numbers, strict=True))
+        # Of a number that is none of the three no target knows.
+        asked = np.array([by_path.get(item.path, item.low) for item in self.problem.parameters])
+        z = (asked - self.low) / self.width
         if z.max(initial=0.0) > self.edge:
             message = "no machine"
             raise SimulationError(message)
-        return At(np.array(z))
-
-    def _predicted(self, mechanism: Any) -> np.ndarray:
-        return np.asarray(self.matrix @ mechanism.z + self.offset)
+        return np.asarray(self.matrix @ z + self.offset)
 
 
 def problem(

@@ -8,11 +8,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import linear_problem
 import mpmath
 import numpy as np
 import pytest
+from linear_problem import Linear, fitted
 
-from nipper_pin import Case, InputError, Mechanism, load, simulate
+from nipper_pin import Case, InputError, Mechanism, SimulationError, load, simulate
 from nipper_pin.cli import main
 from nipper_pin.study.check import check_model
 from nipper_pin.study.identify import (
@@ -227,46 +229,30 @@ def test_moved_points_give_the_machine_of_the_planar_reference(e62: Mechanism) -
     change the first rebound by percents; wanted are twelve digits of the engine.
     """
     new = {
-        "points.pendulum_shaft.x_mm": -192.0,
-        "points.pendulum_shaft.z_mm": -18.5,
-        "points.nipper_pivot.x_mm": -194.0,
-        "points.rocker_pin.z_mm": 91.0,
-        "points.jaw.x_mm": -71.0,
-        "points.jaw.z_mm": 100.0,
-        "points.rod_pin.x_mm": -25.0,
-        "points.rod_pin.z_mm": 98.0,
-        "points.tension_shaft.x_mm": -88.0,
-        "points.eccentric_pin.angle_deg": 190.0,
-        "links.top_nipper.com_x_mm": -28.0,
-        "links.top_nipper.gyration_mm": 29.0,
-        MASS: 1.3,
-    }
+        "points.pendulum_shaft.x_mm": -192.0, "points.pendulum_shaft.z_mm": -18.5,
+        "points.nipper_pivot.x_mm": -194.0, "points.rocker_pin.z_mm": 91.0,
+        "points.jaw.x_mm": -71.0, "points.jaw.z_mm": 100.0, "points.rod_pin.x_mm": -25.0,
+        "points.rod_pin.z_mm": 98.0, "points.tension_shaft.x_mm": -88.0,
+        "points.eccentric_pin.angle_deg": 190.0, "links.top_nipper.com_x_mm": -28.0,
+        "links.top_nipper.gyration_mm": 29.0, MASS: 1.3,
+    }  # fmt: skip
     sources = with_values(Sources.of(e62), new)
     # Written and read: decimal places in frames of links, hence round-off of 200 mm.
     assert read_values(sources, tuple(new)) == pytest.approx(tuple(new.values()), rel=1e-13)
     hit = simulate(sources.build(), Case(speed_rpm=650.0)).collisions[0]
     with mpmath.workdps(24):
         angle = mpmath.mpf(190) * mpmath.pi / 180
-        machine = Machine(
-            mpmath.mp,
-            {
-                "speed_rpm": "650",
-                "pendulum_shaft_x_mm": "-192",
-                "pendulum_shaft_z_mm": "-18.5",
-                "pendulum_to_nipper_x_mm": "-194",
-                "nipper_to_rocker_z_mm": "91",
-                "top_nipper_pivot_x_mm": "-71",
-                "top_nipper_pivot_z_mm": "100",
-                "top_nipper_to_rod_x_mm": "-25",
-                "top_nipper_to_rod_z_mm": "98",
-                "tension_shaft_x_mm": "-88",
-                "eccentric_pin_x_mm": str(-88 + 5 * mpmath.cos(angle)),
-                "eccentric_pin_z_mm": str(mpmath.mpf("261.5") + 5 * mpmath.sin(angle)),
-                "com4_x_mm": "-28",
-                "mass4_kg": "1.3",
-                "inertia4_kg_m2": str(mpmath.mpf("1.3") * mpmath.mpf("0.029") ** 2),
-            },
-        )
+        changes = {
+            "speed_rpm": "650", "pendulum_shaft_x_mm": "-192", "pendulum_shaft_z_mm": "-18.5",
+            "pendulum_to_nipper_x_mm": "-194", "nipper_to_rocker_z_mm": "91",
+            "top_nipper_pivot_x_mm": "-71", "top_nipper_pivot_z_mm": "100",
+            "top_nipper_to_rod_x_mm": "-25", "top_nipper_to_rod_z_mm": "98",
+            "tension_shaft_x_mm": "-88", "eccentric_pin_x_mm": str(-88 + 5 * mpmath.cos(angle)),
+            "eccentric_pin_z_mm": str(mpmath.mpf("261.5") + 5 * mpmath.sin(angle)),
+            "com4_x_mm": "-28", "mass4_kg": "1.3",
+            "inertia4_kg_m2": str(mpmath.mpf("1.3") * mpmath.mpf("0.029") ** 2),
+        }  # fmt: skip
+        machine = Machine(mpmath.mp, changes)
         settings = Settings(order=16, tolerance="1e-17", shortest="1e-12")
         wanted = transition(machine, settings).collisions[0]
     assert hit.approach_rate == pytest.approx(float(wanted.approach_rate), rel=1e-11)
@@ -354,6 +340,23 @@ def test_best_point_of_the_built_in_problem_is_stationary() -> None:
     assert after.cost == pytest.approx(before, rel=1e-4)
 
 
+@pytest.fixture
+def impossible(tmp_path: Path) -> Path:
+    """Nothing approaches the floor in the touch configuration, whatever the numbers."""
+    ball = Path(__file__).resolve().parents[2] / "strangers" / "ball_e05"
+    target = '[[targets]]\nname = "t"\nquantity = "duration_s"\nvalue = 1.0\nsigma = 0.1\n'
+    body = f"{target}at = {{ speed_rpm = 60.0 }}\n{free({'stops.floor.restitution': (0.1, 0.9)})}"
+    file = problem_file(tmp_path, body)
+    file.write_text(file.read_text(encoding="utf-8").replace("e62", str(ball)), encoding="utf-8")
+    return file
+
+
+def test_a_search_without_a_machine(impossible: Path) -> None:
+    said = r"none of 2 starts .*, nor is the model as it is: stop 'floor' is .*; change that first"
+    with pytest.raises(SimulationError, match=said):
+        identify(read_problem(impossible), starts=2, workers=1)
+
+
 @pytest.mark.parametrize(
     ("arguments", "word"),
     [
@@ -365,34 +368,26 @@ def test_best_point_of_the_built_in_problem_is_stationary() -> None:
     ],
 )
 def test_what_cannot_be_written_is_refused_before_the_search(
-    measured: Path,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-    arguments: list[str],
-    word: str,
-) -> None:
-    """A search takes minutes; here it would fail the test by being begun."""
+    impossible: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str], arguments: list[str], word: str,
+) -> None:  # fmt: skip
+    """A search takes minutes; this one would end with another status and other words."""
     (tmp_path / "taken").mkdir()
     (tmp_path / "taken" / "notes.txt").write_text("mine", encoding="utf-8")
     (tmp_path / "file").write_text("mine", encoding="utf-8")
     before = sorted(tmp_path.rglob("*"))
     monkeypatch.chdir(tmp_path)
-
-    def begun(*_: object, **__: object) -> None:
-        pytest.fail("the search was begun")
-
-    monkeypatch.setattr("nipper_pin.study.identify.identify", begun)
-    assert main(["identify", str(measured), *arguments]) == 2
+    assert main(["identify", str(impossible), *arguments]) == 2
     assert word in " ".join(capsys.readouterr().err.split())
     assert sorted(tmp_path.rglob("*")) == before
 
 
 def test_a_model_that_cannot_be_finished_leaves_nothing(
-    camera: Problem, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The disk is full at the third mesh: neither a part of the model nor a temporary folder."""
-    fit = identify(replace(camera, tolerance=1e-6), starts=1, workers=1)
+    line = linear_problem.problem(np.zeros(4), np.ones(4))
+    fit = fitted(Linear(line, matrix=np.eye(4, 3), offset=np.zeros(4)), 0.1, 0.2, 0.3)
     copied = []
 
     def full(source: Path, target: Path) -> None:
@@ -401,12 +396,12 @@ def test_a_model_that_cannot_be_finished_leaves_nothing(
             raise OSError(28, "No space left on device")
         target.write_bytes(source.read_bytes())
 
-    monkeypatch.setattr("nipper_pin.study.identify.write.shutil.copyfile", full)
-    with pytest.raises(InputError, match="No space left"):
-        write_model(fit, fit.goodness, tmp_path / "found")
+    with monkeypatch.context() as patch:
+        patch.setattr("shutil.copyfile", full)
+        with pytest.raises(InputError, match="No space left"):
+            write_model(fit, fit.goodness, tmp_path / "found")
     assert len(copied) == 3
     assert list(tmp_path.iterdir()) == []
-    monkeypatch.undo()
     write_model(fit, fit.goodness, tmp_path / "found")
     assert [item.name for item in tmp_path.iterdir()] == ["found"]
 
