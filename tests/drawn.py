@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.collections import Collection
+from matplotlib.collections import Collection, PolyCollection
 from matplotlib.colors import to_hex
 from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
@@ -20,6 +20,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from matplotlib.text import Annotation
 
+# Of so few points each is told.
+_FEW = 8
 # Smaller parts of a curve's largest value, or of 1, are zero.
 _ROUND_OFF = 1e-10
 
@@ -40,6 +42,9 @@ def _words(kind: str, text: str) -> Iterator[str]:
 
 
 def _axes(axes: Axes) -> Iterator[str]:
+    if not axes.axison:
+        yield "axes, not drawn"
+        return
     yield f"axes {axes.get_title(loc='left') or axes.get_title() or '-'}"
     for name, axis in (("x", axes.xaxis), ("y", axes.yaxis)):
         low, high = axis.get_view_interval()
@@ -82,6 +87,8 @@ def _line(line: Line2D) -> str:
     if not seen.any():
         return found
     x, y = (np.where(abs(v) < _ROUND_OFF * abs(v).max(), 0.0, v) for v in (x[seen], y[seen]))
+    if len(x) <= _FEW:
+        return f"{found}: {_points(np.column_stack([x, y]))}"
     ends = ", ".join(_number(values[place]) for place in (0, -1) for values in (x, y))
     return f"{found}, x {_range(x)}, y {_range(y)}, ends {ends}"
 
@@ -109,6 +116,8 @@ def _collection(item: Collection) -> str:
         return f"cells: {_range(np.ma.compressed(np.ma.masked_invalid(values)))}"
     points = np.concatenate(ends) if ends else np.empty((0, 2))
     name = type(item).__name__
+    if isinstance(item, PolyCollection) and len(points) <= 2 * _FEW:
+        return f"{name} {_look(item)}: {_points(points)}"
     return f"{name} {_look(item)}: {len(ends)}, x {_range(points[:, 0])}, y {_range(points[:, 1])}"
 
 
@@ -123,12 +132,17 @@ def _look(item: Artist | None) -> str:
     shown: Any = item
     if isinstance(item, Line2D):
         if (mark := str(item.get_marker())) == "None":
-            return to_hex(item.get_color())
+            dashed = "" if item.get_linestyle() == "-" else " dashed"
+            return to_hex(item.get_color()) + dashed
         return f"{to_hex(item.get_markeredgecolor())} {mark}"
     colour = shown.get_facecolor()
     if len(np.atleast_2d(colour)) == 0:
         colour = shown.get_edgecolor()
     return to_hex(np.atleast_2d(colour)[0]) + (" hatched" if shown.get_hatch() else "")
+
+
+def _points(points: Iterable[Iterable[float]]) -> str:
+    return ", ".join(f"({' '.join(_number(value) for value in point)})" for point in points)
 
 
 def _range(values: Iterable[float]) -> str:

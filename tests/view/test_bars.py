@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from small_machines import SHAFT, frame, hinge, link, machine, slide
 
-from nipper_pin import Mechanism
+from nipper_pin import InputError, Mechanism
+from nipper_pin.view.live.shapes import shape
 from nipper_pin.view.scene.framing import _reach
 from nipper_pin.view.scene.meshes import mesh_of
 from nipper_pin.view.scene.solids import FIXED, Solid, solids
@@ -117,3 +119,34 @@ def ends(mechanism: Mechanism) -> list[list[float]]:
         np.testing.assert_allclose(solid.placement[:3, 3], half, atol=1e-12)
         found.append((2.0 * half)[[0, 2]].round(9).tolist())
     return sorted(found)
+
+
+@pytest.mark.parametrize(
+    ("kind", "sizes", "wanted"),
+    [
+        ("box", (0.2, 0.4, 0.6), (0.2, 0.4, 0.6)),
+        ("sphere", (0.25,), (0.5, 0.5, 0.5)),
+        ("cylinder", (0.25, 0.8), (0.5, 0.5, 0.8)),
+    ],
+)
+def test_plain_solids_of_the_live_page(kind: str, sizes: Any, wanted: Any) -> None:
+    """Extents of a box, twice the radius of a ball, and the length of a cylinder along z."""
+    found = shape(replace(block(0.0), kind=kind, sizes=sizes))
+    assert found.extents == pytest.approx(wanted, rel=6e-3)
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("horn.stl", "the mesh cannot be read"),
+        ("horn.xyz_", "mesh = .* a mesh as STL, OBJ or DAE"),
+    ],
+)
+def test_meshes_that_cannot_be_read(tmp_path: Path, name: str, words: str) -> None:
+    """One that is missing, and one of no known format."""
+    file = tmp_path / name
+    if "xyz" in name:
+        file.write_text("nothing", encoding="utf-8")
+    with pytest.raises(InputError, match=f"{name}: {words}") as caught:
+        shape(replace(block(0.0), kind="mesh", path=file))
+    assert Path(str(caught.value.evidence["file"])).name == name

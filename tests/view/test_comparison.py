@@ -156,23 +156,6 @@ def test_machines_of_other_parts_have_lanes_of_their_own(turns: Comparison) -> N
 
 
 @pytest.mark.slow
-def test_a_figure_has_both_curves_of_the_window_and_of_the_transition(turns: Comparison) -> None:
-    figure = curves_figure(turns)
-    assert len(figure.axes) == 6
-    for axes in figure.axes:
-        assert [line.get_color() for line in axes.lines] == [COLOUR_A, COLOUR_B]
-        assert len({line.get_linestyle() for line in axes.lines}) == 2
-    begin, end = figure.axes[1].get_xlim()
-    hits = [
-        1e3 * first_touch(turns.a),
-        1e3 * (first_touch(turns.a) + turns.b.transitions[0].duration),
-    ]
-    assert begin < hits[0] < hits[1] < end
-    assert end - begin < 0.5 * np.ptp(figure.axes[0].get_xlim())
-    assert [text.get_text()[:5] for text in figure.legends[0].get_texts()] == ["A: e6", "B: e6"]
-
-
-@pytest.mark.slow
 def test_machines_without_stops_have_no_curves() -> None:
     """Nothing can be compared but the film; the figure is refused in a sentence."""
     crank = {"joint": "axis", "law": "constant_speed", "ratio": 1.0, **SHAFT}

@@ -16,7 +16,7 @@ from typing import Any
 
 import pytest
 
-from nipper_pin import Mechanism
+from nipper_pin import InputError, Mechanism
 from nipper_pin.view.scene.server import serve
 
 PAGE = "<!DOCTYPE html>\n<p>\N{GREEK SMALL LETTER PSI}</p>"
@@ -173,3 +173,55 @@ def test_the_live_page(
     assert [item for item, _ in opened] == ([address] if browser else [])
     assert all(flushed >= 1 for _, flushed in opened)
     assert output.flushed >= 1
+
+
+class Viser:
+    """A server that takes another port than it is asked for."""
+
+    def __init__(self, port: int) -> None:
+        self.port, self.stopped = port, 0
+
+    def get_port(self) -> int:
+        return self.port
+
+    def stop(self) -> None:
+        self.stopped += 1
+        # It announces that on stdout, which belongs to the command.
+        print("viser stops")
+
+
+@pytest.mark.parametrize(("asked", "given"), [(8123, 8124), (8123, 8123), (0, 8124)])
+def test_ports_of_the_live_page(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], asked: int, given: int
+) -> None:
+    """Another port than the one that is named is refused, and its server ended."""
+    from nipper_pin.view.live import serve as module
+
+    made = Viser(given)
+    monkeypatch.setattr("viser.ViserServer", lambda **_: made)
+    monkeypatch.setattr("socket.socket", lambda: Trial())
+    if asked in (0, given):
+        assert module._server(asked) is made
+        assert made.stopped == 0
+        return
+    with pytest.raises(InputError, match=r"port 8123 cannot be used \(another") as caught:
+        module._server(asked)
+    assert caught.value.evidence == {"port": 8123}
+    assert made.stopped == 1
+    assert capsys.readouterr().out == ""
+
+
+class Trial:
+    """A socket that can be bound to any port."""
+
+    def __enter__(self) -> Trial:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Nothing is held."""
+
+    def setsockopt(self, *_: object) -> None:
+        """Nothing is set."""
+
+    def bind(self, place: tuple[str, int]) -> None:
+        assert place[0] == "127.0.0.1"

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from judge import press
 
-from nipper_pin import Case, Mechanism, Outcome, load, simulate
+from nipper_pin import Case, InputError, Mechanism, Outcome, load, simulate
 from nipper_pin.view.live import answer as answers
 from nipper_pin.view.live.answer import answer
 from nipper_pin.view.live.panel.text import as_html
@@ -91,6 +91,14 @@ def test_sliders_of_springs_at_hinges_and_of_several(e62: Mechanism) -> None:
 )
 def test_steps_are_round(value: float, step: float) -> None:
     assert _round_step(value) == step
+
+
+def test_sliders_need_the_transition_stop(e62: Mechanism) -> None:
+    """It is enough alone, and no other stop stands in for it."""
+    jaw, steeve = (e62.stop(name) for name in ("jaw", "steeve"))
+    assert knobs(replace(e62, stops=(jaw,)), 650.0)
+    with pytest.raises(InputError, match="no transition stop"):
+        knobs(replace(e62, stops=(steeve,)), 650.0)
 
 
 class Rows(HTMLParser):

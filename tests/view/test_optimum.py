@@ -7,14 +7,18 @@ import json
 import shlex
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from drawn import drawn
 from rich.console import Console
 from snapshots import Words
 
+from nipper_pin import InputError
 from nipper_pin.cli import main
-from nipper_pin.study.optimise import Optimum, optimise, read_problem
+from nipper_pin.study.optimise import Limit, Optimum, optimise, read_problem
+from nipper_pin.study.optimise import write as write_optimum
 from nipper_pin.study.optimise.search.samples import Found
 from nipper_pin.view.studies.front_plot import front_figure, plot_front
 from nipper_pin.view.studies.optimise_report import print_optimum
@@ -45,40 +49,45 @@ def optimum(tmp_path_factory: pytest.TempPathFactory) -> Optimum:
     return optimise(read_problem(file), starts=2, points=4, check=False, workers=1)
 
 
-def test_figure_shows_the_front_and_the_model(optimum: Optimum, tmp_path: Path) -> None:
-    """Both aims of every point, the model's own, and the numbers below over their whole range."""
-    figure = front_figure(optimum)
-    above, _, *numbers = figure.axes
-    front, model = above.lines
-    aims = ("rebound_amplitude_1", "duration_s")
-    # Heights in um, times in ms.
-    wanted = np.array([[item.values[name] for name in aims] for item in optimum.front])
-    np.testing.assert_allclose(front.get_xydata(), [1e6, 1e3] * wanted, rtol=1e-12)
-    assert len(wanted) == 4
-    assert optimum.before is not None
-    own = [[1e6 * optimum.before.values[aims[0]], 1e3 * optimum.before.values[aims[1]]]]
-    np.testing.assert_allclose(model.get_xydata(), own, rtol=1e-12)
-    # Its restitution of 0.5 and 1.5 m/s give a rebound of 0.15 s.
-    assert model.get_label() == "the model as it is (breaks a limit)"
-    titles = [axes.get_title(loc="left") for axes in numbers]
-    assert titles == ["restitution of stop table", "lead of drive table [mm/turn]"]
-    for axes, name, (low, high) in zip(numbers, NAMES, RANGES, strict=True):
-        (line,) = axes.lines
-        across, values = line.get_data()
-        np.testing.assert_array_equal(across, front.get_xdata())
-        np.testing.assert_array_equal(values, [item.numbers[name] for item in optimum.front])
-        told = [float(text.get_text()) for text in axes.get_yticklabels()]
-        assert told == list(axes.get_yticks()) == [low, high]
-        assert axes.get_ylim()[0] < low < high < axes.get_ylim()[1]
-        ends = [float(text.get_text()) for text in axes.texts]
-        assert ends == pytest.approx([values[0], values[-1]], rel=1e-3)
-    words = figure.get_suptitle()
-    assert words == "The best designs: time to rest against first rebound amplitude"
-    below = " ".join(figure.get_supxlabel().replace("\u00a0", " ").split())
-    assert below == "A ball [bold]and[/bold] a table Limits: first rebound time at most 5 ms"
-    path = plot_front(optimum, tmp_path / "front.png")
-    assert path.read_bytes().startswith(b"\x89PNG")
-    assert [item.name for item in tmp_path.iterdir()] == ["front.png"]
+def test_words_around_the_front(optimum: Optimum, words: Words) -> None:
+    """As it was found; and with a long title and more limits, none of which a line breaks."""
+    limits = [
+        Limit(quantity="duration_s", side="high", value=0.25),
+        *(Limit(quantity="clamping_force_N", side=side, value=value)
+          for side, value in (("low", 70.0), ("high", 95.5))),
+    ]  # fmt: skip
+    units = {**optimum.problem.units, "clamping_force_N": "N"}
+    problem = replace(optimum.problem, title="a title " * 20, limits=limits, units=units)
+    long, none = (replace(optimum, problem=item) for item in (problem, replace(problem, limits=[])))
+    words("\n".join(drawn(front_figure(found)) for found in (optimum, long, none)))
+
+
+@pytest.mark.parametrize(("suffix", "begin"), [
+    ("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF"),
+])  # fmt: skip
+def test_front_as_a_file(optimum: Optimum, tmp_path: Path, suffix: str, begin: bytes) -> None:
+    path = plot_front(optimum, str(tmp_path / f"a.{suffix}"))
+    assert path.read_bytes().startswith(begin)
+    assert [item.name for item in tmp_path.iterdir()] == [f"a.{suffix}"]
+
+
+def test_files_of_an_optimum(optimum: Optimum, tmp_path: Path) -> None:
+    """Result, overrides and case; a case of the machine with these overrides."""
+    result, told, stored = write_optimum(optimum, tmp_path / "out")
+    assert [item.name for item in (result, told, stored)] == [
+        "result.json", "overrides.json", "case.json",
+    ]  # fmt: skip
+    assert json.loads(result.read_text(encoding="utf-8")) == json.loads(
+        json.dumps(optimum.record())
+    )
+    assert json.loads(told.read_text(encoding="utf-8")) == optimum.overrides
+    document: Any = json.loads(stored.read_text(encoding="utf-8"))
+    assert f'"speed_rpm": {optimum.case.speed_rpm}' in json.dumps(document)
+    restitution = optimum.overrides["stops.table.restitution"]
+    assert f'"restitution": {restitution}' in json.dumps(document)
+    (tmp_path / "occupied").write_text("mine", encoding="utf-8")
+    with pytest.raises(InputError, match=r"not a folder|cannot be made a folder"):
+        write_optimum(optimum, tmp_path / "occupied")
 
 
 def test_figure_names_what_holds_each_design_back(optimum: Optimum) -> None:
@@ -111,9 +120,6 @@ def test_figure_names_what_holds_each_design_back(optimum: Optimum) -> None:
         assert marks[words] == pytest.approx(places, rel=1e-12)
     somewhere = {place for places in wanted.values() for place in places}
     assert nothing == [place for place in across if place not in somewhere]
-    # The words stand above their row of marks.
-    heights = [(text.get_text(), text.xy[1]) for text in held.texts]
-    assert heights == [(line.get_label(), 0.5 + line.get_ydata()[0]) for line in held.lines]
 
 
 # --- every number that is said, against the formulas of a bouncing ball ---------------------------

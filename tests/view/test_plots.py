@@ -51,11 +51,6 @@ def test_a_cycle_has_five_figures(cycle: Solution, tmp_path: Path) -> None:
         assert imread(file)[..., :3].std() > 0.02
 
 
-def test_a_transition_has_no_forces(transition: Solution, tmp_path: Path) -> None:
-    files = plot_solution(transition, str(tmp_path))
-    assert [file.stem for file in files] == ["motion", "phases", "transition", "impulses"]
-
-
 @pytest.mark.parametrize("draw", [motion_figure, phase_figure, force_figure, impulse_figure])
 @pytest.mark.parametrize("name", ["cycle", "many_turns"])
 def test_no_panel_of_a_cycle_is_blank(
@@ -85,10 +80,20 @@ def test_a_stop_that_is_open_at_the_end_has_left_and_not_come_back() -> None:
     assert "later" not in told
 
 
-def test_a_run_without_a_rest_has_no_transition_figure(tmp_path: Path) -> None:
-    mechanism = load("e62", {"stops.jaw.restitution": 0.9})
-    files = plot_solution(simulate(mechanism, Case(speed_rpm=650.0)), tmp_path)
-    assert [file.stem for file in files] == ["motion", "phases", "impulses"]
+@pytest.mark.parametrize(
+    ("changes", "case", "names"),
+    [
+        ({}, Case(speed_rpm=650.0), ["motion", "phases", "transition", "impulses"]),
+        ({"stops.jaw.restitution": 0.9}, Case(speed_rpm=650.0), ["motion", "phases", "impulses"]),
+        ({"stops.jaw.restitution": 0.0}, Case(speed_rpm=450.0), ["impulses"]),
+    ],
+)
+def test_which_figures_a_run_has(
+    changes: dict[str, float], case: Case, names: list[str], tmp_path: Path
+) -> None:
+    """None of what did not happen: forces in a transition, a rest, motion."""
+    files = plot_solution(simulate(load("e62", changes), case), str(tmp_path))
+    assert [file.stem for file in files] == names
 
 
 def test_a_folder_that_is_a_file_is_refused(transition: Solution, tmp_path: Path) -> None:

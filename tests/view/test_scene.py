@@ -23,6 +23,7 @@ import yourdfpy
 
 from nipper_pin import Case, InputError, Solution, load, save, simulate
 from nipper_pin.cli import main
+from nipper_pin.errors import SingularConfigurationError
 from nipper_pin.hybrid.case import Window
 from nipper_pin.mechanism import collision_model, find_model, from_sources, known_models
 from nipper_pin.view.scene import Film, Look, film
@@ -410,10 +411,11 @@ def test_the_record_of_the_run_can_be_had_as_well(
     assert max(columns["slow motion 1 :"]) == pytest.approx(1000.0)
 
 
-@pytest.mark.parametrize("values", [{"slow": 0.5}, {"exaggerate": 0.0}, {"exaggerate": 51.0}])
-def test_unusable_looks_are_refused(values: dict[str, float]) -> None:
-    with pytest.raises(InputError, match="cannot be used: 1 to"):
-        Look(**values)
+@pytest.mark.parametrize("values", [{"slow": 1.0}, {"slow": 1e5}, {"exaggerate": 50.0}])
+def test_looks_up_to_their_ends(values: dict[str, float]) -> None:
+    assert Look(**values)
+    with pytest.raises(InputError, match=r"cannot be used: 1 to (50|100000)$|: 1 to 1e\+05"):
+        Look(**{key: 1.001 * value if value > 1.0 else 0.999 for key, value in values.items()})
 
 
 def test_a_run_without_motion_says_so() -> None:
@@ -427,6 +429,20 @@ def test_a_gap_that_is_not_there_cannot_be_exaggerated() -> None:
     case = Case(speed_rpm=300.0, window=Window.CYCLE, start_index=0.0)
     with pytest.raises(InputError, match="no transition stop"):
         film(simulate(mechanism, case), Look(exaggerate=2.0))
+
+
+def test_loops_that_do_not_close_cannot_be_exaggerated(
+    transition: Solution, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fails(*_: object) -> None:
+        message = "a dead centre"
+        raise SingularConfigurationError(message)
+
+    monkeypatch.setattr(sys.modules["nipper_pin.view.scene.film"], "close_positions", fails)
+    words = r"gap of stop jaw cannot be drawn 12 times as large, .*\(a dead centre\); use a smaller"
+    with pytest.raises(InputError, match=words) as caught:
+        film(transition, Look(exaggerate=12.0))
+    assert caught.value.evidence == {"exaggerate": 12.0}
 
 
 def test_a_saved_run_is_shown_as_it_was(tmp_path: Path, cycle: Solution) -> None:
