@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import math
 import shutil
@@ -9,16 +10,22 @@ import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from drawn import drawn
+from rich.console import Console
+from scipy.interpolate import CubicSpline
 
 from benchmarks.__main__ import main
 from benchmarks.paper.counts import counted
-from benchmarks.paper.phases import branch, phase_one, touch_index
-from benchmarks.paper.published import published
+from benchmarks.paper.figures import NAMES as NAMES_OF_FIGURES
+from benchmarks.paper.figures import figures
+from benchmarks.paper.phases import branch, kinematics, phase_one, touch_index
+from benchmarks.paper.published import conditions, published
 from benchmarks.paper.ratios import agreement
-from benchmarks.paper.report import _percent, sheet
+from benchmarks.paper.report import _percent, print_paper, sheet
 from benchmarks.paper.shares import MAP_RESTITUTIONS, shares
 from benchmarks.paper.studies import run_studies
 from benchmarks.paper.study import PaperStudy, paper_study
@@ -189,6 +196,60 @@ def test_the_change_by_inertial_shafts_falls_with_their_inertia(study):
         assert rows[1.0].first_impulse < 0.0
 
 
+def test_effects_of_inertial_shafts_are_those_of_two_runs(study, e62):
+    """Relative changes, and how much of its rate the first collision takes from a shaft."""
+    held, free = (simulate(e62, Case(speed_rpm=650.0, drive=kind)) for kind in ("held", "inertial"))
+    (effect,) = (item for item in study.drives.effects if (item.factor, item.speed_rpm) == (1, 650))
+    for key, place, number in (("first_impulse", 0, "impulse"),
+                               ("first_amplitude", 0, "rebound_amplitude"),
+                               ("second_amplitude", 1, "rebound_amplitude")):  # fmt: skip
+        one, other = (getattr(run.collisions[place], number) for run in (held, free))
+        assert getattr(effect, key) == pytest.approx(other / one - 1.0, rel=1e-9)
+    durations = [run.transitions[0].duration for run in (held, free)]
+    assert effect.transition_time == pytest.approx(durations[1] / durations[0] - 1.0, rel=1e-9)
+    hit = free.collisions[0].event
+    kept = hit.v_after[free.system.driven] / hit.v_before[free.system.driven]
+    assert effect.shaft_jump == pytest.approx(np.abs(kept - 1.0).max(), rel=1e-9)
+
+
+def test_the_published_numbers_for_another_machine(e62):
+    given = conditions(e62)
+    assert given == published()
+    assert (given.speeds_rpm, given.common_speed_rpm) == ((450.0, 550.0, 650.0), 650.0)
+    assert given.stiffnesses == (7e3, 8e3, 9e3, 10e3, 11e3)
+    assert (given.common_restitution, given.count_increase) == (given.restitutions[3], 3.0)
+    other = load("hanging_pendulum")
+    found = conditions(other)
+    rated, own = other.cylinder.rated_speed_rpm, other.springs[0].stiffness
+    assert found.speeds_rpm == tuple(round(rated * s / 450.0) for s in given.speeds_rpm)
+    assert found.common_speed_rpm == found.speeds_rpm[2]
+    assert found.stiffnesses == pytest.approx([own * k / 9.0 for k in (7, 8, 9, 10, 11)])
+    assert (found.ratios, found.count_increase) == ({}, None)
+    assert found.restitutions == given.restitutions
+
+
+def test_marks_of_a_turn(e62):
+    """The jaw's angle with the steeve on its stop crosses zero twice; it is open in between.
+
+    Zeros of a cubic spline through the samples, 1e-3 of the index; where it opens and closes are
+    13 of 40 apart, and taken for one another they would be found out.
+    """
+    turn = kinematics(e62, 650.0)
+    index = touch_index(e62) + np.linspace(0.0, 40.0, 1001)
+    opened, _ = branch(e62, frozenset({"steeve"}), 650.0, index)
+    angle = CubicSpline(index, opened[:, e62.stop("jaw").index])
+    inside = [x for x in angle.roots(extrapolate=False) if index[1] < x < index[-2]]
+    opens = [x for x in inside if angle(x, 1) > 0.0]
+    assert len(opens) == 1
+    assert turn["opening_index"] == pytest.approx(opens[0] % 40.0, abs=1e-3)
+    assert turn["closing_index"] == pytest.approx(index[0] % 40.0, abs=1e-9)
+    assert turn["largest_jaw_angle_rad"] == pytest.approx(angle(index).max(), rel=1e-5)
+    closed, _ = branch(e62, frozenset({"jaw"}), 650.0, index)
+    stroke = closed[:, e62.stop("steeve").index].max()
+    assert turn["largest_stroke"] == pytest.approx(stroke, rel=1e-5)
+    assert turn["speed_rpm"] == 650.0
+
+
 def test_the_stop_force_is_that_of_a_simulated_turn(e62, study):
     """A third speed and another preload, by inverse dynamics along a simulated turn.
 
@@ -291,18 +352,52 @@ def test_the_map_holds_single_transitions(study):
     assert data.index_units[0, 0, 0] == pytest.approx(40.0 * turns)
 
 
-def test_record_is_plain(study):
-    """JSON without NaN, and the same text twice."""
-    # What must be known of the numbers stands first, whoever reads the document.
-    assert "never the maker's data" in study.record()["note"]
+def told(value: Any, indent: str = "") -> str:
+    """A document with four digits of its numbers; of long lists the first and the last items."""
+    if isinstance(value, dict):
+        return "".join(f"\n{indent}{key}: {told(v, indent + '  ')}" for key, v in value.items())
+    if isinstance(value, list):
+        if len(value) > 5:
+            return f"{len(value)} from {told(value[0], indent)} to {told(value[-1], indent)}"
+        return f"[{', '.join(told(item, indent) for item in value)}]"
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def test_what_is_said(study, words):
+    """The document, which is strict JSON, the table for a terminal and as Markdown."""
     text = json.dumps(study.record(), allow_nan=False)
-    assert json.dumps(study.record(), allow_nan=False) == text
-    record = json.loads(text)
-    assert record["agreement"] == {"of": 12, "within_4_percent": 8, "within_10_percent": 12}
-    assert record["identified"]["model"] == "e62_identified"
-    assert record["identified"]["agreement"]["within_4_percent"] == 10
-    assert "never the maker's data" in record["note"]
-    assert len(record["studies"]["restitution"]) == 5
+    document = json.loads(text)
+    # What must be known of the numbers is said of each document.
+    assert "never the maker's data" in document["note"]
+    assert document["fixed_step"].pop("our_evaluations") > 0
+    stream = io.StringIO()
+    print_paper(study, Console(file=stream, width=80))
+    words(f"{told(document)}\n\n{stream.getvalue()}\n{sheet(study).markdown()}\n")
+
+
+@pytest.mark.parametrize("name", NAMES_OF_FIGURES)
+def test_figures(study, words, name):
+    """Each says what its numbers are, and has its labels."""
+    words(drawn(figures(study)[name]))
+
+
+def test_figures_are_of_the_study(study):
+    """Curves by name in the units of their labels, beside the study's own numbers."""
+    drawn_figures, studies = figures(study), study.studies
+    curves = {
+        ("figure_12", 0, 2): studies.speed.bounces.impulse[2, :8],
+        ("figure_13", 0, 0): 1e3 * studies.restitution.table.duration,
+        ("figure_14", 0, 0): 1e3 * studies.stiffness.table.duration,
+        ("figure_14", 0, 1): 1e3 * studies.stiffness.times[:, 0],
+        ("figure_14", 0, 2): 1e3 * studies.stiffness.times[:, 1],
+        ("thresholds", 0, 0): study.counts.restitution[:, 0],
+        ("thresholds", 1, 0): study.counts.time_increase,
+        ("stop_force", 0, 1): study.phase_one.force(study.phase_one.preload, 550.0),
+        ("shares", 0, 1): 100.0 * study.shares.shares[1],
+    }  # fmt: skip
+    for (name, panel, place), wanted in curves.items():
+        line = drawn_figures[name].axes[panel].lines[place]
+        np.testing.assert_allclose(np.asarray(line.get_ydata(), float), wanted, err_msg=name)
 
 
 def test_a_jaw_that_does_not_rest_is_refused_with_its_value(e62):

@@ -11,21 +11,31 @@ import json
 import math
 import subprocess
 import sys
-import time
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from drawn import drawn
 from numpy.polynomial import chebyshev
 from programs import main
 from rich.console import Console
+from snapshots import Words
 
+from benchmarks.peers import Four, Setting, available
+from benchmarks.run_time import peer_work
 from benchmarks.run_time.benchmark import Benchmark
-from benchmarks.run_time.certified import Certified, certified, certified_names
+from benchmarks.run_time.certified import (
+    Certified,
+    _document,
+    certified,
+    certified_cycle,
+    certified_names,
+)
 from benchmarks.run_time.cost import four_bar_chain
-from benchmarks.run_time.timing import Timing, environment, timed
-from benchmarks.run_time.turns import TurnRow, turn_rows
+from benchmarks.run_time.timing import Timing
+from benchmarks.run_time.turns import TurnRow, _errors, turn_rows
 from benchmarks.run_time.work_precision import (
     Observed,
     Row,
@@ -36,8 +46,8 @@ from benchmarks.run_time.work_precision import (
 )
 from benchmarks.views.benchmark_report import markdown, print_benchmark, write_benchmark
 from benchmarks.views.work_precision_plot import work_precision_figure
-from nipper_pin import Case, Window, simulate
-from nipper_pin.errors import UnknownNameError
+from nipper_pin import Case, InputError, Mechanism, Window, simulate
+from nipper_pin.errors import SimulationError, UnknownNameError
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "scripts/maintain/figures"))
 
@@ -64,8 +74,10 @@ def polynomials(reference: Certified) -> list[tuple[np.ndarray, np.ndarray]]:
     return found
 
 
-def certain(reference: Certified, stretch: float = 0.0, swell: float = 0.0) -> Observed:
-    """An engine that knows the reference, but its times are off by a factor, or its gaps."""
+def certain(
+    reference: Certified, stretch: float = 0.0, swell: float = 0.0, faster: float = 0.0
+) -> Observed:
+    """An engine that knows the reference, but for factors of times or gaps, or faster rates."""
     series, scale = polynomials(reference), 1.0 + stretch
     starts = np.array([flight.start_s for flight in reference.flights])
 
@@ -79,7 +91,7 @@ def certain(reference: Certified, stretch: float = 0.0, swell: float = 0.0) -> O
             gap[row], rate[row] = (
                 chebyshev.chebval(2.0 * sigma - 1.0, item) for item in series[place]
             )
-        return (1.0 + swell) * gap, rate
+        return (1.0 + swell) * gap, rate + faster * reference.separation_rate
 
     return Observed(
         times=scale * reference.times[:6],
@@ -149,6 +161,13 @@ def test_trajectory_error_of_too_high_a_bounce_is_its_excess(reference: Certifie
     assert error == pytest.approx(1e-5, rel=3e-3)
 
 
+def test_trajectory_error_of_too_fast_a_motion_is_its_excess(reference: Certified) -> None:
+    """Rates too high by 1e-4 of the first separation rate, and nothing else, have that error."""
+    error = trajectory_error(certain(reference, faster=1e-4), reference)
+    assert error == pytest.approx(1e-4, rel=1e-6)
+    assert trajectory_error(certain(reference), replace(reference, flights=())) is None
+
+
 @pytest.mark.parametrize(("place", "error"), list(itertools.product(range(4), (1e-3, -1e-7))))
 def test_worst_of_four_is_the_worst(reference: Certified, place: int, error: float) -> None:
     """An error put into one of the four quantities comes out, whichever it is, for peers too."""
@@ -170,6 +189,50 @@ def test_worst_of_four_is_the_worst(reference: Certified, place: int, error: flo
     assert peer.error_worst == pytest.approx(abs(error), abs=1e-13)
     expected = abs(error) if place == 3 else 0.0
     assert row.error_duration == pytest.approx(expected, abs=1e-15)
+
+
+def test_each_error_is_that_of_its_quantity(reference: Certified) -> None:
+    """Every list is off by a factor of its own, one more in a single place; the worst is told."""
+    count = 5
+    times = reference.times[:count] * (1.0 + 1e-6)
+    times[2] *= 1.0 + 1e-5
+    impulses = reference.impulses[:count] * (1.0 - 2e-4)
+    amplitudes = reference.amplitudes[:count] * (1.0 + 3e-4)
+    amplitudes[3] *= 1.0 - 1e-2
+    observed = Observed(times, impulses, amplitudes, reference.transition_time * (1.0 - 4e-3), 17)
+    row = graded("one", "1e-3", Timing(100.0, 8.0, 1.0, 0.125, 9), observed, reference)
+    times = (row.first_ms, row.wall_ms, row.fastest_ms, row.spread_ms, row.runs)
+    assert times == (100.0, 8.0, 1.0, 0.125, 9)
+    assert (row.engine, row.setting, row.evaluations) == ("one", "1e-3", 17)
+    assert row.error_times == pytest.approx((1.0 + 1e-6) * (1.0 + 1e-5) - 1.0, rel=1e-6)
+    assert row.error_impulses == pytest.approx(2e-4, rel=1e-9)
+    assert row.error_amplitudes == pytest.approx(1.0 - (1.0 + 3e-4) * (1.0 - 1e-2), rel=1e-9)
+    assert row.error_duration == pytest.approx(4e-3, rel=1e-9)
+    assert row.error_worst == pytest.approx(4e-3, rel=1e-9)
+    assert row.error_trajectory is None
+    assert row.version is None
+
+
+def test_what_is_observed_of_a_run(e62: Mechanism) -> None:
+    """Times count from the first collision; motion is that of the jaw at these times."""
+    run = simulate(e62, Case(speed_rpm=650.0))
+    seen = observe(run)
+    hits = [event for event in run.events if event.kind.value == "collision"]
+    assert seen.times == pytest.approx([event.t - hits[0].t for event in hits], abs=1e-18)
+    assert seen.impulses.tolist() == [item.impulse for item in run.collisions]
+    assert seen.amplitudes.tolist() == [item.rebound_amplitude for item in run.collisions]
+    assert seen.transition_time == run.events[-1].t - hits[0].t
+    assert seen.evaluations == run.evaluations
+    assert seen.motion is not None
+    jaw = e62.stop("jaw").index
+    left, right = (seen.motion(seen.times[1:2], side)[1][0] for side in (True, False))
+    assert left == pytest.approx(hits[1].v_before[jaw], rel=1e-9)
+    assert right == pytest.approx(hits[1].v_after[jaw], rel=1e-9)
+    times = 0.5 * (seen.times[:-1] + seen.times[1:])
+    gaps, rates = seen.motion(times, False)
+    found = run.trajectory.evaluate(times + hits[0].t)
+    assert gaps == pytest.approx(found.q[:, jaw], abs=1e-15)
+    assert rates == pytest.approx(found.v[:, jaw], abs=1e-12)
 
 
 def test_an_answer_that_is_missing_is_no_answer(reference: Certified) -> None:
@@ -236,34 +299,29 @@ def test_integrated_chain_keeps_its_energy_balance() -> None:
     assert solution.checks.energy_balance <= 1e-10
 
 
-def test_first_run_is_kept_apart_and_a_budget_is_kept() -> None:
-    """One run is the first, then the repeats; beyond the budget exactly one repeat is done.
+def test_errors_of_a_turn() -> None:
+    """The certified turn against itself, a collision of the second series later and harder.
 
-    Six runs of 50 ms are over a fifth of a second, so none is added; a run of next to no time is
-    repeated more often than asked for.
+    A series that one has further than the other is compared as far as both have it.
     """
-    calls: list[int] = []
+    rows = certified_cycle("650")
+    stops = [row["stop"] for row in rows]
+    times = np.array([float(row["time_s"]) for row in rows])
+    impulses = np.array([float(row.get("impulse_lip_N_s", row["impulse"])) for row in rows])
+    assert _errors("650", stops, times, impulses) == (0.0, 0.0)
+    place = next(n for n, stop in enumerate(stops) if stop != stops[0])
+    late, hard = times.copy(), impulses.copy()
+    late[place] += 1e-5
+    hard[place] *= 1.001
+    time, impulse = _errors("650", stops[:-1], late[:-1], hard[:-1])
+    assert time == pytest.approx(1e-5 * 650.0 / 60.0, rel=1e-6)
+    assert impulse == pytest.approx(1e-3, rel=1e-6)
 
-    def long() -> None:
-        calls.append(1)
-        time.sleep(0.05)
 
-    assert timed(long, 5).runs == 5
-    assert len(calls) == 6
-    assert timed(lambda: None, 5).runs > 5
-    calls.clear()
-    assert timed(long, 5, budget_s=0.0).runs == 1
-    assert len(calls) == 2
-
-
-def test_environment_names_machine_and_versions() -> None:
-    """Processor, cores, threads and versions are there: a time without its machine says nothing."""
-    found = environment(["no-such-distribution"])
-    assert found["processor"]
-    assert found["cores"] >= 1
-    assert {"pin", "numpy", "nipper-pin"} <= found["versions"].keys()
-    assert "no-such-distribution" not in found["versions"]
-    assert "OPENBLAS_NUM_THREADS" in found["threads"]
+def test_a_reference_that_is_missing() -> None:
+    with pytest.raises(InputError, match=r"nothing\.json is missing: get the checkout") as caught:
+        _document("nothing.json")
+    assert caught.value.evidence == {"file": "nothing.json"}
 
 
 def _top_levels(code: str) -> set[str]:
@@ -319,25 +377,31 @@ def test_import_adds_little_to_pinocchio() -> None:
 
 
 @pytest.fixture
-def made_up() -> Benchmark:
-    """A benchmark whose numbers are invented, one of them not a number."""
-    row = Row("direct", "1e-12", 3.25, 9.0, 3.0, 0.1, 30, 2e-13, 7e-13, evaluations=212)
-    peer = replace(row, engine="a peer with a rather long name (by hand)", version="1.2.3")
-    links = {"links": 3, "held_ms": 1.5, "inertial_ms": 20.0, "evaluation_us": math.nan}
+def result() -> Benchmark:
+    """A benchmark of which no two numbers are equal, and one is none."""
+    # Errors above one: smaller ones are no words that processors have in common.
+    row = Row("direct", "finest", 3.25, 9.0, 3.0, 0.125, 30, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 212)
+    peer = Row("a peer with a rather long name (by hand)", "fine", 50.0, 99.0, 40.0, 5.0, 31,
+               7.5, 8.5, evaluations=999, version="1.2.3")  # fmt: skip
     return Benchmark(
         quick=True,
-        environment=environment(),
-        engines=(row, replace(row, setting="1e-13", error_worst=0.0)),
-        accuracy=(row,),
-        peers=(peer, replace(peer, setting="too coarse", error_worst=None)),
+        environment={
+            "date": "2026-01-02T03:04:05", "platform": "here", "processor": "chip", "cores": 6,
+            "cores_allowed": 5, "load_average": [1.25, 2.5, 3.5], "python": "3.11.9",
+            "threads": {"OMP_NUM_THREADS": None, "MKL_NUM_THREADS": "3"},
+            "versions": {"numpy": "2.1", "pin": "3.2"},
+        },
+        engines=(row, replace(row, setting="coarse", fastest_ms=2.5, error_worst=9.5)),
+        accuracy=(replace(row, setting="case 450", wall_ms=3.5),),
+        peers=(peer, replace(peer, setting="too coarse", fastest_ms=45.0, error_worst=None)),
         unavailable=("a peer, 1 ms: no bounce",),
         reduced={"build_ms": 144.0, "transitions_per_s": 21792.4},
-        turns=(TurnRow("direct", "450 r/min, 1e-09", 13.0, 1e-12, math.nan, 77.0, None),),
+        turns=(TurnRow("direct", "450 r/min", 13.0, 1.25, math.nan, 77.0, None),),
         cost={
-            "turns": [{"turns": 3, "reuse_ms": 14.0, "no_reuse_ms": 40.0}],
-            "links": [links],
+            "turns": [{"turns": 3, "reuse_ms": 14.0, "no_reuse_ms": 44.0}],
+            "links": [{"links": 5, "held_ms": 1.5, "inertial_ms": 20.0, "evaluation_us": None}],
         },
-    )
+    )  # fmt: skip
 
 
 @pytest.mark.slow
@@ -358,32 +422,19 @@ def test_whole_turns_of_both_engines() -> None:
             assert row.turns_per_s == pytest.approx(1e3 / row.wall_ms)
 
 
-def test_what_is_not_a_number_becomes_null(made_up: Benchmark) -> None:
-    """The document is strict JSON: what is not a number is null, and all else survives."""
-    document = json.loads(json.dumps(made_up.record(), allow_nan=False))
-    assert document["cost"]["links"][0]["evaluation_us"] is None
-    assert document["engines"][0]["error_worst"] == 7e-13
-    assert document["reduced"] == {"build_ms": 144.0, "transitions_per_s": 21792.4}
-
-
-def test_tables_show_the_numbers_and_fit_a_terminal(made_up: Benchmark) -> None:
+def test_what_is_printed(result: Benchmark, words: Words) -> None:
     """Eighty columns hold every table; what a narrow one leaves out is in the Markdown."""
     buffer = io.StringIO()
-    print_benchmark(made_up, Console(file=buffer, width=80, color_system=None))
-    text = buffer.getvalue()
-    assert max(len(line) for line in text.splitlines()) <= 80
-    for number in ("3.25", "7.0e-13", "2.0e-13", "no bounce"):
-        assert number in text
-        assert number in markdown(made_up)
-    assert "1.2.3" in markdown(made_up)
+    print_benchmark(result, Console(file=buffer, width=80, color_system=None))
+    assert max(len(line) for line in buffer.getvalue().splitlines()) <= 80
+    words(f"{buffer.getvalue()}\n{markdown(result)}")
 
 
-def test_the_page_holds_least_times_and_their_ratios(made_up: Benchmark) -> None:
+def test_the_page(result: Benchmark, words: Words) -> None:
     """What `make benchmark` writes; it has the headings of the page that was recorded."""
-    written = page(made_up.record())
-    # Of the two settings of the engine the coarser one is cheaper or equal, and above no bound.
-    assert "| direct | 3 | 3 | 3 | - | - | 0.0e+00 | 3 |" in written
-    assert written.count("| a peer with a rather long name (by hand) | 3 |") == 1
+    written = page(result.record())
+    told = ("| ", "Measured:", "The reduced engine's tables")
+    words("\n".join(line for line in written.splitlines() if line.startswith(told)))
     kept = (Path(__file__).parents[3] / "docs/benchmark.md").read_text(encoding="utf-8")
     for start in ("#", "| engine", "| turns", "| links"):
         titles = [line for line in written.splitlines() if line.startswith(start)]
@@ -403,37 +454,101 @@ def test_the_least_time_is_below_the_bound_of_its_column() -> None:
     assert f"| {scipy} | 6 | 6 | 6 | 1 | 2 | 1.0e-12 | 6 |" in least_times(rows)
 
 
-def test_files_are_written(made_up: Benchmark, tmp_path: Path) -> None:
-    """JSON, tables and plot; an error of zero or none has a place on logarithmic axes, or none."""
-    files = write_benchmark(made_up, tmp_path / "new")
+def test_files_are_written(result: Benchmark, tmp_path: Path, words: Words) -> None:
+    """Strict JSON, tables and a plot, in which settings without an answer have no place."""
+    files = write_benchmark(result, tmp_path / "new")
     assert [path.name for path in files] == ["benchmark.json", "tables.md", "work_precision.png"]
-    assert json.loads(files[0].read_text(encoding="utf-8")) == made_up.record()
+    document = json.loads(files[0].read_text(encoding="utf-8"))
+    assert document == json.loads(json.dumps(result.record(), allow_nan=False))
+    assert document["turns"][0]["error_impulses"] is None
+    assert document["engines"][0] == asdict(result.engines[0])
+    assert files[1].read_text(encoding="utf-8") == markdown(result)
     assert files[2].read_bytes().startswith(b"\x89PNG")
-    (axes,) = work_precision_figure(made_up).axes
-    assert axes.get_xscale() == axes.get_yscale() == "log"
-    points = {len(line.get_xdata()) for line in axes.get_lines()}  # type: ignore[arg-type]
-    assert points == {2, 1}
+    words(drawn(work_precision_figure(result)))
+
+
+@dataclass(frozen=True)
+class ByHand:
+    """A peer that knows the answer but for a relative error; it fails where that is one or more."""
+
+    NAME: str
+    SETTINGS: tuple[Setting, ...]
+    PACKAGE: str = "numpy"
+
+    def prepare(self, mechanism: Mechanism, speed_rpm: float) -> Callable[[Setting], Four]:
+        if not self.SETTINGS:
+            message = "no such scene"
+            raise ValueError(message)
+        right = certified()
+        assert (mechanism.name, speed_rpm) == ("e62", right.speed_rpm)
+
+        def run(setting: Setting) -> Four:
+            if setting.value >= 1.0:
+                message = "no bounce"
+                raise SimulationError(message)
+            first, second = right.rebound_times[:2]
+            end = right.transition_time * (1.0 + setting.value)
+            return Four(first, second, right.amplitudes[0], end, 77)
+
+        return run
+
+
+def test_a_peer_that_fails_is_named_and_the_others_go_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each setting is graded by what it found; a quick run leaves some out."""
+    settings = (Setting("coarse", 1.0), Setting("fine", 1e-2), Setting("slow", 1e-3, quick=False))
+    peers = [(ByHand("broken", ()), "1"), (ByHand("good", settings), "2")]
+    monkeypatch.setattr(peer_work, "available", lambda: iter(peers))
+    for quick, labels in ((True, ["fine"]), (False, ["fine", "slow"])):
+        said: list[str] = []
+        rows, failed = peer_work.peer_rows(certified(), quick=quick, repeats=1, say=said.append)
+        assert said == ["peer broken", "peer good"]
+        assert failed == ["broken: no such scene", "good, coarse: no bounce"]
+        assert [row.setting for row in rows] == labels
+        for row in rows:
+            assert (row.engine, row.version, row.evaluations) == ("good", "2", 77)
+            wanted = 1e-2 if row.setting == "fine" else 1e-3
+            assert row.error_worst == row.error_duration == pytest.approx(wanted, rel=1e-9)
 
 
 @pytest.mark.slow
 def test_quick_benchmark_prints_one_document(capsys: pytest.CaptureFixture[str]) -> None:
-    """The command prints one JSON document; finer tolerances err less, none 10 times as asked.
+    """Everything in its place; finer tolerances err less, none 10 times as much as asked.
 
     Errors are measured against the reference, so that order over eight decades is no accident.
     """
     assert main(["run", "--quick", "--repeats", "1", "--json", "-"]) == 0
     document = json.loads(capsys.readouterr().out)
-    direct = [row for row in document["engines"] if row["engine"] == "direct"]
-    errors = [row["error_worst"] for row in direct]
+    engines = {name: [row for row in document["engines"] if row["engine"] == name]
+               for name in ("direct", "reduced", "reduced, batch")}  # fmt: skip
+    for rows in engines.values():
+        errors = [row["error_worst"] for row in rows]
+        assert errors[0] <= 1e-3
+        assert errors[-1] <= 1e-11
+        for row in rows:
+            assert row["error_worst"] <= 10.0 * float(row["setting"])
+            assert 0.0 < row["fastest_ms"] <= row["wall_ms"]
+    errors = [row["error_worst"] for row in engines["direct"]]
     assert errors == sorted(errors, reverse=True)
-    assert errors[0] <= 1e-3
-    assert errors[-1] <= 1e-11
-    for row in direct:
-        assert row["error_worst"] <= 10.0 * float(row["setting"])
-        assert row["evaluations"] > 0
-        assert row["wall_ms"] > 0.0
-    assert {"environment", "peers", "reduced", "cost"} <= document.keys()
-    assert document["cost"]["links"][-1]["links"] == 21
+    assert all(row["evaluations"] > 0 for row in engines["direct"])
+    cases = [row["setting"] for row in document["accuracy"]]
+    assert cases == [f"case {name}" for name in certified_names()]
+    assert all(row["error_worst"] <= 1e-10 for row in document["accuracy"])
+    assert {row["engine"] for row in document["peers"]} == {peer.NAME for peer, _ in available()}
+    assert all(row["version"] and row["error_worst"] < 0.1 for row in document["peers"])
+    assert [row["turns"] for row in document["cost"]["turns"]] == [1, 3, 10]
+    for row, count in zip(document["cost"]["links"], (1, 2, 5, 10), strict=True):
+        assert (row["four_bars"], row["links"], row["cut_pins"]) == (count, 2 * count + 1, count)
+        assert row["held_evaluations"] == 0 < row["inertial_evaluations"]
+        assert max(row["held_energy_balance"], row["inertial_energy_balance"]) <= 1e-10
     # Its bound is one: what it states covers what is true.
-    assert document["reduced"]["error"] <= document["reduced"]["stated_error"] <= 1e-8
-    assert document["reduced"]["transitions_per_s"] > 0.0
+    reduced = document["reduced"]
+    assert reduced["error"] <= reduced["stated_error"] <= 1e-8
+    single, batch = (engines[name][3] for name in ("reduced", "reduced, batch"))
+    assert (single["setting"], batch["setting"]) == ("1e-10", "1e-10")
+    assert (reduced["error"], reduced["transition_ms"]) == (
+        single["error_worst"], single["wall_ms"],
+    )  # fmt: skip
+    assert reduced["transition_in_batch_ms"] == batch["wall_ms"]
+    assert (document["quick"], reduced["batch"]) == (True, 10_000)
+    assert reduced["transitions_per_s"] > 0.0
+    assert "mujoco" in document["environment"]["versions"] or "mujoco" not in str(document["peers"])

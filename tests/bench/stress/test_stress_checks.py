@@ -75,7 +75,8 @@ SITES = sites()
 
 
 def test_sites_are_found() -> None:
-    """Some fifty, of every file; without them the test below would show nothing."""
+    """Some fifty, of every file and of every check; else the test below would show nothing."""
+    assert len(DOCTORS) == len(CHECKS)
     assert {site.file for site in SITES} == set(_FILES)
     assert len(SITES) > 45
 
@@ -391,6 +392,53 @@ def heavier(built: Any) -> None:
 
 def stronger_gravity(built: Any) -> None:
     built.gravity.linear = built.gravity.linear * (1.0 + 2e-9)
+
+
+# A number of each kind of element, stop and drive; by the power of springs and dampers, too.
+NUMBERS = {
+    "springs": ("stiffness", "preload"), "dampers": ("damping",),
+    "struts": ("stiffness", "free_length", "damping"), "tabulated_springs": ("characteristic",),
+    "stops": ("restitution", "at", "sense"),
+    "drives": ("reflected_inertia", "shaft_frequency_hz", "shaft_damping_ratio"),
+}  # fmt: skip
+ELEMENTS = ("springs", "dampers", "struts", "tabulated_springs")
+
+
+@pytest.mark.parametrize(
+    ("table", "number"), [(table, item) for table, items in NUMBERS.items() for item in items]
+)
+def test_each_number_of_the_model_is_that_of_its_text(
+    chain: Solution, table: str, number: str
+) -> None:
+    """Larger by a millionth: seen beside the text, and of elements by their power."""
+
+    def larger(item: Any) -> Any:
+        value = getattr(item, number)
+        if number == "characteristic":
+            more = replace(value, force=tuple(1.000001 * x for x in value.force))
+        else:
+            more = 1.000001 * value
+        return replace(item, **{number: more})
+
+    items = getattr(chain.mechanism, table)
+    assert any(larger(item) != item for item in items)
+    wrong = replace(chain, mechanism=replace(chain.mechanism, **{table: tuple(map(larger, items))}))
+    # The engine goes on with the machine that it had.
+    wrong.__dict__["system"] = chain.system
+    assert [*CHECKS["model"](wrong)]
+    if table in ELEMENTS:
+        assert [*CHECKS["springs and dampers"](wrong)]
+    elif number == "at":
+        # Those below their stop penetrate it, and those on it are open.
+        assert [*CHECKS["motion"](wrong)]
+
+
+def test_points_of_a_strut_are_those_of_its_text(chain: Solution) -> None:
+    """On another frame: its power is another one."""
+    struts = tuple(replace(item, frame_b="b1") for item in chain.mechanism.struts)
+    wrong = replace(chain, mechanism=replace(chain.mechanism, struts=struts))
+    wrong.__dict__["system"] = chain.system
+    assert [*CHECKS["springs and dampers"](wrong)]
 
 
 DOCTORS = (times, outcomes, phases, impacts, motion, flights, elements, continuity, balance,
