@@ -47,12 +47,16 @@ def pytest_report_header(config: pytest.Config) -> str | None:
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Cases of campaigns are slow; each is drawn on one day of a week."""
-    places, left = Counter[str](), list[pytest.Item]()
+    numbers, places, left = Counter[str](), Counter[str](), list[pytest.Item]()
     for item in items:
+        name = item.nodeid.partition("[")[0]
+        if (sampled := item.get_closest_marker("sampled")) is not None:
+            if numbers[name] % sampled.args[0]:
+                item.add_marker("campaign")
+            numbers[name] += 1
         if item.get_closest_marker("campaign") is None:
             continue
         item.add_marker("slow")
-        name = item.nodeid.partition("[")[0]
         # Cases of one test follow one another, and tests of one case do not all share a day.
         place = zlib.crc32(name.encode()) + places[name]
         places[name] += 1

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from programs import main
 
-from nipper_pin import Case, save_case
+from nipper_pin import Case, load, save_case
 
 BASE = {"--speed": "650", "--set": "preload=10.5", "--restitution": "0.2"}
 # The last 3 are about whole turns; the cases of all others are transitions.
@@ -42,12 +42,13 @@ def words(options: dict[str, str]) -> list[str]:
 
 @pytest.fixture(scope="module")
 def saved(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
-    """A case of each window, as the command itself writes them."""
+    """A case of each window."""
     home = tmp_path_factory.mktemp("cases")
-    for window in ("transition", "cycle"):
-        folder = str(home / window)
-        assert main(["simulate", *words(BASE), "--window", window, "--out", folder]) == 0
-    return {window: str(home / window / "case.json") for window in ("transition", "cycle")}
+    e62 = load("e62", {"preload": 10.5, "restitution": 0.2})
+    return {
+        window: str(save_case(e62, Case(speed_rpm=650.0, window=window), home / f"{window}.json"))
+        for window in ("transition", "cycle")
+    }
 
 
 @pytest.mark.parametrize("option", BESIDE, ids=" ".join)

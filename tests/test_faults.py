@@ -19,7 +19,8 @@ import nipper_pin as nip
 # Modules that keep files of their own are imported, and have written them, before the limit comes.
 PROGRAM = """
 import resource, signal, sys
-import matplotlib.font_manager
+if {"--out", "--gif"} & set(sys.argv):
+    import matplotlib.font_manager
 from nipper_pin.cli import main
 limit, kill = int(sys.argv.pop(1)), sys.argv.pop(1) == "killed"
 resource.setrlimit(resource.RLIMIT_CORE, (0, 0))

@@ -126,10 +126,9 @@ def apart(tmp_path_factory: pytest.TempPathFactory) -> list[float]:
     return facts(write(tmp_path_factory.mktemp("apart"), {}), "shortcut")
 
 
+@pytest.mark.sampled(9)
 @pytest.mark.parametrize("first", range(3))
-@pytest.mark.parametrize(
-    "second", [0, *(pytest.param(place, marks=pytest.mark.campaign) for place in (1, 2))]
-)
+@pytest.mark.parametrize("second", range(3))
 def test_things_of_one_name_do_not_meet(
     first: int, second: int, tmp_path: Path, apart: list[float]
 ) -> None:

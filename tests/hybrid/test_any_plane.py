@@ -87,6 +87,7 @@ PLANES = {
 }
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("plane", PLANES)
 @pytest.mark.parametrize("turned", [(), HINGES, SLIDES, ("rail", "arm_hinge")], ids=str)
 @pytest.mark.parametrize("frames", [False, True], ids=["frames turned", "frames at random"])

@@ -161,6 +161,7 @@ def test_the_state_of_a_rest_is_that_of_the_balls_that_go_on() -> None:
     assert motion.q[0, 1] + items[1][1] == pytest.approx(height, abs=1e-12)
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("e_N", [0.98, 0.985, 0.99, 0.995, 0.998])
 @pytest.mark.parametrize("height", [0.003, 0.2, 1.0])
 def test_high_restitution(e_N: float, height: float) -> None:
@@ -272,6 +273,7 @@ def stack(items: Sequence[Ball], raised: bool, **keys: object) -> Mechanism:
     return machine(parts, len(items), gravity=GRAVITY, stops=stops, initial=initial, **keys)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("law", ["newton", "sequential"])
 @pytest.mark.parametrize("raised", [True, False])
 @pytest.mark.parametrize(

@@ -118,6 +118,7 @@ def accuracy(pair: tuple[str, str], misfit: float, scale: float) -> float:
     return abs(misfit) / arm + 1e-9
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("joint", ["hinge", "slide"])
 @pytest.mark.parametrize("pair", list(itertools.product(SHAPES, repeat=2)), ids="-".join)
 def test_lips_have_the_lever_of_what_lies_together(

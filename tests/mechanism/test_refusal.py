@@ -36,14 +36,15 @@ def places(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
 
 def spoiled(document: dict[str, Any]) -> Iterator[dict[str, Any]]:
     """The document with a value changed, a key left out, or one added, everywhere in turn."""
-    for path in places(document):
+    for path in list(places(document)):
+        parent: Any = document
+        for step in path[:-1]:
+            parent = parent[step]
+        right = parent[path[-1]]
         for wrong in WRONG:
-            copied = copy.deepcopy(document)
-            parent: Any = copied
-            for step in path[:-1]:
-                parent = parent[step]
             parent[path[-1]] = wrong
-            yield copied
+            yield document
+        parent[path[-1]] = right
         copied = copy.deepcopy(document)
         parent = copied
         for step in path[:-1]:

@@ -59,6 +59,7 @@ def test_no_law_stops_the_machine_at_any_speed(machine: str, law: str) -> None:
         moves_as_its_law(turn(mechanism, float(speed)))
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("law", ["modified_sine, dwells", "12 rows"])
 def test_no_number_of_turns_stops_the_machine(law: str) -> None:
     """Round-off of the angle grows with the turns, and moves what the law has at the nodes."""

@@ -50,6 +50,7 @@ def test_e62(power: int, window: str) -> None:
     assert np.allclose(*stated, rtol=1e-6)
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("power", [-24, -12, 12])
 @pytest.mark.parametrize("name", sorted(GALLERY))
 def test_gallery(name: str, power: int) -> None:
