@@ -13,6 +13,8 @@ import numpy as np
 from nipper_pin import load
 from nipper_pin.mechanism import find_model
 from nipper_pin.study.sweep import Plan, read_plan
+from nipper_pin.study.sweep.chunks import run_chunk
+from nipper_pin.study.sweep.results import Store
 
 COMMAND = [sys.executable, "-c", "import sys; from nipper_pin.cli import main; sys.exit(main())"]
 TABLE = """
@@ -82,6 +84,14 @@ def study(folder: Path, text: str, name: str = "study") -> str:
 
 def plan(folder: Path, text: str) -> Plan:
     return read_plan(study(folder, text))
+
+
+def stored(out: Path, found: Plan) -> Path:
+    """A folder with all chunks of a plan, computed in this process."""
+    store = Store(out, found)
+    for chunk, rows in found.rows(found.chunks()):
+        store.write(chunk, run_chunk(found.job.text(), chunk.start, rows))
+    return out
 
 
 def wait_for(condition: Callable[[], bool], seconds: float = 60.0) -> None:

@@ -3,24 +3,28 @@
 from __future__ import annotations
 
 import math
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
 import pytest
+from msgspec.structs import replace
+from sweep_studies import plan
 
+from nipper_pin.study.sweep.job import Job
 from nipper_pin.study.sweep.results.extremes import Extremes
 
 AXES = ("speed_rpm", "preload")
 
 
-def extremes(quantity: str, **units: str) -> Extremes:
-    job: Any = SimpleNamespace(
-        quantities=(quantity, "another"), axes=[SimpleNamespace(name=name) for name in AXES],
-        units=units,
-    )  # fmt: skip
-    return Extremes(job)
+@pytest.fixture(scope="module")
+def job(tmp_path_factory: pytest.TempPathFactory) -> Job:
+    axes = "".join(f"[parameters.{name}]\nvalues = [1.0]\n" for name in AXES)
+    return plan(tmp_path_factory.mktemp("job"), axes).job
+
+
+def extremes(job: Job, quantity: str, **units: str) -> Extremes:
+    return Extremes(replace(job, quantities=(quantity, "another"), units={**job.units, **units}))
 
 
 def table(scenarios: Any, values: Any, quantity: str = "duration_s") -> pa.Table:
@@ -30,14 +34,14 @@ def table(scenarios: Any, values: Any, quantity: str = "duration_s") -> pa.Table
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_the_rows_are_those_of_a_search(seed: int) -> None:
+def test_the_rows_are_those_of_a_search(seed: int, job: Job) -> None:
     """In any order of chunks; values that are missing or occur twice are among the rows."""
     random = np.random.default_rng(seed)
     values = random.integers(0, 20, 60) / 8.0
     values[random.random(60) < 0.3] = math.nan
     # A chunk without a value changes nothing.
     values[10:20] = math.nan
-    found = extremes("duration_s")
+    found = extremes(job, "duration_s")
     for chunk in random.permutation(6):
         rows = range(10 * chunk, 10 * chunk + 10)
         found.add(table(rows, values[rows.start : rows.stop]))
@@ -57,9 +61,9 @@ def test_the_rows_are_those_of_a_search(seed: int) -> None:
     }  # fmt: skip
 
 
-def test_indices_are_ordered_along_the_turn() -> None:
+def test_indices_are_ordered_along_the_turn(job: Job) -> None:
     """From the start of turns, at 24: a rest at 0.5 is later than one at 39.5."""
-    found = extremes("rest_index")
+    found = extremes(job, "rest_index")
     found.add(table((1, 2, 3), [39.5, 0.5, 36.25], "rest_index"))
     found.add(table((4, 5), [0.25, 38.0], "rest_index"))
     assert found.smallest is not None
@@ -67,23 +71,23 @@ def test_indices_are_ordered_along_the_turn() -> None:
     assert (found.smallest.value, found.largest.value) == (36.25, 0.5)
 
 
-def test_rows_without_any_value() -> None:
+def test_rows_without_any_value(job: Job) -> None:
     """Nothing is said where no row has a value."""
-    found = extremes("duration_s")
-    assert (found.sentences(), found.record()["smallest"]) == ([], None)
+    found = extremes(job, "duration_s")
     found.add(table(range(3), [math.nan, math.nan, None]))
     assert (found.smallest, found.largest, found.sentences()) == (None, None, [])
+    assert found.record()["smallest"] is None
 
 
-def test_quantities_that_are_no_floats() -> None:
+def test_quantities_that_are_no_floats(job: Job) -> None:
     """Counts, and whether the premise holds, which is not known of every row."""
-    counts = extremes("collisions")
+    counts = extremes(job, "collisions")
     counts.add(table((4, 5, 6), [7, 3, 9], "collisions"))
     assert counts.sentences() == [
         "Smallest collisions: 3 (scenario 5: speed_rpm 10, preload 15)",
         "Largest collisions: 9 (scenario 6: speed_rpm 12, preload 18)",
     ]
-    held = extremes("premise_holds")
+    held = extremes(job, "premise_holds")
     held.add(table((4, 5, 6), [None, True, False], "premise_holds"))
     assert held.smallest is not None
     assert held.largest is not None
@@ -94,20 +98,12 @@ def test_quantities_that_are_no_floats() -> None:
     ("unit", "told"),
     [("rad", f"{18e4 / math.pi * 2.5e-5:.4g} mdeg"), ("m", "25.00 um")],
 )
-def test_values_are_told_in_the_units_that_people_read(unit: str, told: str) -> None:
+def test_values_are_told_in_the_units_that_people_read(unit: str, told: str, job: Job) -> None:
     """Of a hinge in mdeg, of a slide in um; parameters in the units of the study."""
-    found = extremes("rebound_amplitude_1", rebound_amplitude_1=unit)
+    found = extremes(job, "rebound_amplitude_1", rebound_amplitude_1=unit)
     found.add(table((8,), [2.5e-5], "rebound_amplitude_1"))
     (smallest, largest) = found.sentences()
     assert smallest == (
         f"Smallest first rebound amplitude: {told} (scenario 8: speed_rpm 16, preload 24)"
     )
     assert largest == smallest.replace("Smallest", "Largest")
-
-
-def test_columns_that_are_read() -> None:
-    """What a summary needs, the first quantity and the parameters, each once."""
-    names = extremes("premise_holds").columns
-    assert len(names) == len(set(names))
-    assert {"scenario", "outcome", "premise_holds", *AXES} <= set(names)
-    assert "another" not in names

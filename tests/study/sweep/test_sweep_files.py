@@ -10,7 +10,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from sweep_studies import plan, study
+from sweep_studies import plan, stored
 
 from nipper_pin import InputError, load
 from nipper_pin.cli import main
@@ -33,8 +33,7 @@ values = [1.0]
 @pytest.fixture(scope="module")
 def swept(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("swept")
-    path = study(folder, SMALL)
-    run_sweep(read_plan(path), folder / "out", workers=1)
+    stored(folder / "out", plan(folder, SMALL))
     return folder
 
 
@@ -59,7 +58,7 @@ def test_no_flipped_bit_changes_a_row(swept: Path) -> None:
     whole = chunk(swept).read_bytes()
     rows = read(whole)
     refused, damaged = 0, bytearray(whole)
-    for bit in range(0, 8 * len(whole), 7):
+    for bit in range(0, 8 * len(whole), 61):
         damaged[bit // 8] ^= 1 << bit % 8
         try:
             assert read(bytes(damaged), rows.column_names).equals(rows)
@@ -67,22 +66,15 @@ def test_no_flipped_bit_changes_a_row(swept: Path) -> None:
             refused += 1
         damaged[bit // 8] ^= 1 << bit % 8
     assert damaged == whole
-    assert refused > 4 * len(whole) // 7
+    assert refused > 4 * len(whole) // 61
 
 
-@pytest.mark.parametrize("part", ["head", "tail", "middle", "empty", "longer"])
-def test_no_part_of_a_chunk_is_read(swept: Path, part: str) -> None:
+def test_no_part_of_a_chunk_is_read(swept: Path) -> None:
     whole = chunk(swept).read_bytes()
     half = len(whole) // 2
-    parts = {
-        "head": whole[:-1],
-        "tail": whole[1:],
-        "middle": whole[:half] + whole[half + 1 :],
-        "empty": b"",
-        "longer": whole + b"\0",
-    }
-    with pytest.raises(DamageError):
-        read(parts[part])
+    for part in (whole[:-1], whole[1:], whole[:half] + whole[half + 1 :], b"", whole + b"\0"):
+        with pytest.raises(DamageError):
+            read(part)
 
 
 def test_a_chunk_that_would_grow_too_large_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -142,7 +134,7 @@ def test_a_chunk_of_another_place_or_plan_is_named(copy: Path, tmp_path: Path) -
     whole = chunk(copy, 1).read_bytes()
     (tmp_path / "other").mkdir()
     other = plan(tmp_path / "other", SMALL.replace("12.0", "12.5"))
-    run_sweep(other, tmp_path / "other" / "out", workers=1)
+    stored(tmp_path / "other" / "out", other)
     for source, said in (
         (chunk(copy), "holds scenarios of another chunk; run the sweep again"),
         (chunk(tmp_path / "other", 1), "holds scenarios of another plan; run the sweep again"),
@@ -170,7 +162,7 @@ def test_whole_chunks_of_something_else_are_computed_anew(copy: Path, tmp_path: 
     """
     (tmp_path / "other").mkdir()
     other = plan(tmp_path / "other", SMALL.replace("12.0", "12.5"))
-    run_sweep(other, tmp_path / "other" / "out", workers=1)
+    stored(tmp_path / "other" / "out", other)
     found, whole = read_plan(str(copy / "study.toml")), chunk(copy).read_bytes()
     table = pq.read_table(chunk(copy))
     doctored = {
@@ -300,24 +292,3 @@ def test_more_points_of_a_sequence_keep_the_first_ones(tmp_path: Path) -> None:
     assert keys[0] == keys[1]
     durations = [np.sort(table["duration_s"].to_numpy()) for table in both]
     np.testing.assert_allclose(durations[0], durations[1], rtol=1e-8)
-
-
-@pytest.mark.slow
-def test_what_cannot_be_continued_is_refused(tmp_path: Path) -> None:
-    out = tmp_path / "out"
-    run_sweep(plan(tmp_path, POINTS), out, workers=1)
-    before = sorted((out / "chunks").iterdir())
-    for old, new, said in (
-        ("count = 5", "count = 4", "asks for fewer"),
-        ("seed = 3", "seed = 4", "differ in: samples"),
-        ('"sobol"', '"latin_hypercube"', "differ in: samples"),
-        ("chunk = 3", "chunk = 4", "differ in: chunk"),
-        ("1.2]", "1.3]", "differ in: axes"),
-    ):
-        with pytest.raises(InputError, match=said):
-            run_sweep(plan(tmp_path, POINTS.replace(old, new)), out)
-    assert sorted((out / "chunks").iterdir()) == before
-    whole = POINTS.replace("sobol", "latin_hypercube")
-    run_sweep(plan(tmp_path, whole), tmp_path / "latin", workers=1)
-    with pytest.raises(InputError, match="made as a whole"):
-        run_sweep(plan(tmp_path, whole.replace("count = 5", "count = 9")), tmp_path / "latin")

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
-from sweep_studies import TABLE, plan, study
+from sweep_studies import TABLE, plan, stored, study
 
 from nipper_pin import SimulationError
 from nipper_pin.cli import main
-from nipper_pin.study.sweep import chunks, read_sweep, run, run_sweep
+from nipper_pin.study.sweep import chunks, read_sweep, run_sweep
 from nipper_pin.study.sweep.chunks import DefectError, run_chunk
-from nipper_pin.study.sweep.plan import Chunk
+from nipper_pin.study.sweep.results.chunk_file import read
 
 RADII = '[parameters."drives.pendulum.crank_radius_mm"]\nvalues = [{}]\n'
 
@@ -36,39 +34,16 @@ def test_a_sweep_without_any_result_fails(
     assert read_sweep(tmp_path / "out").stored == 4
 
 
-def test_rows_without_a_result_are_counted(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """The summary and its JSON say what a count of the rows themselves says."""
-    arguments = ["sweep", study(tmp_path, RADII.format("63.0, -6.0, 64.0, 10000.0, -7.0")),
-                 "--out", str(tmp_path / "out")]  # fmt: skip
-    assert main(arguments) == 0
-    said = capsys.readouterr().out
-    assert "3 without a result, 2 because: " in said
-    assert "2 by the direct engine: the reduced engine pays from 32 cases on" in said
-    assert main([*arguments, "--json", "-"]) == 0
-    document = json.loads(capsys.readouterr().out)
-    rows = read_sweep(tmp_path / "out").table.to_pylist()
-    for name, counts in (("outcome", document["outcomes"]), ("engine", document["engines"])):
-        values = [row[name] for row in rows]
-        assert counts == {value: values.count(value) for value in set(values)}
-    assert document["without_result"] == sum(np.isnan(row["duration_s"]) for row in rows) == 3
-
-
-def test_runs_of_too_many_collisions_are_told(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+@pytest.mark.parametrize(("most", "told"), [(3, True), (300, False)])
+def test_runs_of_too_many_collisions_are_told(tmp_path: Path, most: int, told: bool) -> None:
     """Of two speeds; the empty values of their rows are not left to be found."""
-    speeds = "[case]\nmax_collisions = {}\n[parameters.speed_rpm]\nvalues = [450.0, 650.0]\n"
-    for most, told in ((3, True), (300, False)):
-        file = study(tmp_path, speeds.format(most))
-        assert main(["sweep", file, "--out", str(tmp_path / str(most)), "--workers", "1"]) == 0
-        said = capsys.readouterr().out
-        assert ("2 ended at their largest number of collisions" in said) == told
-        durations = [
-            row["duration_s"] for row in read_sweep(tmp_path / str(most)).table.to_pylist()
-        ]
-        assert all(np.isnan(durations)) == told
+    speeds = "[parameters.speed_rpm]\nvalues = [450.0, 650.0]\n"
+    found = plan(tmp_path, f"[case]\nmax_collisions = {most}\n{speeds}")
+    report = run_sweep(found, stored(tmp_path / "out", found))
+    said = any("2 ended at their largest number of collisions" in x for x in report.sentences())
+    assert said is told
+    durations = read_sweep(tmp_path / "out").table["duration_s"].to_numpy()
+    assert np.isnan(durations).all() == told
 
 
 @pytest.mark.slow
@@ -103,16 +78,6 @@ def faulty(monkeypatch: pytest.MonkeyPatch, error: Exception, speed: float) -> N
     monkeypatch.setattr(chunks, "table_of", table)
 
 
-def in_this_process(
-    text: bytes, tasks: Iterable[tuple[Chunk, Any]], _workers: int
-) -> Iterator[tuple[Chunk, bytes | DefectError]]:
-    for chunk, rows in tasks:
-        try:
-            yield chunk, run_chunk(text, chunk.start, rows)
-        except DefectError as defect:
-            yield chunk, defect
-
-
 SPEEDS = """
 chunk = 1
 [parameters.speed_rpm]
@@ -120,39 +85,31 @@ values = [450.0, 550.0, 650.0]
 """
 
 
-@pytest.mark.parametrize(
-    "error", [ValueError("a shape"), ZeroDivisionError("division"), KeyError("name")]
-)
-def test_a_fault_of_the_program_is_shown(
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-    error: Exception,
-) -> None:
-    """No row says that it is an outcome; others are kept, and come first when it is mended."""
-    path, out = study(tmp_path, SPEEDS), tmp_path / "out"
-    monkeypatch.setattr("nipper_pin.study.sweep.run.on_this_machine", in_this_process)
-    with monkeypatch.context() as broken:
-        faulty(broken, error, 550.0)
-        assert main(["sweep", path, "--out", str(out)]) == 1
-    said = capsys.readouterr().err
-    assert f"scenario 1: a fault of the program, please report it: {type(error).__name__}" in said
-    assert "test_sweep_outcomes.py, line" in said
-    assert "1 of 3 chunks are not stored" in said
-    assert said.count("\n") == 1
-    assert read_sweep(out).table["scenario"].to_pylist() == [0, 2]
-    assert main(["sweep", path, "--out", str(out)]) == 0
-    assert "2 were there, 1 computed" in " ".join(capsys.readouterr().out.split())
+def test_a_fault_of_the_program_is_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """No row says that it is an outcome; the error names the scenario and where it happened."""
+    found = plan(tmp_path, SPEEDS)
+    text = found.job.text()
+    for error in (ValueError("a shape"), ZeroDivisionError("division"), KeyError("name")):
+        with monkeypatch.context() as broken:
+            faulty(broken, error, 550.0)
+            parts = list(found.rows(found.chunks()))
+            for chunk, rows in (parts[0], parts[2]):
+                assert read(run_chunk(text, chunk.start, rows)).num_rows == 1
+            with pytest.raises(DefectError) as caught:
+                run_chunk(text, parts[1][0].start, parts[1][1])
+        said = caught.value.message
+        assert said.startswith(
+            f"scenario 1: a fault of the program, please report it: {type(error).__name__}"
+        )
+        assert "test_sweep_outcomes.py, line" in said
 
 
 def test_an_error_of_the_package_is_an_outcome(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     found = plan(tmp_path, SPEEDS)
-    monkeypatch.setattr("nipper_pin.study.sweep.run.on_this_machine", in_this_process)
     faulty(monkeypatch, SimulationError("a dead centre"), 550.0)
-    run_sweep(found, tmp_path / "out")
-    rows = read_sweep(tmp_path / "out").table.to_pylist()
+    rows = read_sweep(stored(tmp_path / "out", found)).table.to_pylist()
     assert [row["outcome"] for row in rows] == ["at_rest", "failed", "at_rest"]
     assert rows[1]["message"] == "a dead centre"
 
@@ -188,18 +145,16 @@ def test_rows_say_whether_the_premise_holds(
 def test_the_summary_counts_what_is_on_disk(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Scenarios, mechanisms and chunks from the files alone; the time from a clock of 2.5 s."""
+    """Scenarios, mechanisms and chunks from the files alone."""
     text = RADII.format("63.0, 64.0, 65.0") + SPEEDS.replace("chunk = 1", "")
     path, out = study(tmp_path, "chunk = 3\n" + text), tmp_path / "out"
-    ticks = iter([10.0, 12.5])
-    monkeypatch.setattr("nipper_pin.study.sweep.run.on_this_machine", in_this_process)
-    run_sweep(plan(tmp_path, "chunk = 3\n" + text), out, chunks=(1, 1))
-    monkeypatch.setattr(run, "time", SimpleNamespace(perf_counter=lambda: next(ticks)))
+    stored(out, plan(tmp_path, "chunk = 3\n" + text))
+    (out / "chunks" / "0000001.parquet").unlink()
     monkeypatch.setenv("COLUMNS", "1000")
     assert main(["sweep", path, "--out", str(out), "--workers", "1"]) == 0
     rows = read_sweep(out).table.to_pylist()
     machines = {row["drives.pendulum.crank_radius_mm"] for row in rows}
-    assert capsys.readouterr().out.splitlines()[0] == (
-        f"{len(rows)} scenarios of {len(machines)} mechanisms in {out}: 3 were there, "
-        f"{len(rows) - 3} computed in 2.5 s"
+    assert capsys.readouterr().out.startswith(
+        f"{len(rows)} scenarios of {len(machines)} mechanisms in {out}: 6 were there, "
+        f"{len(rows) - 6} computed in "
     )

@@ -87,29 +87,6 @@ def test_a_seed_names_its_points(tmp_path: Path, method: str) -> None:
     assert (plain == all_rows(plan(tmp_path, text.replace("seed = 7", "seed = 1")))).all()
 
 
-def is_net(unit: np.ndarray) -> bool:
-    """Whether 2^k points have one in every of 2^k equal boxes of each two columns."""
-    size = len(unit)
-    for one, two in itertools.combinations(unit.T, 2):
-        for cuts in (2**j for j in range(size.bit_length())):
-            boxes = np.floor(one * cuts) * (size // cuts) + np.floor(two * (size // cuts))
-            if len(np.unique(boxes)) < size:
-                return False
-    return True
-
-
-def test_sobol_points_fill_boxes(tmp_path: Path) -> None:
-    """Its first two columns are a net in base 2; neither random points nor a hypercube are."""
-
-    def unit(method: str) -> np.ndarray:
-        rows = all_rows(plan(tmp_path, TABLE.replace("sobol", method).replace("600", "64")))
-        return (rows[:, :2] - [420.0, 0.05]) / [260.0, 0.2]
-
-    assert is_net(unit("sobol"))
-    assert not is_net(unit("latin_hypercube"))
-    assert not is_net(np.random.default_rng(1).random((64, 2)))
-
-
 def test_samples_cross_grids(tmp_path: Path) -> None:
     """Every sample meets every grid value once, whichever of the two changes the mechanism."""
     samples = '[samples]\nmethod = "sobol"\ncount = 5\n'

@@ -10,75 +10,41 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from snapshots import Words
 from sweep_studies import FULL, GEOMETRY, TABLE, plan
 
-from nipper_pin import InputError, load
-from nipper_pin.dynamics.system import DriveMode
+from nipper_pin import InputError
 from nipper_pin.mechanism import Mechanism
 from nipper_pin.study.sweep.axes import Axis, Target, find_target
-from nipper_pin.study.sweep.chunks import _cases
 from nipper_pin.study.sweep.job import versions
 from nipper_pin.study.sweep.plan import chosen
 from nipper_pin.study.sweep.results.record import continued, plan_record
 from nipper_pin.study.sweep.units import unit_of
 
 
-def test_every_key_of_a_study(tmp_path: Path) -> None:
-    found = plan(tmp_path, FULL)
-    job, samples = found.job, found.samples
-    assert (found.title, found.chunk, job.name) == ("test", 3, "e62")
-    assert (job.speed_rpm, job.drive, job.rest_rate) == (512.5, DriveMode.INERTIAL, 2e-4)
-    assert (job.tolerance, job.max_collisions) == (1e-3, 77)
-    assert job.quantities == ("duration_s", "rebound_amplitude_1")
-    assert samples is not None
-    assert (samples.method, samples.count, samples.seed) == ("latin_hypercube", 6, 9)
-    assert samples.earlier == ()
-    assert job.drawn == "latin_hypercube of 6, seed 9"
-    assert job.study == (tmp_path / "study.toml").read_text(encoding="utf-8")
-    restitution, preload, mass = job.axes
-    assert (restitution.low, restitution.high, restitution.values) == (0.1, 0.3, ())
-    assert (restitution.scale, preload.scale, mass.scale) == ("linear", "log", "linear")
-    assert preload.values == pytest.approx((9.0, 12.0, 16.0))
-    assert (preload.low, preload.high) == (9.0, 16.0)
-    assert (mass.low, mass.high, mass.values) == (1.1, 1.4, (1.4, 1.1))
-    assert [axis.target.kind for axis in job.axes] == ["restitution", "preload", "model"]
-    assert job.moving == (2,)
-    assert job.units == {
-        "duration_s": "s", "rebound_amplitude_1": "rad", "restitution": "1", "preload": "mm",
-        "links.top_nipper.mass_kg": "kg",
-    }  # fmt: skip
-    assert (found.scenarios, found.mechanisms) == (36, 2)
-    plain = plan(tmp_path, "[parameters.restitution]\nvalues = [0.1]\n")
-    job = plain.job
-    assert (job.speed_rpm, job.drive, job.rest_rate) == (450.0, DriveMode.HELD, None)
-    assert (job.tolerance, job.max_collisions, job.drawn) == (1e-10, 256, "")
-    assert (plain.samples, plain.chunk) == (None, None)
-    assert job.quantities == (
-        "duration_s", "duration_error_s", "first_two_share", "impulse_N_s_1",
-        "rebound_amplitude_1", "rebound_time_s_1",
-    )  # fmt: skip
-    assert plan(tmp_path, TABLE).job.drawn == "sobol, seed 7"
+def test_every_key_of_a_study(tmp_path: Path, words: Words) -> None:
+    """In ``plan.json``, and what stands there where a study says nothing."""
+    said = []
+    texts = {FULL: 1e-3, TABLE: 1e-10, "[parameters.restitution]\nvalues = [0.1]\n": 1e-10}
+    for text, tolerance in texts.items():
+        found = plan(tmp_path, text)
+        assert found.job.tolerance == tolerance
+        record, job = plan_record(found), found.job
+        assert job.study == record.pop("study")
+        assert job.study == (tmp_path / "study.toml").read_text(encoding="utf-8")
+        assert (record.pop("hash"), record.pop("identity")) == (found.hash, job.identity)
+        assert record.pop("versions") == versions()
+        assert (record.pop("urdf"), record.pop("description")) == (job.urdf, dict(job.document))
+        record |= {"units": job.units, "drawn": job.drawn, "moving": [*job.moving],
+                   "kinds": [axis.target.kind for axis in job.axes]}  # fmt: skip
+        said.append(json.dumps(record, indent=1))
+    words("\n".join(said) + "\n")
 
 
-def test_the_record_of_a_plan(tmp_path: Path) -> None:
-    """Each key of ``plan.json``; the keys that count refuse another sweep by their name."""
+def test_a_folder_of_another_sweep(tmp_path: Path) -> None:
+    """The keys that count refuse it by their name."""
     found = plan(tmp_path, FULL)
-    job = found.job
-    record = plan_record(found)
-    assert record == {
-        "format": 2, "hash": found.hash, "identity": job.identity, "title": "test", "model": "e62",
-        "scenarios": 36, "mechanisms": 2, "chunk": 3, "quantities": [*job.quantities],
-        "axes": [
-            {"name": axis.name, "path": axis.target.path, "low": axis.low, "high": axis.high,
-             "scale": axis.scale, "values": [*axis.values]}
-            for axis in job.axes
-        ],
-        "samples": {"method": "latin_hypercube", "seed": 9, "count": 6, "earlier": []},
-        "speed_rpm": 512.5, "drive": "inertial", "rest_rate": 2e-4, "tolerance": 1e-3,
-        "max_collisions": 77, "versions": versions(), "urdf": job.urdf,
-        "description": dict(job.document), "study": job.study,
-    }  # fmt: skip
-    stored = json.loads(json.dumps(record))
+    stored = json.loads(json.dumps(plan_record(found)))
     for key in ("title", "study", "scenarios", "mechanisms", "hash"):
         assert continued(found, {**stored, key: "other"}, tmp_path) == found
     for key in ("model", "chunk", "axes", "quantities", "speed_rpm", "drive", "rest_rate",
@@ -210,27 +176,6 @@ def test_targets_and_units(e62: Mechanism) -> None:
                 values=())  # fmt: skip
     assert axis.sampled(np.array([0.0, 0.5, 1.0])) == pytest.approx([4.0, 6.0, 9.0])
     assert replace(axis, scale="linear").sampled(np.array([0.0, 0.2, 1.0])).tolist() == [4, 5, 9]
-
-
-def test_parameters_in_their_columns(tmp_path: Path) -> None:
-    """Rows of a study in the units of its file; cases of a machine in SI units."""
-    text = (
-        "[parameters.preload]\nvalues = [9.0, 10.0]\n[parameters.stiffness]\nvalues = [7e3, 8e3]\n"
-        "[parameters.speed_rpm]\nvalues = [400.0, 500.0]\n[parameters.restitution]\n"
-        "values = [0.1, 0.2]\n"
-    )
-    found, machine = plan(tmp_path, text), load("e62")
-    rows = np.array([[9.0, 7e3, 400.0, 0.1], [10.0, 8e3, 500.0, 0.2]])
-    cases = _cases(found.job, machine, rows)
-    assert cases.preload == pytest.approx(np.array([[9e-3], [10e-3]]))
-    assert cases.stiffness.tolist() == [[7e3], [8e3]]
-    assert cases.speed_rpm.tolist() == [400.0, 500.0]
-    assert cases.restitution.tolist() == [0.1, 0.2]
-    fixed = plan(tmp_path, "[case]\nspeed_rpm = 512.5\n[parameters.restitution]\nvalues = [0.1]\n")
-    cases = _cases(fixed.job, machine, rows[:, 3:])
-    assert cases.speed_rpm.tolist() == [512.5, 512.5]
-    assert cases.preload.tolist() == [[machine.springs[0].preload]] * 2
-    assert cases.stiffness.tolist() == [[machine.springs[0].stiffness]] * 2
 
 
 def test_a_worker_without_the_compiler_is_another_one(monkeypatch: pytest.MonkeyPatch) -> None:
