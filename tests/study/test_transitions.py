@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 import gc
 import json
+import sys
 import weakref
 from copy import deepcopy
 from pathlib import Path
@@ -18,8 +19,6 @@ import numpy as np
 import pytest
 
 from nipper_pin import Case, DriveMode, InputError, Resolution, load, simulate
-from nipper_pin.hybrid.event import Event
-from nipper_pin.hybrid.result.rebounds import Rebounds
 from nipper_pin.mechanism import Mechanism, from_sources
 from nipper_pin.reduced import ReducedModel, build, model_cache, reduced_model, transitions
 from nipper_pin.reduced.kernels import layout
@@ -138,6 +137,15 @@ def test_turns_of_the_reduced_engine(e62: Mechanism, monkeypatch: pytest.MonkeyP
     assert (pair.engine.tolist(), few.engine.tolist()) == (["reduced_turn"] * 2, ["turn"] * 2)
     np.testing.assert_array_equal(pair.collisions, few.collisions)
     assert compared(pair, few) <= 1.0
+    # Faster still the jaw does not come to rest, and the largest number of collisions holds.
+    faster = np.append(speeds[:-1], 1600.0)
+    many = transition_table(e62, speed_rpm=faster, max_collisions=2)
+    judge = transition_table(e62, speed_rpm=faster[-2:], max_collisions=2)
+    assert many.engine.tolist()[-2:] == ["reduced_turn", "turn"]
+    for key in ("outcome", "collisions", "premise_holds"):
+        assert getattr(many, key).tolist()[-2:] == getattr(judge, key).tolist(), key
+    assert judge.outcome.tolist() == ["too_many_collisions", "no_rest"]
+    assert np.isnan(many.duration).all()
 
 
 @pytest.mark.campaign
@@ -331,9 +339,8 @@ def test_failed_case_is_a_row() -> None:
 
 def test_without_numba(e62: Mechanism, monkeypatch: pytest.MonkeyPatch) -> None:
     """Without the compiler of the reduced engine the direct one does all, and says why."""
-    monkeypatch.setattr("nipper_pin.study.transitions.engine_choice.installed", lambda _name: False)
-    monkeypatch.setattr("nipper_pin.study.transitions.engine_choice.REDUCED_PAYS_FROM", 2)
-    table = transition_table(e62, speed_rpm=[450.0, 500.0])
+    monkeypatch.setitem(sys.modules, "numba", None)
+    table = transition_table(e62, speed_rpm=np.linspace(450.0, 500.0, REDUCED_PAYS_FROM))
     assert "numba" in table.why
     assert (table.engine == "direct").all()
     assert (table.outcome == "at_rest").all()
@@ -418,31 +425,3 @@ def test_rebounds_that_a_run_does_not_reach(e62: Mechanism) -> None:
     for name in REBOUND:
         assert np.isfinite(rows[getattr(layout, name), :2]).all(), name
         assert np.isnan(rows[getattr(layout, name), 2]), name
-
-
-class Half:
-    """Rebounds of which one number is missing."""
-
-    def __init__(self, whole: Rebounds, unknown: str) -> None:
-        self._whole, self._unknown = whole, unknown
-
-    def amplitude(self, event: Event, stop: str) -> float | None:
-        return None if self._unknown == "amplitude" else self._whole.amplitude(event, stop)
-
-    def time(self, event: Event, stop: str) -> float | None:
-        return None if self._unknown == "time" else self._whole.time(event, stop)
-
-
-@pytest.mark.parametrize("unknown", ["amplitude", "time"])
-def test_rebounds_of_which_one_number_is_missing(e62: Mechanism, unknown: str) -> None:
-    """Half a rebound is none."""
-    found = assumed_transition(e62, Case(speed_rpm=650.0))
-    first, *others = found.collisions
-    rebounds: Any = Half(first.rebounds, unknown)
-    half = dataclasses.replace(first, rebounds=rebounds)
-    whole = collision_rows(found)
-    rows = collision_rows(dataclasses.replace(found, collisions=(half, *others)))
-    for name in REBOUND:
-        assert np.isnan(rows[getattr(layout, name), 0])
-        assert np.isfinite(whole[getattr(layout, name), 0])
-        assert rows[getattr(layout, name), 1] == whole[getattr(layout, name), 1]

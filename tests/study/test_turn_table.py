@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import math
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,6 @@ from judge import press
 from nipper_pin import (
     Case,
     DriveMode,
-    EventKind,
     InputError,
     Mechanism,
     Resolution,
@@ -39,9 +39,9 @@ from nipper_pin.hybrid.result.turns import (
 )
 from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.gallery import GALLERY
-from nipper_pin.reduced.turns import TurnStatus, turns
-from nipper_pin.study.turns import TURNS_PAY_FROM, engine_choice
-from nipper_pin.study.turns import run as run_module
+from nipper_pin.mechanism.restitution.falling import Falling
+from nipper_pin.reduced.turns import turns
+from nipper_pin.study.turns import TURNS_PAY_FROM
 
 TESTS = Path(__file__).parents[1]
 KINDS = {"closing_index": "collision", "rest_index": "rest", "loss_index": "release"}
@@ -257,50 +257,27 @@ def test_turns_that_repeat_after_two(e62: Mechanism) -> None:
 
 def test_which_engine_it_is(e62: Mechanism, monkeypatch: pytest.MonkeyPatch) -> None:
     """By the number of cases, the machine, the drive and what is installed; it says why."""
-    asked: list[int] = []
-    monkeypatch.setattr(run_module.Run, "direct", lambda _, number: asked.append(number))
-    monkeypatch.setattr(run_module.Run, "reduced", lambda *_, **__: [3])
-    monkeypatch.setattr(engine_choice, "turn_model", lambda _: "tables")
-    speeds = np.linspace(400.0, 700.0, TURNS_PAY_FROM)
-
-    def why(mechanism: Mechanism = e62, count: int = TURNS_PAY_FROM, **keys: Any) -> str:
-        asked.clear()
-        return turn_table(mechanism, speed_rpm=speeds[:count], **keys).why
-
-    assert why() == f"reduced: {TURNS_PAY_FROM} cases of one mechanism; 1 that it cannot follow: " \
-        "direct"  # fmt: skip
-    assert asked == [3]
-    few = TURNS_PAY_FROM - 1
-    assert why(count=few) == f"direct: the reduced engine pays from {TURNS_PAY_FROM} cases on"
-    assert asked == [*range(few)]
-    assert "held drives" in why(drive=DriveMode.INERTIAL)
-    law = replace(e62, stops=tuple(replace(stop, law=object()) for stop in e62.stops))
-    assert why(law) == "direct: the reduced engine has constant restitutions, and stop 'jaw' has " \
-        "a law"  # fmt: skip
+    few = turn_table(e62, speed_rpm=[450.0, 500.0], turns=1)
+    assert few.why == f"direct: the reduced engine pays from {TURNS_PAY_FROM} cases on"
+    assert few.engine.tolist() == ["direct"] * 2
+    speeds = np.linspace(450.0, 650.0, TURNS_PAY_FROM)
+    inertial = turn_table(e62, speed_rpm=speeds[:2], turns=1, drive=DriveMode.INERTIAL)
+    assert "held drives" in inertial.why
+    jaw, steeve = e62.stops
+    falling = replace(e62, stops=(replace(jaw, law=Falling(fast=0.1, scale=0.5)), steeve))
+    said = "the reduced engine has constant restitutions, and stop 'jaw' has a law"
+    assert turn_table(falling, speed_rpm=450.0, turns=1).why == f"direct: {said}"
     with pytest.raises(InputError, match="stop 'jaw' has a law"):
-        why(law, engine="reduced")
-    force = replace(e62, forces=(type("Force", (), {"name": "oil", "kind": "orifice"}),))  # type: ignore[arg-type]
-    assert "'oil'" in why(force)
-    monkeypatch.setattr(engine_choice, "installed", lambda _: False)
-    assert "numba, which is not installed" in why()
+        turn_table(falling, speed_rpm=450.0, engine="reduced")
+    monkeypatch.setitem(sys.modules, "numba", None)
+    assert "numba, which is not installed" in turn_table(e62, speed_rpm=speeds, turns=1).why
 
 
-def test_a_machine_without_tables_is_followed_by_the_direct_engine() -> None:
-    """Of a needle bar that starts with no stop closed, the reduced engine has none."""
-    mechanism = drawn_mechanism(GALLERY["needle_bar"]())
-    found = engine_choice.chosen(
-        lambda: engine_choice._model(mechanism, DriveMode.HELD), engine="auto", count=99,
-        pays_from=9, unfit=lambda: None, numba=lambda: True,
-    )  # fmt: skip
-    assert found[0] is None
-    assert found[1].startswith("direct: ")
-    assert "needle_bar" in found[1]
+def test_cases_that_one_engine_cannot_follow(e62: Mechanism) -> None:
+    """They are marked with the reason; the direct engine follows those that the tables cannot.
 
-
-def test_cases_that_one_engine_cannot_follow(
-    e62: Mechanism, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """They are marked with the reason; the direct engine follows those that the tables cannot."""
+    A spring that is slack for 20 mm lets the steeve fly where no tables are.
+    """
     for engine in ("direct", "reduced"):
         many = turn_table(e62, speed_rpm=450.0, max_collisions=3, engine=engine)  # type: ignore[arg-type]
         assert many.outcome.tolist() == ["too_many_collisions"]
@@ -308,46 +285,21 @@ def test_cases_that_one_engine_cannot_follow(
         assert np.isnan(many.collisions["jaw"]).all()
         assert np.isnan(many.energy_lost).all()
         assert (many.turns[0], many.repeats_after[0]) == (0, 0)
-    real = run_module.turn_quantities
-
-    def leaving(*words: Any, **keys: Any) -> Any:
-        found = real(*words, **keys)
-        status = np.where(np.arange(len(found.status)) == 1, int(TurnStatus.LEFT_GAP), 0)
-        return replace(found, status=status)
-
-    monkeypatch.setattr(run_module, "turn_quantities", leaving)
-    monkeypatch.setattr(engine_choice, "TURNS_PAY_FROM", 2)
-    table = turn_table(e62, speed_rpm=[450.0, 600.0, 650.0])
-    assert table.engine.tolist() == ["reduced", "direct", "reduced"]
-    assert table.outcome.tolist() == ["followed"] * 3
-    assert table.message == (
-        "", "the reduced engine: a flight goes higher than the widest tables", "",
-    )  # fmt: skip
+    speeds, preload = np.linspace(450.0, 650.0, TURNS_PAY_FROM), np.full(TURNS_PAY_FROM, 11.0)
+    preload[1] = -20.0
+    cases: dict[str, Any] = {"speed_rpm": speeds, "preload_length_mm": preload, "turns": 2}
+    table = turn_table(e62, **cases)
+    others = TURNS_PAY_FROM - 2
+    assert table.engine.tolist() == ["reduced", "direct", *["reduced"] * others]
+    assert table.outcome.tolist() == ["followed"] * TURNS_PAY_FROM
+    assert table.message == ("", "the reduced engine: a flight cannot be resolved", *[""] * others)
     assert table.why.endswith("; 1 that it cannot follow: direct")
-    assert np.isnan(table.clamping_force_error).tolist() == [False, True, False]
-    alone = turn_table(e62, speed_rpm=600.0)
+    assert np.isnan(table.clamping_force_error).tolist() == [False, True, *[False] * others]
+    alone = turn_table(e62, speed_rpm=speeds[1], preload_length_mm=-20.0, turns=2)
     assert table.closing_index[1] == alone.closing_index[0]
-    forced = turn_table(e62, speed_rpm=[450.0, 600.0, 650.0], engine="reduced")
-    assert forced.outcome.tolist() == ["followed", "left_gap", "followed"]
-    assert forced.turns.tolist() == [1, 0, 1]
-
-
-def test_a_failed_case_is_marked(e62: Mechanism, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Beside others that are followed."""
-    simulated = run_module.simulate
-
-    def sometimes(mechanism: Mechanism, case: Case) -> Any:
-        if case.speed_rpm == 500.0:
-            message = "cannot be followed"
-            raise InputError(message)
-        return simulated(mechanism, case)
-
-    monkeypatch.setattr(run_module, "simulate", sometimes)
-    table = turn_table(e62, speed_rpm=[450.0, 500.0])
-    assert table.outcome.tolist() == ["followed", "failed"]
-    assert table.message == ("", "cannot be followed")
-    assert np.isfinite(table.closing_index).tolist() == [True, False]
-    assert table.repeats_after.tolist() == [1, 0]
+    forced = turn_table(e62, engine="reduced", **cases)
+    assert forced.outcome.tolist() == ["followed", "unresolved", *["followed"] * others]
+    assert forced.turns.tolist()[:3] == [1, 0, 1]
 
 
 def test_values_of_a_case_are_those_of_a_machine(e62: Mechanism) -> None:
@@ -462,8 +414,3 @@ def test_names_of_quantities_say_their_unit(e62: Mechanism) -> None:
     assert torques == {"largest_torque_N_sled", "largest_torque_error_N_sled"}
     assert is_of_drive("largest_torque_N_sled", machine)
     assert not is_of_drive("largest_torque_N_m_sled", machine)
-
-
-def test_words_of_the_reduced_engine_are_those_of_a_table() -> None:
-    assert TurnStatus.FOLLOWED.name.lower() == "followed"
-    assert EventKind.RELEASE.value == KINDS["loss_index"]
