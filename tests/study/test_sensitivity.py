@@ -8,6 +8,7 @@ a wrong unit, a point that drags its neighbours along or a spring that is not re
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -25,6 +26,7 @@ from nipper_pin.study.identify.problem.working_cycle import middle_half
 from nipper_pin.study.sensitivity import (
     QUANTITIES,
     Sensitivities,
+    Sensitivity,
     every_path,
     sensitivities,
 )
@@ -58,7 +60,10 @@ SAME = {
 
 @pytest.fixture(scope="module")
 def found(e62: Mechanism) -> Sensitivities:
-    return sensitivities(e62, SPEED, tuple(SAME))
+    done: list[tuple[int, int]] = []
+    result = sensitivities(e62, SPEED, tuple(SAME), progress=lambda *counts: done.append(counts))
+    assert done == [(k, len(SAME)) for k in range(1, len(SAME) + 1)]
+    return result
 
 
 def reference(changes: dict[str, Any]) -> list[Any]:
@@ -142,16 +147,13 @@ def test_every_number_is_asked_for_once(e62: Mechanism) -> None:
     paths = every_path(e62)
     assert len(set(paths)) == len(paths)
     pins = {path.split(".")[1] for path in paths if path.startswith("points.")}
-    assert pins == {
-        "cylinder_axis",
-        "pendulum_shaft",
-        "nipper_pivot",
-        "rocker_pin",
-        "jaw",
-        "rod_pin",
-        "tension_shaft",
-        "eccentric_pin",
-    }
+    assert pins == {"cylinder_axis", "pendulum_shaft", "nipper_pivot", "rocker_pin", "jaw",
+                    "rod_pin", "tension_shaft", "eccentric_pin"}  # fmt: skip
+    # A point that a crank turns by its radius and angle, others by their coordinates.
+    assert [path for path in paths if "eccentric_pin" in path or "points.jaw" in path] == [
+        "points.jaw.x_mm", "points.jaw.z_mm", "points.eccentric_pin.radius_mm",
+        "points.eccentric_pin.angle_deg",
+    ]  # fmt: skip
     assert {path.split(".")[1] for path in paths if path.startswith("links.")} == set(e62.links)
     # Inertias of shafts, places on the index scale and axes that go with their points are left out.
     heads = ("points.", "links.")
@@ -166,15 +168,6 @@ def test_every_number_is_asked_for_once(e62: Mechanism) -> None:
     assert [path for path in every_path(small) if not path.startswith(heads)] == [
         "speed_rpm", "cylinder.angle_at_touch_deg",
     ]  # fmt: skip
-
-
-def test_record_is_complete(found: Sensitivities) -> None:
-    """Every row and every quantity, as plain numbers that JSON can hold."""
-    rows = found.record()["percent_per_unit"]
-    assert [row["path"] for row in rows] == list(SAME)
-    for row, item in zip(rows, found.rows, strict=True):
-        assert [row[name] for name in QUANTITIES] == item.per.tolist()
-        assert all(type(row[name]) is float for name in QUANTITIES)
 
 
 def test_a_restitution_of_zero() -> None:
@@ -292,3 +285,56 @@ def test_any_number_of_processes_gives_the_same_bits(e62: Mechanism) -> None:
     assert [row.path for row in two.rows] == list(paths)
     for a, b in zip(one.rows, two.rows, strict=True):
         assert (a.per.tolist(), a.control.tolist()) == (b.per.tolist(), b.control.tolist())
+
+
+# --- what is said of rows ------------------------------------------------------------------------
+
+
+def row(path: str, unit: str, *per: float, off: float = 0.0) -> Sensitivity:
+    values = np.array(per)
+    control = values - np.array([0.0, off, 0.0])
+    return Sensitivity(path=path, value=3.0, unit=unit, per=values, control=control)
+
+
+def made_up(*rows: Sensitivity, holds: bool | None = True) -> Sensitivities:
+    return Sensitivities(
+        model="mine", stop="peg", speed_rpm=612.5, premise_holds=holds, amplitude_rad=2.346e-3,
+        transition_time_s=6.789e-3, clamping_force_N=147.26, rows=rows,
+    )  # fmt: skip
+
+
+def test_doubt() -> None:
+    """From a thousandth of the largest effect on, or of 0.1 % where all effects are smaller."""
+    for per, off, doubtful in (
+        ((5.0, 1.0, 1.0), 0.0049, False), ((5.0, 1.0, 1.0), 0.0051, True),
+        ((0.01, 0.0, 0.0), 0.99e-4, False), ((0.01, 0.0, 0.0), 1.01e-4, True),
+        ((5.0, 1.0, math.nan), 0.0, True),
+    ):  # fmt: skip
+        one = row("x", "%", *per, off=off)
+        assert one.doubtful is doubtful
+        assert row("x", "%", *(-value for value in per), off=-off).doubtful is doubtful
+        if not math.isnan(per[2]):
+            assert one.disagreement == pytest.approx(off)
+
+
+def test_order_of_sensitivities() -> None:
+    """By the size of what a quantity does, whatever its sign."""
+    found = made_up(row("a", "mm", 1.0, -5.0, 2.0), row("b", "mm", -4.0, 3.0, 0.5),
+                    row("c", "mm", 2.0, 0.25, -3.0))  # fmt: skip
+    order = {"rebound_amplitude_1": "bca", "duration_s": "abc", "clamping_force_N": "cab"}
+    assert {name: "".join(item.path for item in found.ranked(name)) for name in QUANTITIES} == order
+
+
+def test_record_of_sensitivities() -> None:
+    one = row("points.jaw.z_mm", "mm", 0.5, 5.0, -0.02, off=0.75)
+    assert made_up(one, holds=None).record() == {
+        "model": "mine", "speed_rpm": 612.5, "premise_holds": None,
+        "rebound_amplitude_1": 2.346e-3, "duration_s": 6.789e-3, "mean_clamping_force_N": 147.26,
+        "percent_per_unit": [
+            {
+                "path": "points.jaw.z_mm", "value": 3.0, "unit": "mm",
+                "rebound_amplitude_1": 0.5, "duration_s": 5.0, "clamping_force_N": -0.02,
+                "disagreement_of_two_ways": pytest.approx(0.75), "doubtful": True,
+            }
+        ],
+    }  # fmt: skip

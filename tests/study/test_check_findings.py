@@ -1,7 +1,8 @@
-"""Every finding of ``check``: its record, masses by shapes, clearances, and what to do next."""
+"""Findings of ``check``: its record, masses by shapes, clearances, and what to do next."""
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -11,6 +12,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from small_machines import frame, hinge, link, sources
+from snapshots import Words
 
 from nipper_pin import Case, Mechanism, Solution, Window, load, simulate
 from nipper_pin.dynamics.moving_mass import impact_condition
@@ -37,62 +39,41 @@ def index(run: Solution, t: float) -> float:
 
 
 def test_the_record(report: ModelReport, e62: Mechanism, turn: Solution) -> None:
-    """Each key, from the model and from the turn that was walked."""
+    """From the model and from the turn that was walked."""
     record = report.record()
-    places = {joint.index: joint.name for joint in e62.joints}
     jaw, steeve = e62.stop("jaw"), e62.stop("steeve")
-    contact = jaw.contact
-    assert contact is not None
     hits = [item for item in turn.collisions if item.stop == "jaw"]
     release = next(item for item in turn.events if item.kind.value == "release")
-    assert record == {
-        "model": "e62", "title": e62.title, "speed_rpm": 650.0, "start_index": 24.0,
-        "side_view": "", "closing": "", "curves": "", "links": list(e62.links), "couplings": [],
-        "mobility": 3, "driven": 2,
-        "masses_kg": {
-            joint.child: e62.model.inertias[e62.model.getJointId(joint.name)].mass
-            for joint in e62.joints
-        },
-        "joints": [asdict(item) for item in e62.joints],
-        "closures": [asdict(item) for item in e62.closures],
-        "stops": {
-            "jaw": {"joint": places[jaw.index], "side": "lower", "at": 0.0,
-                    "restitution": jaw.restitution},
-            "steeve": {"joint": places[steeve.index], "side": "lower", "at": 0.0,
-                       "restitution": steeve.restitution},
-        },
-        "contacts": {
-            "jaw": {"point_m": contact.point.tolist(), "normal": contact.normal.tolist(),
-                    "lever_m": contact.lever_m,
-                    "closing_coordinate": contact.closing_coordinate},
-        },
-        "condition": asdict(report.condition), "impact_condition": asdict(report.impact_condition),
-        "clearances": [{**asdict(item), "interferes": False} for item in report.clearances],
-        "closing_index": pytest.approx(hits[0].index),
-        "opening_index": report.opening_index,
-        "releases": [{"stop": "steeve", "index": pytest.approx(index(turn, release.t))}],
-        "smallest_stop_force_N": {
-            name: asdict(report.stop_force[name]) for name in ("jaw", "steeve")
-        },
-        "smallest_stop_moment_N_m": {},
-        "outcome": turn.outcome.value, "no_transition": "", "advice": [], "stops_to_paste": "",
-        "provenance": dict(e62.provenance),
-    }  # fmt: skip
-    assert report.struck == {"jaw", "steeve"}
     opened = next(
         item for item in turn.events
         if item.t > hits[-1].t and "jaw" in item.closed_before and "jaw" not in item.closed_after
     )  # fmt: skip
-    assert report.opening_index == pytest.approx(index(turn, opened.t))
+    assert record["closing_index"] == pytest.approx(hits[0].index)
+    assert record["opening_index"] == pytest.approx(index(turn, opened.t))
+    assert record["releases"] == [
+        {"stop": "steeve", "index": pytest.approx(index(turn, release.t))}
+    ]
+    assert report.struck == {"jaw", "steeve"}
+    assert record["outcome"] == turn.outcome.value
+    assert record["masses_kg"] == {
+        joint.child: e62.model.inertias[e62.model.getJointId(joint.name)].mass
+        for joint in e62.joints
+    }
+    assert (record["mobility"], record["driven"], record["links"]) == (3, 2, list(e62.links))
+    assert record["provenance"] == dict(e62.provenance)
+    assert record["joints"] == [asdict(item) for item in e62.joints]
+    assert record["closures"] == [asdict(item) for item in e62.closures]
+    assert list(record["contacts"]) == ["jaw"]
+    assert list(record["smallest_stop_force_N"]) == ["jaw", "steeve"]
     upper = replace(steeve, sense=-1.0, at=-0.02)
-    other = replace(report, mechanism=replace(e62, stops=(jaw, upper)))
-    assert other.record()["stops"]["steeve"]["side"] == "upper"
-    assert other.record()["stops"]["steeve"]["at"] == -0.02
     bare = replace(jaw, contact=None)
-    moment = replace(report, mechanism=replace(e62, stops=(bare, steeve))).record()
-    assert list(moment["smallest_stop_moment_N_m"]) == ["jaw"]
-    assert list(moment["smallest_stop_force_N"]) == ["steeve"]
-    assert moment["contacts"] == {}
+    other = replace(report, mechanism=replace(e62, stops=(bare, upper))).record()
+    assert (other["stops"]["steeve"]["side"], other["stops"]["steeve"]["at"]) == ("upper", -0.02)
+    assert (record["stops"]["steeve"]["side"], record["stops"]["steeve"]["at"]) == ("lower", 0.0)
+    # A hinge's stop without contact point has a moment.
+    assert list(other["smallest_stop_moment_N_m"]) == ["jaw"]
+    assert list(other["smallest_stop_force_N"]) == ["steeve"]
+    assert other["contacts"] == {}
 
 
 def test_least_forces_of_stops(report: ModelReport, turn: Solution) -> None:
@@ -153,39 +134,6 @@ def test_a_machine_of_one_body() -> None:
     assert check_model(load("e62"), 512.5).no_transition == ""
 
 
-STL = """solid tetrahedron
-facet normal 0 0 0
-outer loop
-vertex 0 0 0
-vertex 1 0 0
-vertex 0 1 0
-endloop
-endfacet
-facet normal 0 0 0
-outer loop
-vertex 0 0 0
-vertex 0 0 1
-vertex 1 0 0
-endloop
-endfacet
-facet normal 0 0 0
-outer loop
-vertex 0 0 0
-vertex 0 1 0
-vertex 0 0 1
-endloop
-endfacet
-facet normal 0 0 0
-outer loop
-vertex 1 0 0
-vertex 0 0 1
-vertex 0 1 0
-endloop
-endfacet
-endsolid
-"""
-
-
 def test_masses_with_what_is_fixed(tmp_path: Path) -> None:
     """Shapes of a link and of what is fixed to it, to any depth, add up; a mesh hides them."""
 
@@ -208,7 +156,14 @@ def test_masses_with_what_is_fixed(tmp_path: Path) -> None:
         parts += [shown(link(name, masses[name]), *shapes[name]),
                   hinge(f"j{name}", "frame", name, (float(place), 0.0))]  # fmt: skip
     parts += [eye("b", "a", box), eye("c", "b", box)]
-    (tmp_path / "m.stl").write_text(STL, encoding="utf-8")
+    corners, facets = np.eye(4)[:, 1:], itertools.combinations(range(4), 3)
+    stl = "".join(
+        "facet normal 0 0 0\nouter loop\n"
+        + "".join("vertex {} {} {}\n".format(*corners[k]) for k in facet)
+        + "endloop\nendfacet\n"
+        for facet in facets
+    )
+    (tmp_path / "m.stl").write_text(f"solid t\n{stl}endsolid\n", encoding="utf-8")
     urdf, description = sources(parts, 5)
     machine = from_sources("m", urdf, description, str(tmp_path))
     volumes = {"a": 0.008, "d": 0.036 * math.pi, "e": None, "f": None, "g": 0.02 * math.pi}
@@ -290,51 +245,31 @@ def report_of(e62: Mechanism, **changes: Any) -> ModelReport:
     return ModelReport(**{**given, **changes})
 
 
-def test_what_to_do_next(e62: Mechanism) -> None:
+def test_what_to_do_next(e62: Mechanism, words: Words) -> None:
     """Each thing that is missing by its sentence, then the commands with the user's words."""
-    transition = "Run next: nipper-pin simulate 'my model' --speed 500"
-    turn = "Then: nipper-pin simulate 'my model' --speed 500 --window cycle --start-index 3"
-    view = "Look at it: nipper-pin view 'my model' --speed 500 --start-index 3 --html e62.html"
-    words: dict[str, Any] = {"given": ["--speed", "500"], "start": ["--start-index", "3"]}
-
-    def steps(**changes: Any) -> tuple[str, ...]:
-        found = next_steps(report_of(changes.pop("mechanism", e62), **changes), "my model", **words)
-        # Commands are begun by what they are for, sentences are not.
-        assert all("nipper-pin" in text for text in found.commands)
-        assert not any("nipper-pin" in text for text in found.missing)
-        return (*found.missing, *found.commands)
-
-    assert steps() == (transition, turn, view)
-    assert steps(no_transition="too many stops") == ("No transition: too many stops", turn, view)
-    assert steps(closing_index=None) == (
-        "Missing: stop jaw is not struck in a turn at 512.5 r/min: look at the motion (view), then "
-        "at the drive laws and angle_at_touch_deg", turn, view,
-    )  # fmt: skip
-    assert steps(opening_index=None)[0] == (
-        "Missing: stop jaw does not open again within the turn: look at the motion (view), then at "
-        "the stop that should lift it"
-    )
     pair = [Clearance("a", one, "b", "t", -1e-3, 3.0, may_touch=False) for one in ("z", "s", "z")]
-    assert steps(clearances=(*pair, replace(pair[0], shape_a="far", distance_m=0.1)))[0] == (
-        "Missing: links overlap: s with t, z with t; move the shapes or the points"
-    )
-    assert steps(mechanism=replace(e62, shortcuts={"stiffness": "x"}))[0] == (
-        "Missing: --restitution of the command line mean nothing yet: add [shortcuts]"
-    )
-    assert steps(mechanism=replace(e62, shortcuts={}))[0].startswith(
-        "Missing: --restitution and --stiffness of"
-    )
-    assert steps(mechanism=replace(e62, provenance={}))[0] == (
-        "Missing: no number says where it comes from: add [provenance]"
-    )
     bare = replace(e62, drives=(), stops=(), transition_stop="", shortcuts={}, phases=())
-    found = steps(mechanism=bare, closing_index=None, opening_index=None)
-    assert found == (
-        "Missing: nothing drives it: add [drives.NAME] with the joint and a law",
-        "Missing: nothing can collide: add [stops.NAME] with the joint that it limits and a "
-        "restitution, and name it in transition_stop and in a phase", turn, view,
-    )  # fmt: skip
-    full = replace(bare, drives=e62.drives)
-    alone = steps(mechanism=full, closing_index=None, no_transition="none")
-    assert alone[-2:] == (turn, view)
-    assert len(alone) == 3
+    unstruck = {"closing_index": None, "opening_index": None}
+    cases: dict[str, dict[str, Any]] = {
+        "nothing": {},
+        "no transition": {"no_transition": "too many stops"},
+        "not struck": {"closing_index": None},
+        "not opened": {"opening_index": None},
+        "overlaps": {
+            "clearances": (*pair, replace(pair[0], shape_a="far", distance_m=0.1))
+        },
+        "a shortcut": {"mechanism": replace(e62, shortcuts={"stiffness": "x"})},
+        "shortcuts": {"mechanism": replace(e62, shortcuts={})},
+        "provenance": {"mechanism": replace(e62, provenance={})},
+        "drives and stops": {"mechanism": bare, **unstruck},
+        "stops": {"mechanism": replace(bare, drives=e62.drives), **unstruck,
+                  "no_transition": "none"},
+    }  # fmt: skip
+    said = []
+    for name, changes in cases.items():
+        report = report_of(changes.pop("mechanism", e62), **changes)
+        found = next_steps(
+            report, "my model", given=["--speed", "500"], start=["--start-index", "3"]
+        )
+        said += [f"{name}:", *(f"  {text}" for text in (*found.missing, *found.commands))]
+    words("\n".join(said) + "\n")
