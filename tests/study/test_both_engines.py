@@ -16,6 +16,7 @@ from typing import Any, get_args
 import numpy as np
 import pytest
 from small_machines import frame, hinge, link, slide, sources
+from two_engines import EPS, difference
 
 from nipper_pin import (
     Case,
@@ -30,7 +31,7 @@ from nipper_pin import (
     transition_table,
     turn_table,
 )
-from nipper_pin.hybrid.result.turns import of_turn, turn_names
+from nipper_pin.hybrid.result.turns import turn_names
 from nipper_pin.mechanism import Characteristic, TabulatedSpring, from_sources
 from nipper_pin.mechanism.elements import Interpolation
 from nipper_pin.mechanism.files.description import (
@@ -47,10 +48,6 @@ Tables = dict[str, Any]
 Sources = tuple[str, Tables]
 GRAVITY = 9.81
 CLASH = Path(__file__).parents[1] / "strangers" / "name_clash"
-# Round-off of forces that the direct engine solves for, by the largest one, and of other numbers.
-FORCE, EPS = 1e-10, float(np.finfo(float).eps)
-# Events at which clamping begins or ends.
-ENDS = "closing_index", "rest_index", "loss_index", "opening_index"
 # At most of these speeds nothing leaves its seat.
 SPEEDS = np.array([*np.linspace(60.0, 120.0, 10), 290.0, 330.0, 380.0, 440.0, 520.0, 100.0])
 
@@ -215,31 +212,6 @@ def test_the_number_of_cases_changes_no_answer(name: str) -> None:
             if "error" not in quantity:
                 one, other, most = difference(few, many, i, quantity)
                 assert one == pytest.approx(other, rel=0.0, abs=most, nan_ok=True), quantity
-
-
-def difference(few: TurnTable, many: TurnTable, i: int, name: str) -> tuple[float, float, float]:
-    """A quantity of a case in both tables, and the most by which it may differ."""
-    item, part = of_turn(name, few.mechanism)
-    column = item.column
-
-    def stated(*columns: str) -> float:
-        found = [getattr(table, f"{key}_error") for table in (few, many) for key in columns]
-        return float(np.nansum([(errors[part] if part else errors)[i] for errors in found]))
-
-    one, other = (float(table.quantity(name)[i]) for table in (few, many))
-    room = 64.0 * EPS * max(abs(one), 1.0)
-    if column in ("collisions", "repeats_after"):
-        return one, other, 0.0
-    if column.startswith("clamped"):
-        # Of the direct engine the errors are those of the events between which it is clamped.
-        turn = 60.0 / float(few.speed_rpm[i])
-        room += stated("clamped_time") / turn + stated(*ENDS) / 40.0
-        return one, other, room * (turn if column == "clamped_time" else 1.0)
-    if column.endswith("clamping_force"):
-        return one, other, stated("clamping_force") + FORCE * float(few.largest_clamping_force[i])
-    if column == "largest_torque":
-        room += FORCE * abs(one)
-    return one, other, room + stated(column)
 
 
 def with_rows(e62: Mechanism, end_m: float) -> Mechanism:
