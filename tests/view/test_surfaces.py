@@ -12,6 +12,7 @@ import math
 import re
 from collections import Counter
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,7 +21,7 @@ from rich.console import Console
 from runs_shown import TURNS, run_of
 from units_shown import factor, force, impulse, index, kind, rows, unit_of
 
-from nipper_pin import Case, Solution, load, record, simulate
+from nipper_pin import Case, Solution, load, load_solution, record, save, simulate
 from nipper_pin.view.live.answer import Answer, answer
 from nipper_pin.view.live.settings import knobs
 from nipper_pin.view.run.bounces import impulse_figure
@@ -285,6 +286,14 @@ def test_phases(name: str, surface: str) -> None:
             value += math.copysign(40.0, told.value - value)
         assert is_told(told, value, unit(run, told.name, "")), told
     assert seen == {(place, key) for place in range(len(document)) for key in names}
+
+
+def test_a_saved_run_shows_the_same(tmp_path: Path) -> None:
+    """Sides and places of stops survive a file."""
+    run = run_of("boxed")
+    again = load_solution(save(run, tmp_path / "box"))
+    assert record(again)["collisions"] == record(run)["collisions"]
+    assert printed(again) == printed(run)
 
 
 # Velocities of links, and numbers of a transition.

@@ -1,0 +1,187 @@
+"""Meshes of the package: closed, small, in their places, never through one another."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import re
+from dataclasses import replace
+from pathlib import Path
+from xml.etree import ElementTree
+
+import manifold3d
+import numpy as np
+import pytest
+import trimesh
+import yourdfpy
+from runs_shown import run_of, turn
+from three_js import Scene
+from urdf_shapes import shaped
+
+from nipper_pin import InputError, load
+from nipper_pin.mechanism import collision_model, find_model, from_sources
+from nipper_pin.view.scene import Look, film
+from nipper_pin.view.scene.objects import solid_commands
+from nipper_pin.view.scene.page import scene_page
+from nipper_pin.view.scene.solids import CYLINDER, FIXED, Solid, solids
+
+FOLDER = find_model("e62")
+DRAWN = ["e62", "e62_offset_guide"]
+
+
+def test_another_viewer_finds_every_mesh_and_the_machine_in_its_place() -> None:
+    """yourdfpy knows nothing of this package: it resolves, scales and places the meshes itself.
+
+    At q = 0 the lips just meet. The top lip is a polygon of 14 chords in a quarter of a circle of
+    1.5 mm, so that its lowest point lies at most 1.5 mm (1 - cos(pi / 56)) = 2.4 um above the
+    round it stands for.
+    """
+    robot = yourdfpy.URDF.load(str(FOLDER / "e62.urdf"), load_meshes=True)
+    wanted = {item.get("name") for item in ElementTree.parse(FOLDER / "e62.urdf").iter("visual")}
+    assert len(robot.scene.geometry) == len(wanted) == 21
+    low, high = robot.scene.bounds
+    assert 0.28 < high[1] - low[1] < 0.32
+    # The eccentric's head stands highest, 20 mm over its pin; the pendulum shaft is rearmost.
+    assert high[2] == pytest.approx(0.2618487823687206 + 0.020, abs=1e-5)
+    assert low[0] == pytest.approx(-0.19 - 0.04, abs=1e-6)
+    contact = load().stop("jaw").contact
+    for name, side in (("top_lip", 1.0), ("cushion_plate", -1.0)):
+        (node,) = [item for item in robot.scene.graph.nodes_geometry if name in item]
+        matrix, geometry = robot.scene.graph[node]
+        points = trimesh.transform_points(robot.scene.geometry[geometry].vertices, matrix)
+        gap = side * ((points - contact.point) @ contact.normal)
+        assert gap.min() == pytest.approx(0.0, abs=5e-6)
+
+
+@pytest.mark.parametrize("model", DRAWN)
+def test_meshes_are_closed_and_all_of_them_used(model: str) -> None:
+    folder = find_model(model)
+    files = {f"meshes/{path.name}": path for path in (folder / "meshes").iterdir()}
+    robot = ElementTree.parse(folder / f"{model}.urdf")
+    assert {item.get("filename") for item in robot.iter("mesh")} == set(files)
+    for name, path in files.items():
+        mesh = trimesh.load_mesh(path)
+        assert mesh.is_watertight, name
+        assert mesh.volume > 0.0, name
+
+
+def test_all_meshes_of_the_package_are_small() -> None:
+    """The least of a mesh, a tetrahedron, is counted too: a glob that finds nothing would fail."""
+    sizes = [path.stat().st_size for path in FOLDER.parent.glob("*/meshes/*")]
+    assert len(sizes) >= 20 * len(DRAWN)
+    assert sum(sizes) < 2_000_000
+
+
+def test_the_engine_does_not_see_what_is_drawn(e62) -> None:
+    """Without any visual the tree and the collision shapes are the same to the last bit."""
+    bare = re.sub(r"<visual\b.*?</visual>", "", e62.urdf, flags=re.S)
+    assert "<mesh" not in bare
+    other = from_sources("e62", bare, e62.description, e62.mesh_folder)
+    assert other.model == e62.model
+    one, two = collision_model(e62)[0], collision_model(other)[0]
+    assert [item.name for item in one.geometryObjects] == [i.name for i in two.geometryObjects]
+    assert all(a == b for a, b in zip(one.geometryObjects, two.geometryObjects, strict=True))
+
+
+@pytest.mark.parametrize(("model", "larger"), [("e62", 1.0), ("e62", 50.0), (DRAWN[1], 1.0)])
+def test_drawn_links_never_run_through_one_another(model: str, larger: float) -> None:
+    """Overlaps of all pairs over a turn, by a library of solids: none, also exaggerated.
+
+    Holes are 0.1 mm wider than their pins, which the sag of their chords (50 um, or 30 um at 20 mm
+    and 56 to a turn) does not close; a link in a wrong place would overlap by whole pins.
+    """
+    run = run_of("e62") if model == "e62" else turn(load(model), 350.0, 24.0)
+    shown = film(run, Look(exaggerate=larger))
+    drawn = [item for item in solids(shown.solution.mechanism) if item.spring is None]
+    bodies = []
+    for item in drawn:
+        mesh = trimesh.load_mesh(item.path)
+        mesh.apply_transform(item.placement)
+        bodies.append(
+            manifold3d.Manifold(
+                manifold3d.Mesh(mesh.vertices.astype(np.float32), mesh.faces.astype(np.uint32))
+            )
+        )
+    assert all(body.volume() > 0.0 for body in bodies)
+    for k in range(0, len(shown.angle), 40):
+        placed = []
+        for item, body in zip(drawn, bodies, strict=True):
+            angle, place = 0.0, np.zeros(2)
+            if item.body == CYLINDER:
+                angle = shown.turned[k]
+            elif item.body != FIXED:
+                angle, place = shown.angle[k, item.body], shown.position[k, item.body]
+            c, s = math.cos(angle), math.sin(angle)
+            placed.append(body.transform([[c, 0, -s, place[0]], [0, 1, 0, 0], [s, 0, c, place[1]]]))
+        for i, j in itertools.combinations(range(len(drawn)), 2):
+            if drawn[i].body != drawn[j].body:
+                overlap = (placed[i] ^ placed[j]).volume()
+                assert overlap < 1e-12, (drawn[i].name, drawn[j].name, shown.index[k])
+
+
+def vertices(solid: Solid) -> np.ndarray:
+    """Corners of a drawn mesh in the frame of its body."""
+    points = np.asarray(trimesh.load_mesh(solid.path).vertices) * solid.scale
+    return points @ solid.placement[:3, :3].T + solid.placement[:3, 3]
+
+
+def named(e62, name: str) -> Solid:
+    return next(item for item in solids(e62) if item.name == name)
+
+
+def test_springs_stay_between_nut_and_tube() -> None:
+    """Both ends of the drawn coil, from the meshes' corners, in every frame of a motion whose
+    stroke passes 5 mm; meshes are stored in single precision (1e-8 of 0.2 m)."""
+    large = film(run_of("e62"), Look(exaggerate=50.0))
+    scene = Scene(scene_page(large))
+    mechanism = large.solution.mechanism
+    stroke = next(item.index for item in mechanism.springs)
+    head = mechanism.model.jointPlacements[mechanism.model.getJointId("steeve")].translation
+    up = head / np.linalg.norm(head)
+    nuts = vertices(named(mechanism, "steeve_nuts"))
+    nut = (nuts[np.abs(nuts[:, 1]) < 0.09] @ up).max()
+    tube = ((vertices(named(mechanism, "steeve_tubes")) + head) @ up).min()
+    assert large.drawn[:, stroke].max() > 0.005
+    for name in ("spring_steeve_left", "spring_steeve_right"):
+        spring = named(mechanism, name)
+        start = spring.placement[:3, 3] @ up
+        assert spring.placement[:3, 2] == pytest.approx(up, abs=1e-12)
+        assert start == pytest.approx(nut, abs=1e-7)
+        (path,) = (item for item in scene.objects if item.endswith(f"/{name}"))
+        _, scale = scene.tracks[path][".scale"]
+        ends = start + scale[:, 2]
+        np.testing.assert_allclose(ends, tube - large.drawn[:, stroke], atol=1e-7)
+        assert np.ptp(scale[:, :2]) == 0.0
+    coil = trimesh.load_mesh(FOLDER / "meshes" / "spring.stl")
+    np.testing.assert_allclose(coil.bounds[:, 2], [0.0, 1.0], atol=1e-7)
+
+
+def test_a_link_without_its_meshes_is_drawn_by_its_collision_shapes(e62, tmp_path: Path) -> None:
+    moved = replace(e62, mesh_folder=str(tmp_path))
+    found = solids(moved)
+    geometry, _ = collision_model(e62)
+    assert {item.name for item in found} == {item.name for item in geometry.geometryObjects}
+    assert {item.kind for item in found} == {"box", "cylinder"}
+
+
+def test_links_without_a_material_are_told_apart() -> None:
+    """The identified model says nothing of colours: one for each link, and grey for the frame."""
+    mechanism = load("e62_identified")
+    found: dict[int, set[tuple[float, float, float]]] = {}
+    for item in solids(mechanism):
+        found.setdefault(max(item.body, FIXED), set()).add(item.colour)
+    assert all(len(colours) == 1 for body, colours in found.items() if body != FIXED)
+    moving = [colours.pop() for body, colours in found.items() if body != FIXED]
+    assert len(set(moving)) == len(moving) == len(mechanism.joints)
+    assert all(max(colour) - min(colour) < 0.1 for colour in found[FIXED])
+
+
+def test_a_mesh_that_no_viewer_reads_is_refused(tmp_path: Path) -> None:
+    """The formats that can be read are named."""
+    machine = shaped(tmp_path)
+    (tmp_path / "horn.ply").write_text("ply")
+    urdf = machine.urdf.replace("horn.stl", "horn.ply")
+    odd = replace(machine, urdf=urdf, mesh_folder=str(tmp_path))
+    (horn,) = (item for item in solids(odd) if item.name == "horn")
+    with pytest.raises(InputError, match=r"horn.ply: .*\.stl, \.obj, \.dae; convert"):
+        list(solid_commands(odd, horn))

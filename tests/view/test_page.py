@@ -1,0 +1,259 @@
+"""The page of a film: what it says and holds, and the command that writes or serves it."""
+
+from __future__ import annotations
+
+import base64
+import itertools
+import json
+import math
+import re
+import signal
+import socket
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import meshcat
+import numpy as np
+import pinocchio as pin
+import pytest
+import umsgpack
+from runs_shown import run_of
+from snapshots import Words
+from three_js import Scene
+
+from nipper_pin import Case, Solution, load, save, simulate
+from nipper_pin.cli import main
+from nipper_pin.hybrid.case import Window
+from nipper_pin.mechanism import collision_model, known_models
+from nipper_pin.view.scene import Look, film
+from nipper_pin.view.scene.page import scene_page
+from nipper_pin.view.scene.readings import readings
+
+COMMAND = [sys.executable, "-c", "import sys; from nipper_pin.cli import main; sys.exit(main())"]
+ARROW = "#D55E00"
+
+
+@pytest.fixture(scope="module")
+def page(cycle: Solution) -> str:
+    return scene_page(film(cycle, Look()))
+
+
+def told(value: Any) -> str:
+    """A value in a line; of many numbers how many there are."""
+    if isinstance(value, dict):
+        return ", ".join(f"{key} {told(item)}" for key, item in value.items())
+    if isinstance(value, list):
+        if len(value) > 8:
+            return f"({len(value)})"
+        return f"({', '.join(map(told, value))})"
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def said(film: dict[str, Any]) -> Iterator[str]:
+    """What a page writes, a line for each part of it; of many marks the first ones."""
+    for key, value in film.items():
+        if isinstance(value, list) and value and isinstance(value[0], dict | list):
+            yield from (f"{key}: {told(item)}" for item in value[:25])
+            if len(value) > 25:
+                yield f"{key}: {len(value)} in all"
+        else:
+            yield f"{key}: {told(value)}"
+
+
+@pytest.mark.parametrize("name", ["e62", "press", "boxed", "balls", "elements", "larger"])
+def test_words_of_the_page(name: str, words: Words) -> None:
+    """Title, case, note, columns, phases, collisions, names and legends; of other rebounds too."""
+    run, look = run_of("transition" if name == "larger" else name), Look()
+    if name == "larger":
+        title = "a comber </script> & co"
+        run = replace(run, mechanism=replace(run.mechanism, title=title))
+        look = Look(slow=20.0, exaggerate=3.0)
+    found = re.search(r'<script id="film"[^>]*>(.*?)</script>', scene_page(film(run, look)), re.S)
+    assert found is not None
+    words("\n".join(said(json.loads(found[1]))) + "\n")
+
+
+def test_page_is_one_file_that_asks_for_nothing(page: str) -> None:
+    assert len(page.encode()) < 10_000_000
+    # Outside of the script of the viewer, which holds addresses of XML name spaces.
+    head, _, tail = page.partition("<script>")
+    tail = tail[tail.index('<script id="scene"') :]
+    assert not re.search(
+        r"https?://|\bsrc=|@import|url\(", re.sub(r"(?s)<!--.*?-->", "", head + tail)
+    )
+    assert "MIT License" in head
+    assert "@@" not in head
+
+
+def test_surroundings_and_surfaces(page: str) -> None:
+    """Neither grid nor axes, a background that fades, and surfaces with two sides."""
+    found = re.search(r'<script id="scene"[^>]*>(.*?)</script>', page, re.S)
+    assert found is not None
+    sent = [umsgpack.unpackb(base64.b64decode(text)) for text in json.loads(found[1])]
+    set_to = {
+        (item["path"], item["property"]): item["value"]
+        for item in sent
+        if item["type"] == "set_property"
+    }
+    assert set(set_to) == {
+        ("/Background", "top_color"), ("/Background", "bottom_color"), ("/Grid", "visible"),
+        ("/Axes", "visible"),
+    }  # fmt: skip
+    assert set_to["/Grid", "visible"] is set_to["/Axes", "visible"] is False
+    for name in ("top_color", "bottom_color"):
+        # Light, so that dark texts can be read on it.
+        assert all(0.7 < part <= 1.0 for part in set_to["/Background", name])
+    scene = Scene(page)
+    for path, item in scene.objects.items():
+        (material,) = item["materials"]
+        assert material["side"] == 2
+        arrow = "/impulse_" in path
+        assert material["type"] == ("MeshBasicMaterial" if arrow else "MeshPhongMaterial")
+        assert arrow == (scene.colour(path) == tuple(bytes.fromhex(ARROW[1:])))
+        assert all(item["type"] != "_meshfile" for item in item["geometries"])
+    assert scene.options == {"play": True, "repetitions": math.inf}
+    (animation,) = (item for item in sent if item["type"] == "set_animation")
+    clips = [item["clip"] for item in animation["animations"]]
+    assert {clip["fps"] for clip in clips} == {1}
+    # As three.js calls them; one that it does not know ends the whole film.
+    kinds = {(track["name"], track["type"]) for clip in clips for track in clip["tracks"]}
+    assert kinds == {
+        (".position", "vector3"), (".quaternion", "quaternion"), (".scale", "vector3"),
+        (".material.color", "color"),
+    }  # fmt: skip
+
+
+def test_a_page_carries_the_licences_of_what_is_in_it(page: str) -> None:
+    """In one comment, which nothing in them ends."""
+    comment = re.search(r"<!--(.*?)-->", page, re.S)
+    assert comment is not None
+    viewer = Path(meshcat.__file__).parent / "viewer"
+    for file in (viewer / "LICENSE", viewer / "dist" / "main.min.js.LICENSE.txt"):
+        assert file.read_text(encoding="utf-8").strip().replace("--", "- -") in comment[1]
+    assert "--" not in comment[1]
+
+
+def test_names_cannot_end_the_script_that_they_stand_in(e62: Any) -> None:
+    """The page still holds the whole title, as text."""
+    title = "</script><script>alert(1)</script> & co @@scene@@"
+    run = simulate(e62, Case(speed_rpm=650.0))
+    named = replace(run, mechanism=replace(run.mechanism, title=title))
+    text = scene_page(film(named, Look(slow=20.0)))
+    found = re.search(r'<script id="film" type="application/json">(.*?)</script>', text, re.S)
+    assert found is not None
+    assert json.loads(found[1])["title"] == title
+    assert "<script>alert" not in text
+
+
+@pytest.mark.parametrize("name", sorted(known_models()))
+def test_the_camera_sees_every_plain_body(name: str) -> None:
+    """All corners of all collision shapes, as Pinocchio places them, are inside of the picture.
+
+    The page lets the camera see 40 degrees from top to bottom: a cone of 20 around its axis in
+    any window that is not higher than wide.
+    """
+    mechanism = load(name)
+    case = Case(speed_rpm=mechanism.cylinder.rated_speed_rpm, window=Window.CYCLE)
+    seen = re.search(
+        r'"whole": \{"target": (\[.*?\]), "position": (\[.*?\])\}',
+        scene_page(film(simulate(mechanism, case), Look())),
+    )
+    target, position = (np.array(json.loads(text)) for text in seen.groups())
+    axis = (target - position) / np.linalg.norm(target - position)
+    geometry, _ = collision_model(mechanism)
+    data, placed = mechanism.model.createData(), geometry.createData()
+    pin.updateGeometryPlacements(
+        mechanism.model, data, geometry, placed, np.zeros(mechanism.model.nq)
+    )
+    widest = 0.0
+    for item, place in zip(geometry.geometryObjects, placed.oMg, strict=True):
+        item.geometry.computeLocalAABB()
+        low, high = item.geometry.aabb_local.min_, item.geometry.aabb_local.max_
+        for corner in itertools.product(*zip(low, high, strict=True)):
+            ray = place.act(np.array(corner)) - position
+            widest = max(widest, math.degrees(math.acos(ray @ axis / np.linalg.norm(ray))))
+    assert widest < 20.0
+    # Nor is the mechanism lost in the picture.
+    assert widest > 12.0
+
+
+# The command.
+
+
+def test_the_record_of_the_run_can_be_had_as_well(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = tmp_path / "page.html"
+    arguments = ["--speed", "550", "--window", "transition", "--html", str(page), "--json", "-"]
+    assert main(["view", *arguments]) == 0
+    assert json.loads(capsys.readouterr().out)["case"]["speed_rpm"] == 550.0
+    # Events are slowed down a thousand times unless one says otherwise.
+    film_of = re.search(r'<script id="film"[^>]*>(.*?)</script>', page.read_text(encoding="utf-8"))
+    columns = {item["label"]: item["values"] for item in json.loads(film_of[1])["columns"]}
+    assert max(columns["slow motion 1 :"]) == pytest.approx(1000.0)
+
+
+def test_a_saved_run_is_shown_as_it_was(tmp_path: Path, cycle: Solution) -> None:
+    saved, page = save(cycle, tmp_path / "run"), tmp_path / "run.html"
+    assert main(["view", "--solution", str(saved), "--html", str(page)]) == 0
+    text = page.read_text(encoding="utf-8")
+    assert "650 r/min, window cycle" in text
+    values = re.search(r'<script id="film" type="application/json">(.*?)</script>', text)
+    assert values is not None
+    assert json.loads(values[1])["playback"] == readings(film(cycle, Look()))["playback"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--solution", "run.npz", "--speed", "500"], "leave one of them out"),
+        (["--solution", "missing.npz"], "missing.npz"),
+        (["--exaggerate", "100"], "1 to 50"),
+        (["--port", "70000", "--no-browser"], "port 70000"),
+        (["--json", "-"], "--html"),
+        (["--html", "/nowhere/at/all.html"], "cannot be written"),
+    ],
+)
+def test_unusable_arguments_give_one_sentence_and_status_2(
+    arguments: list[str], words: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["view", *arguments]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert words in err
+
+
+def test_a_port_that_is_taken_is_one_sentence(capsys: pytest.CaptureFixture[str]) -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        assert main(["view", "--port", str(port), "--no-browser"]) == 2
+    assert f"port {port} cannot be used" in capsys.readouterr().err
+
+
+def test_the_server_ends_on_interrupt() -> None:
+    command = [*COMMAND, "view", "--port", "0", "--no-browser"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
+        assert server.stdout is not None
+        assert "http://127.0.0.1:" in server.stdout.readline()
+        server.send_signal(signal.SIGINT)
+        assert server.wait(timeout=60) == 0
+
+
+def test_a_run_that_is_not_looked_at_imports_nothing_of_this() -> None:
+    program = (
+        "import sys; from nipper_pin.cli import main; main(['simulate', '--json', '-']); "
+        "sys.stderr.write(' '.join(n for n in sys.modules if n.partition('.')[0] in "
+        "{'meshcat', 'umsgpack', 'IPython', 'tornado', 'http', 'trimesh', 'webbrowser'} "
+        "or n.startswith('nipper_pin.view.scene')))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    assert done.stderr == ""

@@ -1,0 +1,351 @@
+"""Where every drawn solid, line and arrow stands, how it is turned and how large it is.
+
+The page is read as three.js does (:mod:`three_js`). What it must show comes from Pinocchio's own
+reading of the shapes in the URDF and from its kinematics of the run's states (:mod:`judge`). Convex
+shapes are the same if they reach equally far in every direction.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from judge import Judge
+from runs_shown import run_of, turn
+from small_machines import SLED, hinge, link, machine, slide
+from three_js import Scene, rotation
+from urdf_shapes import shaped, shapes
+
+from nipper_pin import Mechanism, Solution, load
+from nipper_pin.mechanism import known_models
+from nipper_pin.mechanism.drawing import drawn_mechanism
+from nipper_pin.mechanism.gallery import GALLERY
+from nipper_pin.view.scene import Film, Look, film
+from nipper_pin.view.scene.page import scene_page
+
+MODELS = Path(__file__).parents[1] / "verification" / "models"
+Array = Any
+# Tracks hold single precision, 2^-24 of half a metre; states between nodes are interpolated here.
+FINE = 3e-7
+DIRECTIONS = np.random.default_rng(5).normal(size=(40, 3))
+DIRECTIONS /= np.linalg.norm(DIRECTIONS, axis=1)[:, None]
+
+# Plates, slides, slots, struts and bars.
+FEW = ("peaucellier", "toggle_press", "slider_crank", "jaw_crusher", "ratchet_feed", "door_closer")
+SMALL = ("aside", "boxed", "balls", "elements")
+
+
+def run_called(name: str) -> Solution:
+    """A run of a model of the package, of a machine of the gallery, or of another one."""
+    if name in SMALL:
+        return run_of(name)
+    if name == "four_bar":
+        return turn(load(MODELS / name), 300.0)
+    made = drawn_mechanism(GALLERY[name]()) if name in FEW else load(name)
+    return turn(made, made.cylinder.rated_speed_rpm, 24.0)
+
+
+@pytest.mark.parametrize("name", [*sorted(known_models()), *FEW, *SMALL, "four_bar"])
+def test_every_link_stands_where_pinocchio_has_it(name: str) -> None:
+    """Place and rotation of its node at some moments; a machine without shapes has bars there."""
+    run = run_called(name)
+    shown, judge = film(run, Look()), Judge(run)
+    scene = Scene(scene_page(shown))
+    drawn = {path.split("/")[2] for path in scene.objects}
+    children = {joint.child for joint in run.mechanism.joints}
+    if not re.search("<(visual|collision)", run.mechanism.urdf):
+        assert drawn & children == children
+    for _, at, q, _ in moments(judge, shown):
+        pin.forwardKinematics(judge.model, judge.data, judge.full(q))
+        for joint in run.mechanism.joints:
+            wanted = judge.data.oMi[judge.model.getJointId(joint.name)].homogeneous
+            found = scene.matrix(f"/nipper/{joint.child}", at)
+            np.testing.assert_allclose(found, wanted, atol=2.0 * FINE, err_msg=joint.child)
+
+
+@pytest.fixture(scope="module", params=["shaped", "e62", "e62_identified"])
+def run(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Solution:
+    """Turns of machines whose shapes are plain, meshes, or those that serve to find contacts."""
+    if request.param == "shaped":
+        return turn(shaped(tmp_path_factory.mktemp("shapes")), 60.0)
+    return turn(load(request.param), 650.0, 24.0)
+
+
+@pytest.fixture(scope="module")
+def judge(run: Solution) -> Judge:
+    """Reads it in another way."""
+    return Judge(run)
+
+
+@pytest.fixture(scope="module")
+def shown(run: Solution) -> Film:
+    """Its film."""
+    return film(run, Look())
+
+
+@pytest.fixture(scope="module")
+def scene(shown: Film) -> Scene:
+    """The page."""
+    return Scene(scene_page(shown))
+
+
+def moments(judge: Judge, shown: Film, count: int = 5) -> list[tuple[int, float, Array, float]]:
+    """Some frames: place, time of playback [s], configuration, cylinder angle."""
+    found = []
+    for k in np.linspace(0, len(shown.pace.machine) - 1, count).astype(int):
+        t = float(shown.pace.machine[k])
+        q, _, _ = judge.state(t, left=k > 0)
+        found.append((int(k), float(np.float32(shown.pace.playback[k])), q, judge.angle(t)))
+    return found
+
+
+def test_solids_of_the_page(judge: Judge, shown: Film, scene: Scene) -> None:
+    """Each reaches as far as Pinocchio's in forty directions, or has its very corners; colours."""
+    every = shapes(judge)
+    drawn = {path for path in scene.objects if "/impulse_" not in path}
+    assert drawn == {item.path for item in every}
+    opening = judge.document["stops"][judge.document["transition_stop"]]["joint"]
+    jaw = next(j.child for j in judge.run.mechanism.joints if j.name == opening)
+    for item in every:
+        for _, at, q, psi in moments(judge, shown):
+            found, wanted = scene.points(item.path, at), item.points(q, psi)
+            reach = (found @ DIRECTIONS.T).max(axis=0), (wanted @ DIRECTIONS.T).max(axis=0)
+            # Points of two circles need not be the same ones: 1e-5 of a radius of 0.2 m.
+            np.testing.assert_allclose(*reach, atol=FINE + 2e-6, err_msg=item.path)
+            if item.mesh:
+                np.testing.assert_allclose(found, wanted, atol=FINE, err_msg=item.path)
+        if item.rgb is not None and f"/{jaw}/" not in item.path:
+            assert scene.colour(item.path) == item.rgb
+
+
+def test_solids_of_the_live_page(judge: Judge) -> None:
+    """What viser is sent reaches as far as Pinocchio's shapes, but for triangles that are saved.
+
+    A surface may be moved by 4e-4 of the reach, at a corner by more; circles have 48 corners.
+    """
+    viser = pytest.importorskip("viser", reason="viser is not installed (extra `live`)")
+    from nipper_pin.view.live.stage import Stage
+
+    mechanism = judge.run.mechanism
+    server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+    try:
+        stage = Stage(server, mechanism)
+        assert 0.5 < server.initial_camera.fov < 1.5
+        for t in (0.0, 0.31 * judge.run.segments[-1].t_end):
+            q, psi = judge.state(t, left=t > 0.0)[0], judge.angle(t)
+            stage.pose(q, psi)
+            for item in shapes(judge):
+                _, _, body, name = item.path.split("/")
+                owner = body if body in ("frame", "cylinder") else f"links/{body}"
+                frame = server.scene.get_handle_by_name(f"/{owner}")
+                mesh = server.scene.get_handle_by_name(f"/{owner}/{name}")
+                found = np.asarray(mesh.vertices, dtype=float) * np.asarray(mesh.scale)
+                for place in (mesh, frame):
+                    w, *vector = place.wxyz
+                    found = found @ rotation(np.array([*vector, w])).T + place.position
+                wanted = item.points(q, psi)
+                off = (found @ DIRECTIONS.T).max(axis=0) - (wanted @ DIRECTIONS.T).max(axis=0)
+                size = float(np.ptp(wanted, axis=0).max())
+                assert np.abs(off).max() < 2e-3 * mechanism.reach_m + 3e-3 * size, item.path
+    finally:
+        server.stop()
+
+
+def test_colour_tells_the_phase(judge: Judge, shown: Film, scene: Scene) -> None:
+    """The link that opens the transition stop has one colour for each set of closed stops.
+
+    Where none is closed there are two: one for its bounces, and one for those of other stops.
+    """
+    opening = judge.document["stops"][judge.document["transition_stop"]]["joint"]
+    jaw = next(j.child for j in judge.run.mechanism.joints if j.name == opening)
+    coloured = {path for path, tracks in scene.tracks.items() if ".material.color" in tracks}
+    assert coloured == {
+        f"{item.path}/<object>" for item in shapes(judge) if item.path.startswith(f"/nipper/{jaw}/")
+    }
+    colours: dict[tuple[frozenset[str], bool], tuple[float, ...]] = {}
+    for closed, begin, end in judge.phases:
+        edges = np.interp([begin, end], shown.pace.machine, shown.pace.playback)
+        # A change takes a thousandth of a second.
+        if edges[1] - edges[0] > 0.1:
+            for path in coloured:
+                t, values = scene.tracks[path][".material.color"]
+                for at in (edges[0] + 0.01, edges.mean(), edges[1] - 0.01):
+                    now = tuple(round(float(np.interp(at, t, column)), 4) for column in values.T)
+                    kind = closed, judge.bounces(closed, begin, end)
+                    assert colours.setdefault(kind, now) == now
+    assert len(set(colours.values())) == len(colours) > 1
+    assert scene.options == {"play": True, "repetitions": math.inf}
+
+
+# Lines between two points.
+
+
+def ends_of(run: Solution, q: Array) -> dict[str, list[Array]]:
+    """Ends of springs and dampers between two frames, in the plane, by the document."""
+    judge = Judge(run)
+    pin.framesForwardKinematics(judge.model, judge.data, judge.full(q))
+    found = {}
+    for kind in ("spring", "damper"):
+        for name, item in judge.document[f"{kind}s"].items():
+            if "frame_a" in item:
+                frames = (judge.model.getFrameId(item[key]) for key in ("frame_a", "frame_b"))
+                places = [judge.data.oMf[frame].translation * (1, 0, 1) for frame in frames]
+                found[f"{kind}_{name}"] = places
+    return found
+
+
+def test_lines_go_from_point_to_point() -> None:
+    """On the page a cylinder of one radius, on the live page a segment."""
+    viser = pytest.importorskip("viser", reason="viser is not installed (extra `live`)")
+    from nipper_pin.view.live.stage import Stage
+
+    run = run_of("elements")
+    shown = film(run, Look())
+    scene = Scene(scene_page(shown))
+    lengths = set()
+    for _, at, q, _ in moments(Judge(run), shown):
+        wanted = ends_of(run, q)
+        assert set(wanted) == {"spring_band", "damper_stay"}
+        for name, places in wanted.items():
+            points = scene.points(f"/nipper/{name}", at)
+            ends = [points[720:].mean(axis=0), points[:720].mean(axis=0)]
+            np.testing.assert_allclose(ends, places, atol=1e-6)
+            lengths.add(round(float(np.linalg.norm(np.subtract(*ends))), 5))
+    assert len(lengths) > 4
+    server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+    try:
+        Stage(server, run.mechanism).pose(q, math.pi)
+        drawn = server.scene.get_handle_by_name("/struts").points
+    finally:
+        server.stop()
+    for places, ends in zip(ends_of(run, q).values(), drawn, strict=True):
+        np.testing.assert_allclose(ends[:, [0, 2]], np.array(places)[:, [0, 2]], atol=1e-7)
+
+
+# Arrows.
+
+
+def two_sided() -> Mechanism:
+    """A ball on a slide and a flap on a hinge, on a sled: the flap's impulses are far larger."""
+    return machine(
+        [
+            link("sled", 2.0, 0.1),
+            slide("sled_x", "frame", "sled"),
+            link("flap", 40.0, 30.0, (0.2, 0.03)),
+            hinge("flap_pin", "sled", "flap", (0.1, 0.05)),
+            link("ball", 0.7),
+            slide("ball_z", "sled", "ball", (0.6, 0.8), (-0.2, 0.1)),
+        ],
+        3,
+        gravity=9.81,
+        drives={"sled": {"joint": "sled_x", "law": "screw", "lead_mm_per_turn": 80.0, **SLED}},
+        stops={
+            "ball": {"joint": "ball_z", "restitution": 0.3, "side": "lower", "at_mm": -20.0},
+            "flap": {"joint": "flap_pin", "restitution": 0.4, "at_deg": -8.0},
+        },
+        phases=[
+            {"number": number, "name": "and ".join(closed) or "free", "closed": closed}
+            for number, closed in enumerate(([], ["ball"], ["flap"], ["ball", "flap"]), start=1)
+        ],
+    )
+
+
+@pytest.fixture(scope="module", params=["e62", "two_sided", "boxed"])
+def struck(request: pytest.FixtureRequest) -> Judge:
+    """Impulses at two contact points, one that is a moment, or floor and ceiling of a box."""
+    if request.param == "two_sided":
+        return Judge(turn(two_sided(), 60.0))
+    return Judge(run_of(request.param))
+
+
+def forces(judge: Judge) -> dict[str, list[tuple[float, float, Array]]]:
+    """Times, impulses [N s] and configurations of collisions, by stops that no moment closes."""
+    found: dict[str, list[tuple[float, float, Array]]] = {}
+    for event in judge.hits:
+        item = judge.stops[event.stops[0]]
+        if item.lever is not None or not item.turns:
+            impulse = judge.impulses(event)[0][event.stops[0]] / (item.lever or 1.0)
+            found.setdefault(event.stops[0], []).append((event.t, impulse, event.q))
+    return found
+
+
+def carrier(judge: Judge, name: str) -> tuple[str, Array, Array]:
+    """Link before a stop's joint; foot and direction of the push in the world at q = 0 (x, z)."""
+    column = judge.stops[name].column
+    joint = judge.run.mechanism.joints[column]
+    contact = judge.run.mechanism.stop(name).contact
+    if contact is not None:
+        return joint.parent, contact.point[[0, 2]], contact.normal[[0, 2]]
+    zero = np.zeros(len(judge.names))
+    at = np.array(judge.places(zero)[joint.child][:2])
+    way = np.array(judge.places(judge.unit(column))[joint.child][:2]) - at
+    return joint.parent, at, judge.stops[name].sense * way / np.linalg.norm(way)
+
+
+def test_arrows_of_the_page(struck: Judge) -> None:
+    """Foot at the contact, direction of the push, length by the largest impulse that is drawn."""
+    shown = film(struck.run, Look())
+    scene = Scene(scene_page(shown))
+    found = forces(struck)
+    paths = [path.split("/impulse_")[1] for path in scene.objects if "/impulse_" in path]
+    forced = {name for name, stop in struck.stops.items() if stop.lever or not stop.turns}
+    assert {path.split("/")[0] for path in paths} == forced >= set(found)
+    largest = max(impulse for items in found.values() for _, impulse, _ in items)
+    reach = struck.run.mechanism.reach_m
+    unit = None
+    checked = 0
+    for name, items in found.items():
+        joint, foot, way = carrier(struck, name)
+        starts = np.interp([t for t, _, _ in items], shown.pace.machine, shown.pace.playback)
+        path = next(p for p in scene.objects if f"/impulse_{name}/" in p).rpartition("/")[0]
+        t, size = scene.tracks[path][".scale"]
+        for event in struck.hits:
+            at = float(np.interp(event.t, shown.pace.machine, shown.pace.playback))
+            # A second after its own collisions there is no arrow, whatever else is struck.
+            if not any(-0.1 < at - start < 1.1 for start in starts):
+                assert np.interp(at, t, size[:, 1]) < 1e-4
+        for (_, impulse, q), at, after in zip(items, starts, [*starts[1:], 1e9], strict=True):
+            if after - at < 2e-3 or impulse < 1e-2 * largest:
+                continue
+            checked += 1
+            now = float(np.float32(at))
+            shaft, head = (scene.points(f"{path}/{part}", now) for part in ("shaft", "head"))
+            if joint in struck.places(q):
+                zero = np.zeros(len(q))
+                begin, ahead = (struck.point(joint, p, zero, q) for p in (foot, foot + way))
+            else:
+                begin, ahead = foot, foot + way
+            along = np.array([ahead[0] - begin[0], 0.0, ahead[1] - begin[1]])
+            start = np.array([begin[0], 0.0, begin[1]])
+            # Along the push: the shaft ends where the head begins.
+            ends = [(part - start) @ along for part in (shaft, head)]
+            assert ends[0].min() == pytest.approx(0.0, abs=1e-4 * reach)
+            assert ends[0].max() == pytest.approx(ends[1].min(), abs=1e-5 * reach)
+            tip = head[int(np.argmax(ends[1]))] - start
+            length = float(ends[1].max())
+            np.testing.assert_allclose(tip, length * along, atol=1e-4 * reach)
+            unit = unit or length / impulse
+            assert length == pytest.approx(unit * impulse, rel=2e-3)
+            # It stays for half a second, or until the next one.
+            size = scene.tracks[path][".scale"]
+            until = min(at + 0.5, after - 2e-3)
+            still = [np.interp(x, size[0], size[1][:, 1]) for x in (now, until)]
+            assert still[0] == pytest.approx(still[1], rel=1e-6)
+            width = []
+            for part in (shaft, head):
+                across = part - start - np.outer((part - start) @ along, along)
+                width.append(float(np.linalg.norm(across, axis=1).max()))
+                assert width[-1] == pytest.approx(np.abs(across[:, 1]).max(), rel=1e-3)
+                assert width[-1] == pytest.approx(np.abs(across[:, 0] / along[2]).max(), rel=1e-3)
+            # Narrower than long, and the head wider than the shaft.
+            assert width[0] < width[1]
+            assert width[1] < 0.5 * math.sqrt(length * unit * largest)
+    assert checked > 3
+    assert unit is not None
+    # The largest is a part of the machine that neither covers it nor is lost in it.
+    assert 0.05 * reach < unit * largest < 0.5 * reach
