@@ -7,17 +7,26 @@ import os
 import subprocess
 import sys
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any
 
 import pytest
 from command_probe import Facts, Probe, stand_ins
 from programs import main
-from test_cli_options import DESIGN, FIT, STUDY
+from test_cli_options import DESIGN as TWO_AIMS
+from test_cli_options import FIT, STUDY
+from test_words import BALL, CAMERA
+from test_words import FIT as FILMED
 
 from benchmarks.stress import Campaign, Verdict
-from nipper_pin import SimulationError, cli
+from nipper_pin import cli
 
+# A stiffer preload calms the jaw, at the cost of force.
+DESIGN = """format = 1
+title = "calm"
+minimise = [{aims}]
+[parameters.preload]
+low = 9.0
+high = 11.0
+"""
 CASE = {
     "speed_rpm": 450.0, "window": "transition", "cycles": 1, "drive": "held", "rest_rate": None,
     "resolution.tolerance": 1e-12, "reuse_cycles": True,
@@ -70,7 +79,7 @@ ASKED: dict[str, dict[str, object]] = {
 @pytest.fixture
 def files(tmp_path: Path) -> dict[str, str]:
     """Studies that commands cannot do without."""
-    texts = {"fit": FIT, "sweep": STUDY, "design": DESIGN}
+    texts = {"fit": FIT, "sweep": STUDY, "design": TWO_AIMS}
     for name, text in texts.items():
         filled = text if name == "fit" else text.format(title="one", name="restitution")
         (tmp_path / f"{name}.toml").write_text(filled, encoding="utf-8")
@@ -103,58 +112,72 @@ def test_what_is_asked_without_options(words: str, files: dict[str, str], probe:
     assert not {"write_page called", "write_gif called"} & set(found)
 
 
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with small studies, where the commands run."""
+    studies = {
+        "fit": FIT,
+        "sweep": STUDY.format(title="one", name="restitution"),
+        "two": DESIGN.format(aims='"rebound_amplitude_1", "clamping_force_N"'),
+        "one": DESIGN.format(aims='"rebound_amplitude_1"'),
+        "wrong": FILMED.format(name="wrong").replace('"ball"', f'"{BALL.as_posix()}"'),
+    }
+    for name, text in studies.items():
+        (tmp_path / f"{name}.toml").write_text(text, encoding="utf-8")
+    (tmp_path / "wrong.csv").write_text(CAMERA.format(second=0.0161), encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
 @pytest.mark.parametrize(
-    ("words", "printer"),
+    "words",
     [
-        ("paper", "print_paper"),
-        ("identify {fit}", "print_fit"),
-        ("optimise {design}", "print_optimum"),
-        ("check", "print_report"),
-        ("stress", "print_campaign"),
-        ("run", "print_benchmark"),
+        "simulate",
+        "check",
+        "compare e62 --set-b stiffness=11000",
+        "speed-limit --from 450 --to 600 --speeds 2 --turns 4",
+        "identify fit.toml --starts 1 --profiles 0 --workers 1",
+        pytest.param("optimise one.toml --starts 1 --no-check --workers 1", marks=pytest.mark.slow),
+        "sweep sweep.toml --workers 1",
+        pytest.param("stress --cases 1 --workers 1", marks=pytest.mark.slow),
+        pytest.param("paper", marks=pytest.mark.slow),
     ],
 )
 def test_a_document_in_a_file_leaves_the_terminal_its_tables(
-    words: str, printer: str, files: dict[str, str], probe: Probe
+    words: str, folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """The file holds the document; - prints it, and nothing else."""
-    command = words.format(**files).split()
-    document = "in run.json." if words == "stress" else "in run.json.done"
-    found = probe.run([*command, "--json", "run.json"])
-    assert found[f"{printer} called"]
-    assert found["stdout"] != "document"
-    assert any(key.startswith(document) for key in found)
-    printed = probe.run([*command, "--json", "-"])
-    assert printed["stdout"] == "document"
-    assert f"{printer} called" not in printed
+    assert main([*words.split(), "--json", "run.json"]) == 0
+    tables = capsys.readouterr().out
+    assert tables
+    assert not tables.startswith("{")
+    document = json.loads((folder / "run.json").read_text(encoding="utf-8"))
+    assert main([*words.split(), "--json", "-"]) == 0
+    out, err = capsys.readouterr()
+    assert json.loads(out).keys() == document.keys()
+    assert err == ""
 
 
+@pytest.mark.slow
 def test_files_that_were_written_are_named(
-    files: dict[str, str],
-    probe: Probe,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """One line each, the figure of a front last; a front of one point has no figure."""
-    assert probe is not None
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("nipper_pin.study.optimise.write", lambda *_: (Path("a"), Path("b")))
-    monkeypatch.setattr(
-        "nipper_pin.view.studies.front_plot.plot_front", lambda _optimum, file: file
-    )
-    assert main(["optimise", files["design"], "--out", "here", "--format", "png"]) == 0
-    assert capsys.readouterr().out == "here/a\nhere/b\nhere/front.png\n"
-    single = SimpleNamespace(front=("one",), record=dict, contradiction="")
-    monkeypatch.setattr("nipper_pin.study.optimise.optimise", lambda *_, **__: single)
-    assert main(["optimise", files["design"], "--out", "there"]) == 0
-    assert capsys.readouterr().out == "there/a\nthere/b\n"
-    monkeypatch.setattr(
-        "nipper_pin.view.studies.sweep_plots.plot_sweep",
-        lambda *_, **__: [Path("x.svg"), Path("y.svg")],
-    )
-    assert main(["plot", "folder"]) == 0
-    assert capsys.readouterr().out == "x.svg\ny.svg\n"
+    search = "--starts 1 --no-check --workers 1"
+    assert main(["sweep", "sweep.toml", "--workers", "1", "--out", "swept"]) == 0
+    for words, place, last in (
+        (f"optimise two.toml --points 3 --format png {search}", "here", "front.png"),
+        (f"optimise one.toml {search}", "there", "case.json"),
+        ("plot swept", "drawn", ""),
+    ):
+        capsys.readouterr()
+        assert main([*words.split(), "--out", place]) == 0
+        lines = capsys.readouterr().out.splitlines()
+        named = [line for line in lines if line.startswith(f"{place}/")]
+        assert sorted(named) == sorted(
+            f"{place}/{file.name}" for file in (folder / place).iterdir()
+        )
+        assert named[-1].endswith(last)
 
 
 def failed(number: int, family: str, word: str, detail: str = "") -> Verdict:
@@ -196,41 +219,16 @@ def test_a_campaign_ends_as_its_verdicts_say(
     assert err.count("\n") == (1 if said else 0)
 
 
-@pytest.mark.parametrize(
-    ("words", "place", "answer"),
-    [
-        ("identify {fit}", "nipper_pin.study.identify.identify", "fit"),
-        ("optimise {design}", "nipper_pin.study.optimise.optimise", "optimum"),
-    ],
-)
+@pytest.mark.usefixtures("folder")
 def test_what_contradicts_itself_is_printed_and_status_1(
-    words: str,
-    place: str,
-    answer: str,
-    files: dict[str, str],
-    probe: Probe,
-    monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    assert probe is not None
-
-    def check() -> None:
-        message = "no start arrived"
-        raise SimulationError(message)
-
-    found: dict[str, Any] = {
-        "fit": SimpleNamespace(
-            known=SimpleNamespace(ranked=list), goodness=SimpleNamespace(), check=check
-        ),
-        "optimum": SimpleNamespace(
-            front=(), record=lambda: {"done": "well"}, contradiction="no start arrived"
-        ),
-    }
-    monkeypatch.setattr(place, lambda *_, **__: found[answer])
-    assert main([*words.format(**files).split(), "--json", "-"]) == 1
+    words = "identify wrong.toml --starts 1 --profiles 0 --workers 1 --json -"
+    assert main(words.split()) == 1
     out, err = capsys.readouterr()
-    assert json.loads(out) == {"done": "well"}
-    assert err == "nipper-pin: no start arrived\n"
+    assert json.loads(out)["goodness"]["verdict"] == "contradicted"
+    assert err.startswith("nipper-pin: THE DATA CONTRADICT THE FIT: ")
+    assert err.count("\n") == 1
 
 
 def test_what_check_ends_with(capsys: pytest.CaptureFixture[str]) -> None:

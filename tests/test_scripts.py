@@ -124,7 +124,7 @@ def test_an_own_machine_bounces_as_a_free_box_does(tmp_path: Path) -> None:
     assert nip.load(tmp_path / "shaker").title == "loose box on a shaking table"
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_sweep_agrees_with_simulated_turns(tmp_path: Path) -> None:
     """The settings that it prints, as whole turns of the engine that the sweep does not use.
 
@@ -147,7 +147,7 @@ def test_a_sweep_agrees_with_simulated_turns(tmp_path: Path) -> None:
     assert rows[1][0] < tenth < median < ninth < rows[0][0]
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_sweep_with_dask_agrees_with_the_reduced_engine(tmp_path: Path) -> None:
     """Rebounds of all machines at one speed, by the engine that this sweep does not use."""
     text = printed("sweep_with_dask.py", tmp_path)
@@ -167,7 +167,7 @@ def test_a_sweep_with_dask_agrees_with_the_reduced_engine(tmp_path: Path) -> Non
     assert (mean, largest) == pytest.approx((np.mean(rebounds), max(rebounds)), abs=1e-6)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_an_identification_finds_the_machine_that_was_filmed(tmp_path: Path) -> None:
     """The numbers of which the measurements were made, within four stated deviations."""
     truth = {
@@ -185,7 +185,7 @@ def test_an_identification_finds_the_machine_that_was_filmed(tmp_path: Path) -> 
     assert rebound == pytest.approx(1e3 * hit.rebound_time, rel=0.01)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_film_has_pictures_and_the_certified_losses(tmp_path: Path) -> None:
     text = printed("film_a_run.py", tmp_path, "film.gif")
     case = CERTIFIED["650"]
@@ -202,7 +202,7 @@ def test_a_film_has_pictures_and_the_certified_losses(tmp_path: Path) -> None:
     assert len(shown) > 50
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_an_optimum_is_what_the_direct_engine_simulates(tmp_path: Path) -> None:
     """The design that is printed, and the model as it is, by runs that no search made."""
     text = printed("optimise_a_design.py", tmp_path)
