@@ -380,26 +380,6 @@ def test_long_series(e62: Mechanism) -> None:
     assert np.isnan(table.time[0, int(table.collisions[0]) :]).all()
 
 
-@pytest.mark.parametrize(
-    ("arguments", "match"),
-    [
-        ({"speed_rpm": -1.0}, "speed_rpm"),
-        ({"speed_rpm": [400.0, 500.0], "restitution": [0.1, 0.2, 0.3]}, "number of cases"),
-        ({"speed_rpm": 400.0, "engine": "fast"}, "auto, direct or reduced"),
-        ({"speed_rpm": 400.0, "drive": "loose"}, "held or inertial"),
-        ({"speed_rpm": 400.0, "tolerance": 0.1}, "tolerance"),
-        ({"speed_rpm": 400.0, "rest_rate": 0.0}, "rest_rate"),
-        ({"speed_rpm": 400.0, "preload_length_mm": 11_000.0}, "this is in mm"),
-        ({"speed_rpm": 400.0, "stiffness_N_per_m": [9e3, 9e12]}, "this is in N/m"),
-        ({"speed_rpm": 400.0, "preload_deg": 3.0}, "no spring on a joint"),
-    ],
-)
-def test_unusable_parameters(e62: Mechanism, arguments: dict[str, Any], match: str) -> None:
-    """What cannot be used is refused before anything is computed."""
-    with pytest.raises(InputError, match=match):
-        transition_table(e62, **arguments)
-
-
 def test_empty_table(e62: Mechanism) -> None:
     """No case gives a table without rows."""
     table = transition_table(e62, speed_rpm=[])

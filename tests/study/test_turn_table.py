@@ -228,23 +228,14 @@ def test_values_of_a_case_are_those_of_a_machine(e62: Mechanism) -> None:
 def test_arguments_that_cannot_be_used(e62: Mechanism) -> None:
     with pytest.raises(UnknownNameError, match="known: jaw, steeve"):
         turn_table(e62, speed_rpm=450.0, restitution={"lip": 0.3})
-    for keys, words in (
-        ({"turns": 0}, "turns = 0"),
-        ({"turns": 2.5}, "turns = 2.5"),
-        ({"turns": 10_001}, "1 to 10,000"),
-        ({"least_force_N": -1.0}, "least_force_N"),
-        ({"least_force_N": math.nan}, "least_force_N"),
-        ({"restitution": {"steeve": 1.5}}, "restitution of steeve"),
-        ({"restitution": {"jaw": [0.1, 0.2], "steeve": [0.1, 0.2, 0.3]}}, "same number of cases"),
-        ({"speed_rpm": 0.0}, "speed_rpm"),
-        ({"preload_length_mm": 11_000.0}, "in mm"),
-        ({"tolerance": 1.0}, "tolerance"),
-        ({"rest_rate": -1.0}, "rest_rate"),
-        ({"engine": "fast"}, "auto, direct or reduced"),
-        ({"drive": "loose"}, "held or inertial"),
+    for given, words in (
+        ({"steeve": 1.5}, "restitution of steeve"),
+        ({"jaw": [0.1, 0.2], "steeve": [0.1, 0.2, 0.3]}, "same number of cases"),
     ):
         with pytest.raises(InputError, match=words):
-            turn_table(e62, **{"speed_rpm": 450.0, **keys})  # type: ignore[arg-type]
+            turn_table(e62, speed_rpm=450.0, restitution=given)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="1 to 10,000"):
+        turn_table(e62, speed_rpm=450.0, turns=10_001)
     with pytest.raises(InputError, match="no stop that could clamp"):
         turn_table(replace(e62, transition_stop=""), speed_rpm=450.0)
     with pytest.raises(InputError, match=r"nip\.load"):

@@ -17,10 +17,7 @@ import contextlib
 import io
 import json
 import math
-import os
 import shlex
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -245,28 +242,6 @@ def test_same_seed_same_bits_whoever_computes(tmp_path: Path) -> None:
     assert elsewhere.check is not None
     assert elsewhere.check.z != one.check.z
     assert elsewhere.best.numbers[E_N] == pytest.approx(one.best.numbers[E_N], rel=1e-5)
-
-
-@pytest.mark.slow
-def test_threads_of_blas_change_no_bit(tmp_path: Path) -> None:
-    """One worker in a process whose BLAS has four threads, and this one, whose BLAS has one.
-
-    Computed in four threads, the descents of this problem end in other last bits.
-    """
-    found = problem(tmp_path, AT_LEAST)
-    program = (
-        "import sys; from nipper_pin.study.optimise import optimise, read_problem\n"
-        "found = optimise(read_problem(sys.argv[1]), starts=3, check=False, workers=1)\n"
-        "print([item.z for item in found.descents])"
-    )
-    said = subprocess.run(
-        [sys.executable, "-c", program, str(tmp_path / "study.toml")],
-        env={**os.environ, "OPENBLAS_NUM_THREADS": "4"},
-        capture_output=True,
-        text=True,
-        check=True,
-    ).stdout
-    assert said.strip() == str([item.z for item in quick(found).descents])
 
 
 @pytest.mark.slow

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import signal
 import subprocess
@@ -277,24 +276,6 @@ def children(pid: int) -> list[int]:
     return [int(number) for number in text.split()]
 
 
-def test_what_is_not_installed_is_named(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    arguments = ["sweep", study(tmp_path, GEOMETRY), "--out", str(tmp_path / "out")]
-    monkeypatch.setattr("nipper_pin.extras.installed", lambda name: name != "distributed")
-    assert main([*arguments, "--scheduler", "tcp://127.0.0.1:1"]) == 2
-    assert 'needs distributed, which is not installed: pip install "nipper-pin[cluster]"' in (
-        capsys.readouterr().err
-    )
-    monkeypatch.setattr("nipper_pin.extras.installed", lambda _: False)
-    assert main(arguments) == 2
-    assert 'needs pyarrow, which is not installed: pip install "nipper-pin[sweep]"' in (
-        capsys.readouterr().err
-    )
-    assert main(["plot", str(tmp_path / "out")]) == 2
-    assert 'which are not installed: pip install "nipper-pin[study]"' in capsys.readouterr().err
-
-
 def test_results_of_two_plans_are_not_mixed(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -308,18 +289,3 @@ def test_results_of_two_plans_are_not_mixed(
     assert "another sweep (they differ in: axes)" in said
     assert "--out" in said
     assert chunk_files(out) == before
-
-
-@pytest.mark.slow
-def test_command_says_what_it_did(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    path = study(tmp_path, '[parameters."drives.tension.ratio"]\nvalues = [2.2, 2.3]\n')
-    out = tmp_path / "out"
-    assert main(["sweep", path, "--dry-run"]) == 0
-    assert capsys.readouterr().out.startswith("2 scenarios of 2 mechanisms in 1 chunk\n")
-    assert main(["sweep", path, "--out", str(out), "--json", "-"]) == 0
-    document = json.loads(capsys.readouterr().out)
-    assert (document["scenarios"], document["found"], document["chunks"]) == (2, 0, 1)
-    assert main(["sweep", path, "--out", str(out)]) == 0
-    assert "2 were there, 0 computed" in " ".join(capsys.readouterr().out.split())
-    assert main(["sweep", path, "--workers", "0"]) == 2
-    assert main(["sweep", path, "--workers", "1", "--scheduler", "tcp://127.0.0.1:1"]) == 2

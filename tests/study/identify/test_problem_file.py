@@ -1,0 +1,51 @@
+"""Every key of the file of an identification and of its measurements, as it is read."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+
+import pytest
+from snapshots import Words
+
+from nipper_pin.mechanism import Mechanism
+from nipper_pin.study import identify
+from nipper_pin.study.identify.problem.targets import (
+    Condition,
+    conditions,
+    with_settings,
+)
+from tests.refusals.studies import FIT, SEEN
+
+
+def written(folder: Path, text: str) -> Path:
+    (folder / "seen.csv").write_text(SEEN, encoding="utf-8")
+    file = folder / "study.toml"
+    file.write_text(text, encoding="utf-8")
+    return file
+
+
+def test_the_file_of_an_identification(tmp_path: Path, e62: Mechanism, words: Words) -> None:
+    """All keys, measurements included, and what stands there where a file says nothing."""
+    plain = FIT[: FIT.index("[limits]")].replace('measured = "seen.csv"\n', "")
+    for line in ("prior_weight = 0.5\n", "absolute_sigma = false\n",
+                 "[case]\nrest_rate = 1e-3\ntolerance = 1e-4\n"):  # fmt: skip
+        plain = plain.replace(line, "")
+    said = []
+    for text, tolerance in ((FIT, 1e-4), (plain, 1e-8)):
+        found = identify.read_problem(written(tmp_path, text))
+        record = {key: value for key, value in asdict(found).items() if key != "sources"}
+        assert record.pop("tolerance") == tolerance
+        sigmas = [target.sigma for target in found.targets]
+        assert sigmas == [0.005, 0.125, 1e-5, 2e-5][: len(sigmas)]
+        preload, _ = found.parameters
+        assert preload.start == pytest.approx(1e3 * e62.springs[0].preload)
+        record["conditions"] = conditions(found.targets)
+        said.append(json.dumps(record, indent=1))
+    words("\n".join(said) + "\n")
+    stiff = Condition(650.0, 0.2, 9500.0)
+    machine = with_settings(found.sources.build(), stiff)
+    assert machine.stop("jaw").restitution == 0.2
+    assert machine.stop("steeve").restitution == 0.25
+    assert machine.springs[0].stiffness == 9500.0
