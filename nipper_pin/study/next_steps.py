@@ -60,9 +60,8 @@ def next_steps(
         missing.append(f"links overlap: {', '.join(pairs)}; move the shapes or the points")
     short = [name for name in _OFTEN_SHORT if name not in mechanism.shortcuts]
     if short and mechanism.stops:
-        missing.append(
-            f"--{' and --'.join(short)} of the command line mean nothing yet: add [shortcuts]"
-        )
+        names, verb = " and --".join(short), "mean" if len(short) > 1 else "means"
+        missing.append(f"--{names} of the command line {verb} nothing yet: add [shortcuts]")
     if not mechanism.provenance:
         missing.append("no number says where it comes from: add [provenance]")
     for item in report.masses:
