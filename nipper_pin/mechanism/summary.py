@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..notebook import html
+from ..terms.shown import counted
 from ..tolerances.mechanics import CURVE_DEPARTURE
 from ..units import MM_PER_M
 
@@ -17,10 +18,11 @@ if TYPE_CHECKING:
 def line(mechanism: Mechanism) -> str:
     """One line."""
     stops = ", ".join(stop.name for stop in mechanism.stops)
+    parts = {"joint": mechanism.joints, "closure": mechanism.closures, "drive": mechanism.drives}
+    counts = ", ".join(counted(len(items), noun) for noun, items in parts.items())
     return (
-        f"<Mechanism {mechanism.name}: {len(mechanism.joints)} joints, "
-        f"{len(mechanism.closures)} closures, {len(mechanism.drives)} drives, "
-        f"stops {stops or 'none'}, mobility {mechanism.degrees_of_freedom}>"
+        f"<Mechanism {mechanism.name}: {counts}, stops {stops or 'none'}, "
+        f"mobility {mechanism.degrees_of_freedom}>"
     )
 
 

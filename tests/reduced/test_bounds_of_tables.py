@@ -1,49 +1,49 @@
-"""Parts of the reduced engine that need no machine: what they say, and bounds on their errors."""
+"""Tables of the reduced engine: what they say, what they refuse, and bounds on their errors."""
 
 from __future__ import annotations
 
 from dataclasses import fields, replace
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.polynomial import chebyshev
+from small_machines import SHAFT, frame, hinge, link, machine, slide
 
+from nipper_pin.arrays import FloatArray
+from nipper_pin.dynamics.shaft import ShaftMotion
+from nipper_pin.dynamics.system import System
 from nipper_pin.errors import InputError, SimulationError
-from nipper_pin.reduced import sampling
+from nipper_pin.mechanism import Mechanism
+from nipper_pin.reduced import ReducedModel, build
 from nipper_pin.reduced.kernels import kernel, layout
-from nipper_pin.reduced.model import ReducedModel
 from nipper_pin.reduced.tables import arrival
 from nipper_pin.reduced.tables import tables as tables_module
-from nipper_pin.reduced.tables.arrival import Arrival
+from nipper_pin.reduced.tables.functions import Samples
 
 ARRAYS = ("equation", "gaps", "inertia", "residual", "largest", "steepest_x", "steepest_u",
           "stiffness", "preload")  # fmt: skip
 
 
-def made(scale: float) -> ReducedModel:
-    """A model whose plain values are always the same."""
-    given: dict[str, Any] = {item.name: item.name for item in fields(ReducedModel)}
-    given |= {name: scale * np.arange(3.0) for name in ARRAYS}
-    given["arrival"] = Arrival(tables=np.arange(3.0), turn=np.arange(4.0), why=str(scale))  # type: ignore[arg-type]
-    return ReducedModel(**given)
-
-
-def test_models_are_told_and_compared_without_their_tables() -> None:
+def test_models_are_told_and_compared_without_their_tables(e62: Mechanism) -> None:
     """A line of plain values; equal if these are, whatever the arrays hold."""
-    one = made(1.0)
-    text = repr(one)
-    for name in ARRAYS:
-        assert f" {name}=" not in text, name
-    assert "array" not in text
-    assert "arrival" not in text
+    one = build(e62, turn=False)
+    assert "array" not in repr(one)
+    assert "arrival" not in repr(one)
     plain = {item.name for item in fields(ReducedModel)} - {*ARRAYS, "arrival"}
     for name in plain:
-        assert f"{name}='{name}'" in text
+        assert f"{name}={getattr(one, name)!r}" in repr(one)
         assert one != replace(one, **{name: "other"})
-    assert one == made(2.0)
-    assert repr(one.arrival) == "Arrival(why='1.0', asked=True)"
+    for name in ARRAYS:
+        assert f" {name}=" not in repr(one), name
+        assert one == replace(one, **{name: 2.0 * getattr(one, name)})
+    assert repr(one.arrival) == "Arrival(why='the rest of the turn was not sampled', asked=True)"
+
+
+def samples(equation: list[FloatArray], inertia: FloatArray | None = None) -> Samples:
+    """Functions at points, and nothing else of them."""
+    none = np.empty(0)
+    return Samples(none, np.array(equation), none, none, none if inertia is None else inertia)
 
 
 class Sampler:
@@ -61,7 +61,7 @@ class Sampler:
         assert (x == 0.0).all()
         assert (q[:, 0] == u).all()
         self.travels.append(u)
-        return SimpleNamespace(equation=np.array([item(u) for item in self.functions]))
+        return samples([item(u) for item in self.functions])
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -91,63 +91,45 @@ def test_functions_along_the_closed_stop(sign: float, opening: float) -> None:
     assert bounds[2] == 0.0
 
 
-@pytest.mark.parametrize(
-    ("gaps", "right"),
-    [
-        # From y = -1 to y = 1 the gap grows, and is open from y = 0 on.
-        ([[-1.0, 0.5, 1.0], [-0.5, 1.0, 2.0]], True),
-        ([[-1.0, 0.5, 0.5], [-0.5, 1.0, 2.0]], False),
-        ([[-1.0, 0.5, 1.0], [-0.5, 1.0, 0.75]], False),
-        ([[-1.0, 0.0, 1.0], [-0.5, 1.0, 2.0]], False),
-        ([[-3.0, -2.0, -1.0], [-0.5, 1.0, 2.0]], False),
-    ],
-)
-def test_turns_in_which_the_stop_can_close(gaps: Any, right: bool) -> None:
-    mechanism: Any = SimpleNamespace(
-        transition_stop="jaw", stop=lambda name: SimpleNamespace(index={"jaw": 1}[name])
-    )
-    q = np.full((2, 3, 2), np.nan)
-    q[:, :, 1] = gaps
-    tables: Any = SimpleNamespace(q=q, x=np.array([-1.0, 0.0, 1.0]))
-    if right:
-        arrival._check_open(mechanism, tables)
-        return
-    with pytest.raises(SimulationError, match="stop 'jaw' can close between its opening and"):
-        arrival._check_open(mechanism, tables)
-
-
-def test_turns_that_the_waiting_stop_does_not_open() -> None:
+def test_turns_that_the_waiting_stop_does_not_open(e62: Mechanism) -> None:
     """Its collision has to throw the other one open, and it has to approach before."""
-    system: Any = SimpleNamespace(mechanism=SimpleNamespace(transition_stop="jaw"))
-    stop: Any = SimpleNamespace(name="lift", index=1)
-    opening: Any = SimpleNamespace(travel=0.5, q=np.zeros((1, 2)))
+    system = System(e62, ShaftMotion(e62, 1.0, e62.cylinder.angle_at_touch_rad))
+    stop = e62.stop("steeve")
+    opening = arrival.Opening(0.5, np.zeros((1, len(e62.joints))))
+
+    class Rates:
+        def rates(self, _travel: FloatArray, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+            thrown, approached = np.full_like(q, 9.0), np.full_like(q, 9.0)
+            thrown[0, stop.index], approached[0, stop.index] = throw, approach
+            return thrown, approached
+
+    sampler: Any = Rates()
     for throw, approach in ((0.0, -1.0), (-2.0, -1.0), (2.0, 0.0), (2.0, 1.0)):
-        rates = np.array([[9.0, throw]]), np.array([[9.0, approach]])
-        sampler: Any = SimpleNamespace(rates=lambda travel, q: rates)  # noqa: B023, ARG005
         waiting = arrival.Waiting(stop, sampler, np.zeros(4), 1.0)
-        with pytest.raises(SimulationError, match="'lift' does not open 'jaw' by its") as caught:
+        with pytest.raises(SimulationError, match="'steeve' does not open 'jaw' by its") as caught:
             arrival.arrival(system, sampler, opening, waiting, 1e-9)
         assert caught.value.evidence == {"throw": throw, "approach": approach}
 
 
-def test_stops_that_cannot_move_freely(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_stops_that_cannot_move_freely() -> None:
     """A coordinate that the closures and drives determine is none to sample over."""
-    asked: list[Any] = []
-    units = np.array([1.0, 0.5, 1.0])
-    jacobian = np.array([[1.0, 2.0, 3.0]])
-    body = SimpleNamespace(nv=3, units=units, closures=lambda _: (None, jacobian))
-    system: Any = SimpleNamespace(driven=np.array([2]), body=body)
-
-    def partition(jacobian: Any, driven: Any, more: Any) -> Any:
-        asked.append((jacobian.tolist(), driven, more))
-        return SimpleNamespace(dependent=[1])
-
-    monkeypatch.setattr(sampling, "partition", partition)
-    assert sampling._split(system, 0, "jaw").dependent == [1]
-    assert asked == [([1.0, 1.0, 3.0], [2], [0])]
-    with pytest.raises(InputError, match="stop 'jaw' cannot move freely") as caught:
-        sampling._split(system, 1, "jaw")
-    assert caught.value.evidence == {"stop": "jaw"}
+    parts = [
+        link("crank"), hinge("shaft", "frame", "crank"),
+        link("rod"), hinge("pin", "crank", "rod", (0.1, 0.0)), frame("end", "rod", (0.3, 0.0)),
+        link("rocker"), hinge("pivot", "frame", "rocker", (0.4, -0.3)),
+        frame("top", "rocker", (0.0, 0.3)), link("sled"), slide("rail", "frame", "sled"),
+    ]  # fmt: skip
+    four_bar = machine(
+        parts, 2,
+        closures={"joint": {"frame_a": "end", "frame_b": "top"}},
+        drives={"shaft": {"joint": "shaft", "law": "constant_speed", "ratio": 1.0, **SHAFT}},
+        stops={"rocker": {"joint": "pivot", "restitution": 0.2},
+               "sled": {"joint": "rail", "restitution": 0.2}},
+        phases=[{"number": 1, "name": "waiting", "closed": ["sled"]}],
+    )  # fmt: skip
+    with pytest.raises(InputError, match="stop 'rocker' cannot move freely") as caught:
+        build(four_bar)
+    assert caught.value.evidence == {"stop": "rocker"}
 
 
 @pytest.mark.parametrize("cells", [1, 3, 4000])
@@ -164,10 +146,8 @@ def test_errors_of_series_at_points_off_the_grid(cells: int) -> None:
             assert (past >= -2.0).all()
             assert (past <= 0.0).all()
             asked.append((past, x, q))
-            return SimpleNamespace(
-                equation=np.array([1.0 + 0.5 * x + 3.0 * past, np.full_like(x, 7.0)]),
-                inertia=5.0 * (3.0 + past),
-            )
+            values = [1.0 + 0.5 * x + 3.0 * past, np.full_like(x, 7.0)]
+            return samples(values, 5.0 * (3.0 + past))
 
     begins = width * np.arange(cells) - 2.0
     equation = np.zeros((2, cells, 2, 2))
@@ -179,9 +159,9 @@ def test_errors_of_series_at_points_off_the_grid(cells: int) -> None:
     inertia[:, 0] = 5.0 * (3.0 + begins + 0.5 * width) * (1.0 + 1e-5)
     inertia[:, 1] = 5.0 * 0.5 * width * (1.0 + 1e-5)
     grid = np.linspace(0.0, 2.0, 5)
-    tables: Any = SimpleNamespace(
-        u=grid, x=np.array([-1.0, 0.0, 3.0]), q=np.arange(15.0).reshape(5, 3, 1)
-    )
+    none = np.empty(0)
+    q = np.arange(15.0).reshape(5, 3, 1)
+    tables = tables_module.Tables(grid, np.array([-1.0, 0.0, 3.0]), q, none, none, none, none)
     sampler: Any = True_()
     points = tables_module.checks(sampler, domain, tables)
     bounds, relative = tables_module.residuals(points, domain, equation, inertia)
