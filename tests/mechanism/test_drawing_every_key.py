@@ -34,7 +34,6 @@ from nipper_pin.mechanism.drawing import (
 from nipper_pin.mechanism.drawing.places import place, vector
 from nipper_pin.mechanism.files.toml_writing import toml
 from nipper_pin.mechanism.gallery import GALLERY, drawn
-from tests.small_machines import hinge, link, machine
 
 POINTS = {
     "O": (10.0, 5.0),
@@ -244,23 +243,6 @@ def test_any_plain_document_reads_back() -> None:
         "a key": {"x.y": 1, "deep": {"er": [{"n": 1}, {"n": 2, "in": {"m": False}}]}}, "last": {},
     }  # fmt: skip
     assert tomllib.loads(toml(document)) == document
-
-
-def test_a_mechanism_in_a_line_and_on_a_page() -> None:
-    """Names of what there is, and a word where there is nothing."""
-    yoke = drawn_mechanism(YOKE)
-    assert repr(yoke) == (
-        "<Mechanism yoke: 5 joints, 1 closures, 2 drives, stops open, shut, lift, mobility 3>"
-    )
-    page = yoke._repr_html_()
-    for text in ("a &lt;yoke&gt;", "open (e_N 0.3), shut (e_N 0.1), lift (e_N 0.2)", "O, feed",
-                 "60", "r/min", "prismatic", "mobility"):  # fmt: skip
-        assert text in page
-    bare = machine([link("rod"), hinge("pivot", "frame", "rod")], 1)
-    assert repr(bare) == (
-        "<Mechanism small: 1 joints, 0 closures, 0 drives, stops none, mobility 1>"
-    )
-    assert bare._repr_html_().count("none") == 3
 
 
 def _numpy(value: Any) -> Any:

@@ -31,7 +31,8 @@ def lines(page: str) -> str:
 
 def test_pages_of_mechanisms(e62: Mechanism, words: Words) -> None:
     """Facts, and every joint in the order of the tree; in Python one line."""
-    machines = (e62, load("hanging_pendulum"), driven())
+    bare = machine([link("rod"), hinge("pivot", "frame", "rod")], 1)
+    machines = (e62, load("hanging_pendulum"), driven(), bare)
     words("".join(f"{item!r}\n{lines(item._repr_html_())}\n" for item in machines))
 
 
