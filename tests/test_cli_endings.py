@@ -1,4 +1,4 @@
-"""What every command asks for where no option is given, what it writes, and how it ends."""
+"""What every command writes, and how it ends."""
 
 from __future__ import annotations
 
@@ -9,9 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from command_probe import Facts, Probe, stand_ins
 from programs import main
-from test_cli_options import DESIGN as TWO_AIMS
 from test_cli_options import FIT, STUDY
 from test_words import BALL, CAMERA
 from test_words import FIT as FILMED
@@ -27,89 +25,6 @@ minimise = [{aims}]
 low = 9.0
 high = 11.0
 """
-CASE = {
-    "speed_rpm": 450.0, "window": "transition", "cycles": 1, "drive": "held", "rest_rate": None,
-    "resolution.tolerance": 1e-12, "reuse_cycles": True,
-}  # fmt: skip
-# All that is asked of the library, apart from machines and files that were read.
-ASKED: dict[str, dict[str, object]] = {
-    "simulate": {f"simulate.case.{name}": value for name, value in CASE.items()}
-    | {"simulate.mechanism.name": "e62"},
-    "view": {
-        "simulate.mechanism.name": "e62", "simulate.case.window": "cycle",
-        "simulate.case.speed_rpm": 450.0, "serve.port": 7000, "serve.browser": True,
-        "film.look.slow": None, "film.look.exaggerate": 1.0,
-    },
-    "live": {
-        "serve_live.mechanism.name": "e62", "serve_live.speed_rpm": 450.0,
-        "serve_live.port": 7001, "serve_live.browser": True,
-    },
-    "check": {
-        "check_model.mechanism.name": "e62", "check_model.speed_rpm": 450.0,
-        "check_model.start_index": 24.0, "next_steps.model": "e62",
-        "print_report.provenance": False,
-    },
-    "paper": {"paper_study.mechanism.name": "e62"},
-    "identify {fit}": {
-        "identify.starts": 4, "identify.seed": 1, "identify.workers": None,
-        # The last of two profiles: of the second best determined number.
-        "profile.path": "b", "profile.workers": None, "write_model.folder": None,
-    },
-    "optimise {design}": {
-        "optimise.starts": 6, "optimise.seed": 1, "optimise.check": True, "optimise.points": 12,
-        "optimise.workers": None,
-    },
-    "sweep {sweep}": {
-        "run_sweep.folder": "out/sweep", "run_sweep.workers": None, "run_sweep.scheduler": None,
-        "run_sweep.chunks": None,
-    },
-    "plot folder": {
-        "plot_sweep.folder": "folder", "plot_sweep.quantities": None, "plot_sweep.across": None,
-        "plot_sweep.upwards": None, "plot_sweep.kind": "svg", "plot_sweep.target": None,
-    },
-    "stress": {
-        "run_campaign.cases": 1000, "run_campaign.seed": 1, "run_campaign.workers": None,
-        "run_campaign.time_limit_s": 600.0, "run_campaign.families.0": None,
-        "run_campaign.first": 0,
-    },
-    "run": {"benchmark.quick": False, "benchmark.repeats": None},
-}  # fmt: skip
-
-
-@pytest.fixture
-def files(tmp_path: Path) -> dict[str, str]:
-    """Studies that commands cannot do without."""
-    texts = {"fit": FIT, "sweep": STUDY, "design": TWO_AIMS}
-    for name, text in texts.items():
-        filled = text if name == "fit" else text.format(title="one", name="restitution")
-        (tmp_path / f"{name}.toml").write_text(filled, encoding="utf-8")
-    return {name: str(tmp_path / f"{name}.toml") for name in texts}
-
-
-@pytest.fixture
-def probe(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Probe:
-    (tmp_path / "runs").mkdir()
-    # What a command writes by itself is not to lie in the checkout.
-    monkeypatch.chdir(tmp_path)
-    found = Probe(monkeypatch, tmp_path / "runs")
-    stand_ins(found)
-    return found
-
-
-def plain(facts: Facts) -> Facts:
-    return {key: str(item) if isinstance(item, Path) else item for key, item in facts.items()}
-
-
-@pytest.mark.parametrize("words", ASKED)
-def test_what_is_asked_without_options(words: str, files: dict[str, str], probe: Probe) -> None:
-    found = plain(probe.run(words.format(**files).split()))
-    for name, value in ASKED[words].items():
-        assert found.get(name) == value, name
-    written = {key for key in found if key.startswith("file ")}
-    assert written == {
-        "optimise {design}": {"file out/design/result.json", "file out/design/front.svg"},
-    }.get(words, set())
-    assert not {"write_page called", "write_gif called"} & set(found)
 
 
 @pytest.fixture
