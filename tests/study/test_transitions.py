@@ -253,6 +253,9 @@ def test_automatic_choice(e62: Mechanism) -> None:
     assert many.why == f"reduced: {REDUCED_PAYS_FROM} cases of one mechanism"
     off = np.abs(many.duration[[0, -1]] - few.duration)
     assert (off <= many.duration_error[[0, -1]] + few.duration_error).all()
+    np.testing.assert_allclose(many.first_two_share[[0, -1]], few.first_two_share, rtol=1e-8)
+    assert many.premise_holds.tolist() == [True] * REDUCED_PAYS_FROM
+    assert few.premise_holds.tolist() == [True] * 2
     # The reason is the engine's own, and comes before anything is computed.
     inertial = transition_table(
         e62, speed_rpm=np.full(2, 500.0), drive=DriveMode.INERTIAL, engine="auto"

@@ -377,7 +377,8 @@ class CtrlC(io.StringIO):
 
 def test_an_interrupt_leaves_what_was_there(tmp_path: Path) -> None:
     """No folder, or the one that was there; a search after it is a new one, and takes nothing."""
-    out, file = tmp_path / "out", study(tmp_path, AT_LEAST)
+    body = 'minimise = "duration_s"\n' + parameter(E_N, 0.05, 0.5)
+    out, file = tmp_path / "out", study(tmp_path, body)
     words = ["optimise", str(file), "--out", str(out), "--workers", "1", "--starts", "1"]
     with contextlib.redirect_stderr(CtrlC()):
         assert main(words) == 130
