@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -10,8 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 from designs import MASS
+from small_machines import SLED, link, machine, slide
 
-from nipper_pin import Window, load
+from nipper_pin import Mechanism, Window, load
 from nipper_pin.errors import InputError, SimulationError
 from nipper_pin.hybrid.event import EventKind
 from nipper_pin.mechanism.drawing import drawn_mechanism
@@ -138,12 +140,38 @@ def test_a_turn_without_a_transition(speed: float, why: str) -> None:
             assert caught.value.evidence == {"stop": "jaw"}
 
 
+def thrown() -> Mechanism:
+    """A mass on a table that goes down twice a turn, faster than anything falls."""
+    parts = [link("table"), slide("table", "frame", "table", (0.0, 1.0)),
+             link("mass"), slide("gap", "table", "mass", (0.0, 1.0))]  # fmt: skip
+    drive = {"joint": "table", "law": "fourier", "cosine_mm": [0.0, -10.0], **SLED}
+    phases = [{"number": 1, "name": "on it", "closed": ["seat"]},
+              {"number": 2, "name": "in the air", "closed": []}]  # fmt: skip
+    return machine(parts, 2, gravity=9.81, drives={"table": drive}, phases=phases,
+                   stops={"seat": {"joint": "gap", "restitution": 0.0}})  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("make", "speed", "why"),
+    [
+        (thrown, 230.0, "the stop seat closes more than once in a turn"),
+        (lambda: drawn_mechanism(drawn("film_claw")), 600.0, "the stop claw does not open again"),
+    ],
+)
+def test_turns_that_have_no_working_cycle(
+    make: Callable[[], Mechanism], speed: float, why: str
+) -> None:
+    with pytest.raises(SimulationError, match=why):
+        read(control_turn(make(), speed, None), "opening_index")
+
+
 @pytest.mark.parametrize(("model", "turns"), [("e62", MOST_TURNS), (MASS, 1)], ids=str)
 def test_turns_that_are_simulated(model: str | Path, turns: int) -> None:
     """From a quarter of a turn before the touch: until they repeat, or one if drives wind on."""
-    machine = load(model)
-    touch = machine.cylinder.index_from_angle(machine.cylinder.angle_at_touch_rad)
-    found = control_turn(machine, 60.0, 1e-4)
+    mechanism = load(model)
+    cylinder = mechanism.cylinder
+    touch = cylinder.index_from_angle(cylinder.angle_at_touch_rad)
+    found = control_turn(mechanism, 60.0, 1e-4)
     case = found.solution.case
     assert (case.speed_rpm, case.window, case.rest_rate) == (60.0, Window.CYCLE, 1e-4)
     assert case.start_index == pytest.approx(touch - 10.0)
@@ -158,17 +186,17 @@ def test_kinematics_and_turn_have_one_window(name: str) -> None:
     Off by no more than what every second sample of the kinematics changes, and half of those of
     the turn; of a smooth curve either is several times the error of all samples.
     """
-    machine = drawn_mechanism(drawn(name)) if name in GALLERY else load(name)
-    speed, asked = machine.cylinder.rated_speed_rpm, []
+    mechanism = drawn_mechanism(drawn(name)) if name in GALLERY else load(name)
+    speed, asked = mechanism.cylinder.rated_speed_rpm, []
     for quantity, item in QUANTITIES.items():
         if item.source == "cycle":
             with suppress(InputError):
-                check_fit([quantity], machine, name)
+                check_fit([quantity], mechanism, name)
                 asked.append(quantity)
-    assert bool(asked) is (unfit(machine) is None)
+    assert bool(asked) is (unfit(mechanism) is None)
     if not asked:
         return
-    cycle, turn = working_cycle(machine, speed), control_turn(machine, speed, None)
+    cycle, turn = working_cycle(mechanism, speed), control_turn(mechanism, speed, None)
     found, coarse = cycle_values(cycle), cycle_values(thinned(cycle))
     for quantity in asked:
         if differs(cycle, read(turn, "duration_s").value, frozenset({quantity})):
