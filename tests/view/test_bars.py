@@ -6,6 +6,7 @@ import math
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -13,9 +14,10 @@ from small_machines import SHAFT, frame, hinge, link, machine, slide
 
 from nipper_pin import InputError, Mechanism
 from nipper_pin.view.live.shapes import shape
+from nipper_pin.view.scene.colours import link_colour
 from nipper_pin.view.scene.framing import _reach
 from nipper_pin.view.scene.meshes import mesh_of
-from nipper_pin.view.scene.solids import FIXED, Solid, solids
+from nipper_pin.view.scene.solids import FIXED, Solid, _material, solids
 
 
 def block(turned: float, depth: float = 0.0, body: int = FIXED) -> Solid:
@@ -150,3 +152,17 @@ def test_meshes_that_cannot_be_read(tmp_path: Path, name: str, words: str) -> No
     with pytest.raises(InputError, match=f"{name}: {words}") as caught:
         shape(replace(block(0.0), kind="mesh", path=file))
     assert Path(str(caught.value.evidence["file"])).name == name
+
+
+def test_colours_are_those_of_the_material_itself_or_of_its_name() -> None:
+    named = {"steel": (0.1, 0.2, 0.3)}
+    own = "<visual><material name='steel'><color rgba='0.5 0.6 0.7 1'/></material></visual>"
+    of_name = "<visual><material name='steel'/></visual>"
+    unknown = "<visual><material name='brass'/></visual>"
+    for text, colour in (
+        (own, (0.5, 0.6, 0.7)),
+        (of_name, (0.1, 0.2, 0.3)),
+        (unknown, link_colour(2)),
+        ("<visual/>", link_colour(2)),
+    ):
+        assert _material(ElementTree.fromstring(text), named, 2) == colour

@@ -58,6 +58,17 @@ def test_requests_of_this_page_are_told_from_others(
     assert is_local(host, origin, 7001) is local
 
 
+@pytest.fixture(scope="module")
+def guarded() -> Iterator[Filter]:
+    """A guard before a server of its own."""
+    server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+    buttons = {"buttons": frozenset({"reset", "fit"})}
+    yield Filter(
+        server, {"speed": (60.0, 2000.0)}, frozenset({"play"}), frozenset({"field"}), buttons
+    )
+    server.stop()
+
+
 @pytest.mark.parametrize(("control", "updates", "value"), [
     ("speed", {"value": 450}, 450.0), ("speed", {"value": 1e9}, 2000.0),
     ("speed", {"value": -1e9}, 60.0), ("speed", {"value": math.nan}, None),
@@ -72,12 +83,11 @@ def test_requests_of_this_page_are_told_from_others(
     ("buttons", {"value": "reset"}, "reset"), ("buttons", {"value": "other"}, None),
     ("buttons", {"value": True}, None), ("buttons", {"value": ["reset"]}, None),
 ])  # fmt: skip
-def test_values_are_those_of_their_controls(control: Any, updates: Any, value: Any) -> None:
-    found = Filter.__new__(Filter)
-    found._ranges, found._switches = {"speed": (60.0, 2000.0)}, frozenset({"play"})
-    found._fields, found._choices = frozenset({"field"}), {"buttons": frozenset({"reset", "fit"})}
-    assert found.allowed(control, updates) == value
-    assert type(found.allowed(control, updates)) is type(value)
+def test_values_are_those_of_their_controls(
+    guarded: Filter, control: Any, updates: Any, value: Any
+) -> None:
+    assert guarded.allowed(control, updates) == value
+    assert type(guarded.allowed(control, updates)) is type(value)
 
 
 def finished(task: Coroutine[Any, Any, T]) -> T:

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import threading
 from dataclasses import replace
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 from nipper_pin import Case, EventKind, Mechanism, SimulationError, Window, load, simulate
 from nipper_pin.view.live import whole_turn
-from nipper_pin.view.live.answer import answer
 from nipper_pin.view.live.panel.numbers import Number, Rows
-from nipper_pin.view.live.panel.text import as_html
 from nipper_pin.view.live.settings import Knob, knobs
 from nipper_pin.view.live.whole_turn import WholeTurns, turn_rows, unusable
 
@@ -146,49 +143,3 @@ def test_tables_are_made_beside_the_page(
     assert read(turns.rows(one))["rest"] != read(turns.rows(other))["rest"]
     high = asked(controls, speed=900.0, restitution=0.8, preload=0.0)
     assert read(turns.rows(high))["rest"] == "no rest before it opens"
-
-
-def test_the_turn_has_a_table_of_its_own(e62: Mechanism, controls: tuple[Knob, ...]) -> None:
-    """Below the numbers, or below the reason why there are none."""
-    rows = (Number("closing", "index <of> touch", "34.05"),)
-    for values in ({}, {"speed": 900.0, "restitution": 0.7}):
-        page = as_html(answer(e62, controls, asked(controls, **values)), rows)
-        head, _, table = page.partition('<table id="turn"')
-        assert "34.05" not in head
-        assert "index &lt;of&gt; touch" in table
-        assert 'data-key="closing"' in table
-
-
-def test_the_page_shows_a_turn_that_comes_later(
-    e62: Mechanism, controls: tuple[Knob, ...], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Without another answer, and the film goes on; a slider that moved meanwhile is followed."""
-    viser = pytest.importorskip("viser", reason="viser is not installed (extra `live`)")
-    from nipper_pin.view.live.page import Page
-
-    server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
-    waits = iter([True])
-    wake = SimpleNamespace(wait=lambda _: next(waits), clear=lambda: None, set=lambda: None)
-    try:
-        page = Page(server, e62, controls)
-        assert "its tables are being made" in page._numbers.content
-        monkeypatch.setattr(page, "_wake", wake)
-        monkeypatch.setattr(page.turns, "rows", lambda _: (Number("closing", "index", "34.05"),))
-        before = page._answer
-        page._turned()
-        follow = page._follow
-        asked_for: list[str] = []
-        monkeypatch.setattr(page, "_follow", lambda: (asked_for.append("one"), follow())[1])
-        with pytest.raises(StopIteration):
-            page.run()
-        assert (asked_for, page._answer) == ([], before)
-        assert "34.05" in page._numbers.content
-        page._turned()
-        page._set.sliders["speed"].value = 700.0
-        waits = iter([True])
-        with pytest.raises(StopIteration):
-            page.run()
-        assert asked_for == ["one"]
-        assert "speed 700 r/min" in page._numbers.content
-    finally:
-        server.stop()

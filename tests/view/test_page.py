@@ -11,7 +11,6 @@ import signal
 import socket
 import subprocess
 import sys
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -21,6 +20,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import umsgpack
+from page_words import said
 from runs_shown import run_of
 from snapshots import Words
 from three_js import Scene
@@ -42,28 +42,6 @@ def page(cycle: Solution) -> str:
     return scene_page(film(cycle, Look()))
 
 
-def told(value: Any) -> str:
-    """A value in a line; of many numbers how many there are."""
-    if isinstance(value, dict):
-        return ", ".join(f"{key} {told(item)}" for key, item in value.items())
-    if isinstance(value, list):
-        if len(value) > 8:
-            return f"({len(value)})"
-        return f"({', '.join(map(told, value))})"
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
-
-
-def said(film: dict[str, Any]) -> Iterator[str]:
-    """What a page writes, a line for each part of it; of many marks the first ones."""
-    for key, value in film.items():
-        if isinstance(value, list) and value and isinstance(value[0], dict | list):
-            yield from (f"{key}: {told(item)}" for item in value[:25])
-            if len(value) > 25:
-                yield f"{key}: {len(value)} in all"
-        else:
-            yield f"{key}: {told(value)}"
-
-
 @pytest.mark.parametrize("name", ["e62", "press", "boxed", "balls", "elements", "larger"])
 def test_words_of_the_page(name: str, words: Words) -> None:
     """Title, case, note, columns, phases, collisions, names and legends; of other rebounds too."""
@@ -72,9 +50,7 @@ def test_words_of_the_page(name: str, words: Words) -> None:
         title = "a comber </script> & co"
         run = replace(run, mechanism=replace(run.mechanism, title=title))
         look = Look(slow=20.0, exaggerate=3.0)
-    found = re.search(r'<script id="film"[^>]*>(.*?)</script>', scene_page(film(run, look)), re.S)
-    assert found is not None
-    words("\n".join(said(json.loads(found[1]))) + "\n")
+    words(said(scene_page(film(run, look))))
 
 
 def test_page_is_one_file_that_asks_for_nothing(page: str) -> None:

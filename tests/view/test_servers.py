@@ -1,24 +1,31 @@
-"""What a browser gets from the servers of both pages, and how they begin and end."""
+"""What a browser gets from the servers of both pages, how they begin and end, what is refused."""
 
 from __future__ import annotations
 
 import _thread
 import http.client
+import re
+import signal
 import socket
+import subprocess
 import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import closing
 from io import StringIO
-from types import SimpleNamespace
+from pathlib import Path
 from typing import Any
 
 import pytest
 
-from nipper_pin import InputError, Mechanism
+from nipper_pin import InputError
+from nipper_pin.cli import main
 from nipper_pin.view.scene.server import serve
 
+COMMAND = [sys.executable, "-c", "import sys; from nipper_pin.cli import main; sys.exit(main())"]
+MODELS = Path(__file__).parents[1] / "verification" / "models"
+WHY = "viser is not installed (extra `live`): the page cannot be built"
 PAGE = "<!DOCTYPE html>\n<p>\N{GREEK SMALL LETTER PSI}</p>"
 
 
@@ -143,36 +150,34 @@ def test_the_live_page(
     port: int,
     output: Output,
     opened: list[tuple[str, int]],
-    e62: Mechanism,
+    beside: Any,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Built with the sliders of the model, announced, opened if asked, and stopped at the end."""
-    pytest.importorskip("viser", reason="viser is not installed (extra `live`)")
-    from nipper_pin.view.live import serve as module
+    """Announced, opened if asked, and stopped at the end: the port is free again."""
+    pytest.importorskip("viser", reason=WHY)
 
-    said: list[Any] = []
+    def ask() -> Any:
+        """When the address is announced; the server itself is there before."""
+        until = time.monotonic() + 60.0
+        while not output.getvalue() and time.monotonic() < until:
+            time.sleep(0.02)
+        return get(port, "/")
 
-    class Page:
-        def __init__(self, server: Any, mechanism: Mechanism, controls: Any) -> None:
-            said.append((server.get_port(), mechanism.name, controls[0].start))
-            stop = server.stop
-            monkeypatch.setattr(server, "stop", lambda: (said.append("stopped"), stop()))
-            self.turns = SimpleNamespace(start=lambda: said.append("turns"))
-
-        def run(self) -> None:
-            said.append("run")
-            raise KeyboardInterrupt
-
-    monkeypatch.setattr(module, "Page", Page)
+    answers = beside(ask)
     with monkeypatch.context() as patch:
         patch.setattr(sys, "stdout", output)
-        module.serve_live(e62, 432.0, port, browser=browser)
-    assert said == [(port, "e62", 432.0), "turns", "run", "stopped"]
+        words = ["live", "e62", "--speed", "432", "--port", str(port)]
+        assert main([*words, *([] if browser else ["--no-browser"])]) == 0
+    ((status, _, content),) = answers
+    assert status == 200
+    assert b"viser" in content.lower()
     address = f"http://127.0.0.1:{port}/"
     assert output.getvalue() == f"the page is at {address} ; Ctrl-C ends\n\n"
     assert [item for item, _ in opened] == ([address] if browser else [])
-    assert all(flushed >= 1 for _, flushed in opened)
     assert output.flushed >= 1
+    with closing(socket.socket()) as trial:
+        trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        trial.bind(("127.0.0.1", port))
 
 
 class Viser:
@@ -225,3 +230,75 @@ class Trial:
 
     def bind(self, place: tuple[str, int]) -> None:
         assert place[0] == "127.0.0.1"
+
+
+@pytest.mark.parametrize("name", ["viser", "manifold3d"])
+def test_a_missing_library_is_one_sentence_with_the_remedy(
+    name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, name, None)
+    assert main(["live", "--no-browser"]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert f'needs {name}, which is not installed: pip install "nipper-pin[live]"' in err
+
+
+@pytest.mark.parametrize("port", ["70000", "-1"])
+def test_a_port_that_there_is_not_is_one_sentence(
+    port: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("viser", reason=WHY)
+    assert main(["live", "--no-browser", "--port", port]) == 2
+    out, err = capsys.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert f"port {port} cannot be used" in err
+
+
+def test_a_port_that_is_taken_is_one_sentence(capsys: pytest.CaptureFixture[str]) -> None:
+    """viser itself would take the next free port, where nobody looks."""
+    pytest.importorskip("viser", reason=WHY)
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        assert main(["live", "--port", str(port), "--no-browser"]) == 2
+    out, err = capsys.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert f"port {port} cannot be used" in err
+
+
+def test_a_model_without_rebounds_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("viser", reason=WHY)
+    assert main(["live", str(MODELS / "four_bar"), "--no-browser", "--port", "0"]) == 2
+    assert "no transition stop" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("model", ["e62", "bouncing_mass"])
+def test_the_server_ends_on_interrupt_and_says_nothing_but_its_address(model: str) -> None:
+    pytest.importorskip("viser", reason=WHY)
+    if model != "e62":
+        model = str(MODELS / model)
+    command = [*COMMAND, "live", model, "--port", "0", "--no-browser"]
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as server:
+        first = server.stdout.readline()
+        assert re.fullmatch(r"the page is at http://127\.0\.0\.1:\d+/ ; Ctrl-C ends\n", first)
+        server.send_signal(signal.SIGINT)
+        assert server.wait(timeout=60) == 0
+        assert server.stdout.read().strip() == ""
+        assert server.stderr.read() == ""
+
+
+def test_other_commands_import_nothing_of_this() -> None:
+    program = (
+        "import sys; from nipper_pin.cli import main; main(['simulate', '--json', '-']); "
+        "sys.stderr.write(' '.join(n for n in sys.modules if n.partition('.')[0] in "
+        "{'viser', 'websockets', 'trimesh', 'manifold3d'} or n.startswith('nipper_pin.view.live')))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    assert done.stderr == ""
