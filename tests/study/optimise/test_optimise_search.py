@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from designs import MASS, problem
 from scipy.stats import qmc
 
 from nipper_pin import SimulationError
 from nipper_pin.study.identify import working_cycle
-from nipper_pin.study.optimise import Problem, read_problem
 from nipper_pin.study.optimise.points import Evaluator
 from nipper_pin.study.optimise.problem.problem import Aim
 from nipper_pin.study.optimise.problem.quantities import cycle_values, thinned
@@ -34,7 +34,6 @@ from nipper_pin.study.optimise.search.trace import Scales
 from nipper_pin.study.optimise.work import Work
 from nipper_pin.tolerances.study import QUANTITY_ROUND_OFF
 
-MASS = Path(__file__).resolve().parents[2] / "verification" / "models" / "bouncing_mass"
 HEAD = f"""
 format = 1
 model = "{MASS}"
@@ -59,12 +58,6 @@ low = 9.0
 high = 14.0
 """
 AIM, TIME = "rebound_amplitude_1", "duration_s"
-
-
-def problem(folder: Path, text: str) -> Problem:
-    file = folder / "study.toml"
-    file.write_text(text, encoding="utf-8")
-    return read_problem(file)
 
 
 # --- where it looks ------------------------------------------------------------------------------
