@@ -17,6 +17,7 @@ from sweep_studies import (
     TABLE,
     chunk_files,
     plan,
+    stored,
     study,
     tabulated_e62,
     wait_for,
@@ -93,8 +94,7 @@ def test_a_point_moves_with_what_meets_in_it(tmp_path: Path) -> None:
     [parameters."points.eccentric_pin.radius_mm"]
     values = [5.0, 6.0]
     """
-    run_sweep(plan(tmp_path, text), tmp_path / "out", workers=1)
-    rows = read_sweep(tmp_path / "out").table.to_pylist()
+    rows = read_sweep(stored(tmp_path / "out", plan(tmp_path, text))).table.to_pylist()
     own = simulate(load("e62"), Case(speed_rpm=650.0)).transitions[0].duration
     assert [row["outcome"] for row in rows] == ["at_rest", "at_rest"]
     assert rows[0]["duration_s"] == pytest.approx(own, rel=1e-8)
@@ -149,8 +149,7 @@ def test_impossible_machines_are_marked_rows(tmp_path: Path) -> None:
     [parameters."drives.pendulum.crank_radius_mm"]
     values = [63.0, -5.0, 64.0, 10000.0]
     """
-    run_sweep(plan(tmp_path, text), tmp_path / "out", workers=1)
-    rows = read_sweep(tmp_path / "out").table.to_pylist()
+    rows = read_sweep(stored(tmp_path / "out", plan(tmp_path, text))).table.to_pylist()
     assert [row["outcome"] for row in rows] == ["at_rest", NO_MODEL, "at_rest", NO_MODEL]
     for row in rows[1::2]:
         assert "crank_radius_mm" in row["message"]
@@ -282,8 +281,7 @@ def test_results_of_two_plans_are_not_mixed(
     out = tmp_path / "out"
     small = '[parameters."drives.tension.ratio"]\nvalues = [2.2]\n'
     arguments = ["--out", str(out), "--workers", "1"]
-    assert main(["sweep", study(tmp_path, small), *arguments]) == 0
-    before = chunk_files(out)
+    before = chunk_files(stored(out, plan(tmp_path, small)))
     assert main(["sweep", study(tmp_path, small.replace("2.2", "2.3")), *arguments]) == 2
     said = capsys.readouterr().err
     assert "another sweep (they differ in: axes)" in said

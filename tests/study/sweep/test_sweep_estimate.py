@@ -20,14 +20,13 @@ def test_dry_run_says_how_long(
     path = study(tmp_path, GEOMETRY)
     arguments = ["sweep", path, "--dry-run", "--workers", "1"]
     monkeypatch.chdir(tmp_path)
-    for words, scenarios, chunks in (([], 30, 8), (["--chunks", "6-7"], 6, 2)):
-        assert main([*arguments, *words, "--json", "-"]) == 0
-        document = json.loads(capsys.readouterr().out)
-        assert (document["scenarios"], document["chunks"]) == (scenarios, chunks)
-        found = document["estimate"]
-        assert (found["engines"], found["workers"]) == ({"direct": 4 if not words else 2}, 1)
-        assert found["seconds"] == pytest.approx(1.5 + scenarios * found["scenario_s"], rel=1e-12)
-        assert found["scenario_s"] > 0.0
+    assert main([*arguments, "--json", "-"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert (document["scenarios"], document["chunks"]) == (30, 8)
+    found = document["estimate"]
+    assert (found["engines"], found["workers"]) == ({"direct": 4}, 1)
+    assert found["seconds"] == pytest.approx(1.5 + 30 * found["scenario_s"], rel=1e-12)
+    assert found["scenario_s"] > 0.0
     assert [item.name for item in tmp_path.iterdir()] == [Path(path).name]
     monkeypatch.setenv("COLUMNS", "200")
     assert main([*arguments, "--chunks", "6-7"]) == 0
