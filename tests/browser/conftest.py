@@ -64,7 +64,7 @@ def watch() -> Callable[[Page], Opened]:
     return watched
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def open_page(
     chromium: Browser, watch: Callable[[Page], Opened]
 ) -> Callable[[Path], AbstractContextManager[Opened]]:

@@ -39,10 +39,19 @@ def page_file(turns: Comparison, tmp_path_factory: pytest.TempPathFactory) -> Pa
     return write_comparison(turns, tmp_path_factory.mktemp("page") / "compare.html", LOOK)
 
 
-@pytest.fixture
-def page(open_page, page_file: Path) -> Iterator[Page]:
+@pytest.fixture(scope="module")
+def window(open_page, page_file: Path) -> Iterator[Page]:
+    """Opened once; what it complains of or asks for fails the last test."""
     with playing(open_page, page_file) as opened:
         yield opened
+
+
+@pytest.fixture
+def page(window: Page) -> Page:
+    """With both machines, whatever the test before has left."""
+    for side in ("a", "b"):
+        window.locator(f"#shown-{side}").check()
+    return window
 
 
 def picture(page: Page, of: str) -> np.ndarray:

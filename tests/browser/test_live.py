@@ -13,7 +13,7 @@ from importlib.util import find_spec
 import numpy as np
 import pytest
 from PIL import Image
-from playwright.sync_api import Browser, Locator, Page
+from playwright.sync_api import Browser, Locator, Page, ViewportSize
 
 from nipper_pin import Case, Solution, Window, load, simulate
 
@@ -28,6 +28,7 @@ ALWAYS_SAID = "THREE.Clock: This module has been deprecated"
 SPEED, RESTITUTION, STIFFNESS, PRELOAD = range(4)
 START = "speed 650 r/min, restitution of the jaw 0.2, stiffness 9 N/mm, preload 11 mm"
 PINNED, BEFORE, NOW = 1, 2, 3
+SIZE: ViewportSize = {"width": 900, "height": 700}
 # Panels of viser's own have fields and sliders as well, which are hidden.
 PANEL = "div:has(> div > #layout)"
 FIELD = f"{PANEL} .mantine-TextInput-input"
@@ -59,26 +60,32 @@ def address() -> Iterator[str]:
         assert server.wait(timeout=60) == 0
 
 
-@pytest.fixture
-def page(chromium: Browser, watch, address: str) -> Iterator[Page]:
-    """The page, drawn, sliders at their starts; what it complains of or asks for fails the test."""
-    opened = chromium.new_page(viewport={"width": 900, "height": 700})
+@pytest.fixture(scope="module")
+def window(chromium: Browser, watch, address: str) -> Iterator[Page]:
+    """The page, drawn once; what it complains of or asks for fails the last test."""
+    opened = chromium.new_page(viewport=SIZE)
     found = watch(opened)
     opened.goto(address)
     opened.wait_for_selector("canvas")
     opened.wait_for_selector("#setting")
-    # All pages of a server show the same, also what the test before has left.
-    if opened.get_by_role("button", name="unpin").count():
-        press_button(opened, "unpin")
-        opened.wait_for_selector("button:has-text('pin this curve')")
-    press_button(opened, "reset")
-    follow(opened, START)
     yield opened
     opened.close()
     assert [item for item in found.complaints if not item.startswith(ALWAYS_SAID)] == []
     # Its own server, and what the page makes of itself: no other place in the network.
     own = (address, f"blob:{address}")
     assert [item for item in found.requests if not item.startswith(own)] == []
+
+
+@pytest.fixture
+def page(window: Page) -> Page:
+    """Sliders at their starts, nothing pinned, whatever the test before has left."""
+    window.set_viewport_size(SIZE)
+    if window.get_by_role("button", name="unpin").count():
+        press_button(window, "unpin")
+        window.wait_for_selector("button:has-text('pin this curve')")
+    press_button(window, "reset")
+    follow(window, START)
+    return window
 
 
 def slider(page: Page, place: int) -> Locator:

@@ -43,9 +43,9 @@ def page_file(solution: Solution, tmp_path_factory: pytest.TempPathFactory) -> P
     return write_page(solution, tmp_path_factory.mktemp("page") / "e62.html", Look(exaggerate=10.0))
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def page(open_page, page_file: Path) -> Iterator[Page]:
-    """The static file, paused; whatever it complained of or asked for fails the test."""
+    """The static file, opened once; what it complains of or asks for fails the last test."""
     with playing(open_page, page_file) as opened:
         yield opened
 

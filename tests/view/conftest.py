@@ -1,23 +1,21 @@
 """Solutions that the tests of this folder look at."""
 
 import pytest
+from runs_shown import run_of, turn
 
-from nipper_pin.hybrid.case import Case
-from nipper_pin.hybrid.result.solution import Solution
-from nipper_pin.hybrid.simulate import simulate
-from nipper_pin.mechanism import load
+from nipper_pin import Solution, load
 
 
 @pytest.fixture(scope="session")
 def transition() -> Solution:
-    return simulate(load("e62"), Case(speed_rpm=650.0))
+    return run_of("transition")
 
 
 @pytest.fixture(scope="session")
 def cycle() -> Solution:
-    return simulate(load("e62"), Case(speed_rpm=650.0, window="cycle"))
+    return run_of("e62")
 
 
 @pytest.fixture(scope="session")
 def many_turns() -> Solution:
-    return simulate(load("e62"), Case(speed_rpm=650.0, window="cycle", cycles=20))
+    return turn(load("e62"), 650.0, 24.0, turns=20)

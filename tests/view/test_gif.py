@@ -362,6 +362,8 @@ def test_slow_motion_and_gap_of_the_command(tmp_path: Path) -> None:
     ("arguments", "sentence"),
     [
         (["--gif", "/nowhere/at/all.gif"], "cannot be written"),
+        (["--html", "/nowhere/at/all.html"], "cannot be written"),
+        (["--solution", "missing.npz", "--gif", "{folder}/run.gif"], "missing.npz"),
         (["--gif", "{folder}"], "cannot be written"),
         (["--slow", "1e5", "--gif", "{folder}/long.gif"], "--slow"),
     ],
@@ -370,8 +372,11 @@ def test_what_cannot_be_written_is_one_sentence_and_leaves_nothing(
     arguments: list[str], sentence: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     given = [item.format(folder=tmp_path) for item in arguments]
-    assert main(["view", "--window", "transition", *given]) == 2
-    assert sentence in capsys.readouterr().err
+    window = [] if "--solution" in given else ["--window", "transition"]
+    assert main(["view", *window, *given]) == 2
+    out, err = capsys.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert sentence in err
     assert list(tmp_path.iterdir()) == []
 
 

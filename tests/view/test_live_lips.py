@@ -7,24 +7,20 @@ import re
 import numpy as np
 import pinocchio as pin
 import pytest
+from runs_shown import run_of
 from small_machines import SHAFT, hinge, link, machine
 
 pytest.importorskip("viser")
 
-from nipper_pin import Case, Mechanism, Solution, load, simulate
+from nipper_pin import Mechanism, Solution
 from nipper_pin.view.live.lips import Lips
 
 MM, PIXELS = 1e3, (320.0, 180.0)
 
 
 @pytest.fixture(scope="module")
-def e62() -> Mechanism:
-    return load("e62")
-
-
-@pytest.fixture(scope="module")
-def run(e62: Mechanism) -> Solution:
-    return simulate(e62, Case(speed_rpm=650.0))
+def run() -> Solution:
+    return run_of("transition")
 
 
 def matrices(style: str) -> dict[int, tuple[np.ndarray, np.ndarray]]:

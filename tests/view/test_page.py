@@ -7,10 +7,6 @@ import itertools
 import json
 import math
 import re
-import signal
-import socket
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -33,7 +29,6 @@ from nipper_pin.view.scene import Look, film
 from nipper_pin.view.scene.page import scene_page
 from nipper_pin.view.scene.readings import readings
 
-COMMAND = [sys.executable, "-c", "import sys; from nipper_pin.cli import main; sys.exit(main())"]
 ARROW = "#D55E00"
 
 
@@ -181,55 +176,3 @@ def test_a_saved_run_is_shown_as_it_was(tmp_path: Path, cycle: Solution) -> None
     values = re.search(r'<script id="film" type="application/json">(.*?)</script>', text)
     assert values is not None
     assert json.loads(values[1])["playback"] == readings(film(cycle, Look()))["playback"]
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["--solution", "run.npz", "--speed", "500"], "leave one of them out"),
-        (["--solution", "missing.npz"], "missing.npz"),
-        (["--exaggerate", "100"], "1 to 50"),
-        (["--port", "70000", "--no-browser"], "port 70000"),
-        (["--json", "-"], "--html"),
-        (["--html", "/nowhere/at/all.html"], "cannot be written"),
-    ],
-)
-def test_unusable_arguments_give_one_sentence_and_status_2(
-    arguments: list[str], words: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["view", *arguments]) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.count("\n") == 1
-    assert words in err
-
-
-def test_a_port_that_is_taken_is_one_sentence(capsys: pytest.CaptureFixture[str]) -> None:
-    with socket.socket() as taken:
-        taken.bind(("127.0.0.1", 0))
-        taken.listen()
-        port = taken.getsockname()[1]
-        assert main(["view", "--port", str(port), "--no-browser"]) == 2
-    assert f"port {port} cannot be used" in capsys.readouterr().err
-
-
-def test_the_server_ends_on_interrupt() -> None:
-    command = [*COMMAND, "view", "--port", "0", "--no-browser"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
-        assert server.stdout is not None
-        assert "http://127.0.0.1:" in server.stdout.readline()
-        server.send_signal(signal.SIGINT)
-        assert server.wait(timeout=60) == 0
-
-
-def test_a_run_that_is_not_looked_at_imports_nothing_of_this() -> None:
-    program = (
-        "import sys; from nipper_pin.cli import main; main(['simulate', '--json', '-']); "
-        "sys.stderr.write(' '.join(n for n in sys.modules if n.partition('.')[0] in "
-        "{'meshcat', 'umsgpack', 'IPython', 'tornado', 'http', 'trimesh', 'webbrowser'} "
-        "or n.startswith('nipper_pin.view.scene')))"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=True
-    )
-    assert done.stderr == ""
