@@ -17,9 +17,6 @@ SETTINGS = {
     "study/steps.py": "_KINDS",  # steps of differences, each for a unit of the document
     "benchmarks/paper/counts.py": "LOWEST, HIGHEST",  # range of thresholds
     "benchmarks/paper/fixed_step.py": "STEPS_S",  # steps of the schemes that are compared
-    "benchmarks/peers/fixed_steps.py": "SETTINGS",
-    "benchmarks/peers/rk4.py": "SETTINGS",  # steps and tolerances that are compared
-    "benchmarks/peers/scipy_flight.py": "SETTINGS",
     "benchmarks/run_time/reduced_work.py": "_TOLERANCES",
     "benchmarks/run_time/turns.py": "_TOLERANCES",
     "benchmarks/run_time/work_precision.py": "TOLERANCES, QUICK_TOLERANCES",

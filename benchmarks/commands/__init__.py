@@ -7,12 +7,22 @@ from collections.abc import Callable
 from typing import Any
 
 from nipper_pin.cli.arguments import write_json
+from nipper_pin.errors import InputError
 
 
 def tell(text: str) -> None:
     """Say on a terminal what is being done."""
     if sys.stderr.isatty():
         sys.stderr.write(f"{text} ...\n")
+
+
+def need_least(options: Any, **least: int) -> None:
+    """Refuse numbers that are smaller."""
+    for name, lowest in least.items():
+        value = getattr(options, name)
+        if value is not None and value < lowest:
+            message = f"--{name} {value}: at least {lowest}"
+            raise InputError(message, argument=value)
 
 
 def hand_over(

@@ -5,10 +5,9 @@ from __future__ import annotations
 import argparse
 
 from nipper_pin.cli.arguments import check_outputs
-from nipper_pin.errors import InputError
 from nipper_pin.extras import require
 
-from . import hand_over, tell
+from . import hand_over, need_least, tell
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -33,9 +32,7 @@ def _run(options: argparse.Namespace) -> None:
     from ..run_time.benchmark import benchmark
     from ..views.benchmark_report import print_benchmark, write_benchmark
 
-    if options.repeats is not None and options.repeats < 1:
-        message = f"--repeats {options.repeats}: at least 1"
-        raise InputError(message, argument=options.repeats)
+    need_least(options, repeats=1)
     check_outputs(options.out, options.json)
 
     result = benchmark(quick=options.quick, repeats=options.repeats, say=tell)

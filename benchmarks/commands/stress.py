@@ -12,6 +12,8 @@ from nipper_pin.cli.arguments import check_outputs, write_json
 from nipper_pin.errors import InputError, SimulationError, one_line
 from nipper_pin.extras import require
 
+from . import hand_over, need_least
+
 if TYPE_CHECKING:
     from ..stress import Campaign, Verdict
 
@@ -64,8 +66,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(options: argparse.Namespace) -> None:
-    from nipper_pin.view.console import Terminal
-
     from ..stress import begin
     from ..views.stress_report import print_campaign
 
@@ -74,21 +74,16 @@ def _run(options: argparse.Namespace) -> None:
     if options.out is not None:
         begin(options.out)
     result = _campaign(options)
-    if options.out is not None:
-        write_json(result.record(), str(Path(options.out) / "stress.json"))
-    if options.json is not None:
-        write_json(result.record(), options.json)
-    if options.json != "-":
-        print_campaign(result, Terminal())
+    hand_over(result, options, _write, print_campaign)
     _refuse_failures(result)
 
 
+def _write(result: Campaign, folder: str) -> None:
+    write_json(result.record(), str(Path(folder) / "stress.json"))
+
+
 def _check(options: argparse.Namespace) -> None:
-    for name, least in (("cases", 1), ("workers", 1), ("seed", 0), ("first", 0)):
-        value = getattr(options, name)
-        if value is not None and value < least:
-            message = f"--{name} {value}: at least {least}"
-            raise InputError(message, argument=value)
+    need_least(options, cases=1, workers=1, seed=0, first=0)
     if options.time_limit <= 0.0:
         message = f"--time-limit {options.time_limit}: above 0"
         raise InputError(message, argument=options.time_limit)

@@ -17,14 +17,10 @@ from .protocol import Run, Setting, stepped
 
 NAME = "fixed small steps as published (numba, hand-derived equation)"
 PACKAGE = "numba"
-SETTINGS = (
-    Setting("1 us, forward Euler", 1e-6, method="forward"),
-    Setting("1 us, semi-implicit", 1e-6, method="semi-implicit"),
-    Setting("0.1 us, forward Euler", 1e-7, method="forward"),
-    Setting("0.1 us, semi-implicit", 1e-7, method="semi-implicit"),
-    Setting("0.01 us, forward Euler", 1e-8, quick=False, method="forward"),
-    Setting("0.01 us, semi-implicit", 1e-8, quick=False, method="semi-implicit"),
-)
+SETTINGS = tuple(
+    Setting(f"{us} us, {name}", float(f"{us}e-6"), quick=us != "0.01", method=name.split()[0])
+    for us in ("1", "0.1", "0.01") for name in ("forward Euler", "semi-implicit")
+)  # fmt: skip
 _THRESHOLD = 1e-3
 _LONGEST = 0.1
 

@@ -21,13 +21,7 @@ from ..tolerances import HARD_CONSTRAINT
 
 SHAFT_INERTIA = 1e10
 # 3 iterations of Newton's method solve a problem without inequalities to round-off.
-_OPTIONS: dict[str, str] = {
-    "iterations": "3",
-    "tolerance": "0",
-    "jacobian": "dense",
-    "solver": "Newton",
-    "integrator": "RK4",
-}
+_OPTIONS = {"iterations": "3", "tolerance": "0", "jacobian": "dense", "solver": "Newton"}
 _IMPEDANCE = "0.9999 0.9999 0.001 0.5 2"
 
 
@@ -37,7 +31,7 @@ def mjcf(mechanism: Mechanism) -> str:
     root = Element("mujoco")
     SubElement(root, "compiler", angle="radian")
     gravity = f"0 0 {-mechanism.gravity_m_s2!r}"
-    option = SubElement(root, "option", _OPTIONS, gravity=gravity)
+    option = SubElement(root, "option", _OPTIONS, integrator="RK4", gravity=gravity)
     SubElement(option, "flag", contact="disable", refsafe="disable")
     bodies = {0: SubElement(root, "worldbody")}
     driven = {drive.index for drive in mechanism.drives}
@@ -83,15 +77,10 @@ def compile_model(document: str) -> mujoco.MjModel:
 
 
 def rates(model: mujoco.MjModel, data: mujoco.MjData, given: dict[int, float]) -> FloatArray:
-    """Joint rates that keep the loops closed, from those of some joints.
+    """Rates of all joints that keep the loops closed, shape (nv,).
 
-    Args:
-        model: The model; joint order of the mechanism.
-        data: Data whose constraint rows belong to the present configuration.
-        given: Rate of as many joints as there are degrees of freedom, by place.
-
-    Returns:
-        All rates, shape (nv,).
+    Constraint rows of the data are those of the present configuration; as many rates are given, by
+    place, as there are degrees of freedom.
     """
     # connect has three rows; the middle one is out of the plane, y.
     rows = 3 * model.neq

@@ -184,33 +184,19 @@ def acceleration(p: Planar, f: Frame, th: float, w: float) -> float:
     return (-spring * s_th - p.gravity * weight.imag - r) / A
 
 
-@compiled
-def accelerate(p: Planar, t: float, th: float, w: float) -> float:
-    """Jaw acceleration in flight at a time from touch [rad/s^2]."""
-    return acceleration(p, frame(p, t), th, w)
-
-
 def jaw_equation(p: Planar) -> Callable[[float, float, float], float]:
-    """Bind the numbers to the compiled equation, so that a call from Python passes three floats.
-
-    Returns:
-        Jaw acceleration [rad/s^2] of the time from touch [s], jaw angle [rad] and rate [rad/s].
-    """
+    """Jaw acceleration [rad/s^2] of the time from touch [s], jaw angle [rad] and rate [rad/s]."""
 
     @compiled
     def equation(t: float, th: float, w: float) -> float:
-        return accelerate(p, t, th, w)
+        return acceleration(p, frame(p, t), th, w)
 
     equation(0.0, 0.0, 1.0)
     return equation
 
 
 def shaft_accelerations(p: Planar) -> Callable[[float], tuple[float, float]]:
-    """Bind the numbers to the drive laws.
-
-    Returns:
-        Accelerations of pendulum and tension shaft [rad/s^2] of the time from touch [s].
-    """
+    """Accelerations of pendulum and tension shaft [rad/s^2] of the time from touch [s]."""
 
     @compiled
     def law(t: float) -> tuple[float, float]:

@@ -17,27 +17,15 @@ from nipper_pin.errors import SimulationError
 from nipper_pin.hybrid.contact.bounce_series import BounceSeries
 from nipper_pin.mechanism import Mechanism
 
-MODULES = (
-    ".rk4",
-    ".scipy_ivp",
-    ".scipy_pinocchio",
-    ".fixed_steps",
-    ".mujoco_shell",
-)
+MODULES = ("rk4", "scipy_ivp", "scipy_pinocchio", "fixed_steps", "mujoco_shell")
 MOST_COLLISIONS = 60
 
 
 @dataclass(frozen=True)
 class Four:
-    """The four numbers that a peer is graded by, and its work.
+    """The four numbers that a peer is graded by; the amplitude is that of the jaw angle [rad].
 
-    Attributes:
-        first_rebound_time_s: From the first to the second collision [s].
-        second_rebound_time_s: From the second to the third collision [s].
-        first_amplitude: Largest jaw angle between the first two collisions [rad].
-        transition_time_s: From the first collision to rest [s].
-        evaluations: Evaluations of the equation of motion, or steps where a package does not
-            count its evaluations.
+    Its work is in evaluations of the equation of motion, or in steps where these are not counted.
     """
 
     first_rebound_time_s: float
@@ -49,12 +37,7 @@ class Four:
 
 @dataclass(frozen=True)
 class Setting:
-    """One way to run a peer.
-
-    Attributes:
-        value: Step [s] of a fixed-step peer, relative tolerance of an adaptive one.
-        method: Variant of the peer, where it has more than one.
-    """
+    """One way to run a peer: a step [s], or the relative tolerance of an adaptive one."""
 
     label: str
     value: float
@@ -79,14 +62,11 @@ class Peer(Protocol):
 
 @dataclass
 class Bounces:
-    """Collisions of the jaw as an event loop finds them.
+    """Collisions of the jaw as an event loop finds them; times [s] count from the first.
 
-    Attributes:
-        rate: Rebound rate of the first collision [rad/s].
-        deceleration: Of the jaw after the first collision [rad/s^2].
-        closing: Relative uncertainty of the limit at which the series is closed.
-        amplitude: Largest jaw angle so far in the first rebound [rad].
-        times: Times of the collisions [s]; the first is zero.
+    Rebound rate [rad/s] and deceleration [rad/s^2] are those after the first collision, the
+    amplitude is the largest angle so far in the first rebound [rad]. The series is closed at this
+    relative uncertainty of its limit.
     """
 
     restitution: float
@@ -103,15 +83,7 @@ class Bounces:
         self.times.append(0.0)
 
     def add(self, t: float, rate: float, deceleration: float) -> bool:
-        """Record a collision.
-
-        Args:
-            t: Its time [s].
-            rate: Rebound rate [rad/s].
-            deceleration: Of the jaw after it [rad/s^2].
-
-        Returns:
-            True when the limit of the series is known well enough: the transition is over.
+        """Record a collision; True when the limit is known well enough: the transition is over.
 
         Raises:
             SimulationError: The bounces do not come to an end.
@@ -149,7 +121,7 @@ def available() -> Iterator[tuple[Peer, str]]:
     """Peers whose package is installed, each with the version of that package."""
     for name in MODULES:
         try:
-            module = import_module(name, __package__)
+            module = import_module(f".{name}", __package__)
             found = version(module.PACKAGE)
         except (ImportError, PackageNotFoundError):
             continue

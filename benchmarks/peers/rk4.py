@@ -16,15 +16,9 @@ from .protocol import MOST_COLLISIONS, Run, Setting, stepped
 
 NAME = "fixed-step RK4, located impacts (numba, hand-derived equation)"
 PACKAGE = "numba"
-SETTINGS = (
-    Setting("1000 us", 1e-3),
-    Setting("500 us", 5e-4),
-    Setting("200 us", 2e-4),
-    Setting("100 us", 1e-4),
-    Setting("50 us", 5e-5),
-    Setting("20 us", 2e-5),
-    Setting("10 us", 1e-5, quick=False),
-    Setting("1 us", 1e-6, quick=False),
+SETTINGS = tuple(
+    Setting(f"{us} us", float(f"{us}e-6"), quick=us >= 20)
+    for us in (1000, 500, 200, 100, 50, 20, 10, 1)
 )
 
 
@@ -74,16 +68,10 @@ def limit(times: list[float], rates: list[float]) -> tuple[float, float]:
 def transition(
     p: Planar, rate: float, step: float, certain: float
 ) -> tuple[float, float, float, float, int]:
-    """Run one transition.
+    """The numbers of a transition from its first rebound rate [rad/s]; see ``protocol.Four``.
 
-    Args:
-        rate: Jaw rate after the first collision [rad/s].
-        step: Step [s].
-        certain: Relative uncertainty of the limit at which the bounces are closed.
-
-    Returns:
-        First and second rebound time [s], first amplitude [rad], time of rest [s] (not finite
-        when the bounces do not end) and the number of evaluations.
+    The bounces are closed at this relative uncertainty of their limit; the time of rest is not
+    finite if they do not end.
     """
     t, th, w = 0.0, 0.0, rate
     f = frame(p, t)

@@ -9,8 +9,8 @@ from nipper_pin.mechanism import Mechanism
 
 from .planar import jaw_equation
 from .planar_model import first_rebound_rate, planar_model
-from .protocol import Bounces, Four, Run, Setting
-from .scipy_flight import SETTINGS, Flight, Start
+from .protocol import Four, Run, Setting
+from .scipy_flight import SETTINGS, Jaw, Start, bounced
 
 NAME = "SciPy DOP853, located events (hand-derived equation)"
 PACKAGE = "scipy"
@@ -30,24 +30,17 @@ def prepare(mechanism: Mechanism, speed_rpm: float) -> Run:
     def jaw(t: float, y: FloatArray) -> float:
         return acceleration(t, y.item(0), y.item(1))
 
+    def start(t: float, w: float) -> Start:
+        fall = -acceleration(t, 0.0, w)
+        return Start(t, np.array([0.0, w]), w, fall, np.array([0.5 * w * w / fall, w]))
+
+    def rebound(t: float, y: FloatArray) -> Start:
+        return start(t, -p.restitution * y.item(1))
+
+    scene = Jaw(p.restitution, (0, 1), equation, jaw, rebound)
+
     def run(setting: Setting) -> Four:
-        t, w, evaluations = 0.0, rate, 0
-        fall = -acceleration(0.0, 0.0, rate)
-        bounces = Bounces(p.restitution, rate, fall, 0.1 * setting.value)
-        over = False
-        while not over:
-            first = len(bounces.times) == 1
-            scale = np.array([0.5 * w * w / fall, w])
-            start = Start(t, np.array([0.0, w]), w, fall, scale)
-            flight = Flight(equation, start, (0, 1), setting.value, first)
-            t, y, calls = flight.land()
-            if first:
-                bounces.amplitude = flight.amplitude(jaw)
-            # One more call gave the size of the flight.
-            evaluations += calls + 1
-            w = -p.restitution * y.item(1)
-            fall = -acceleration(t, 0.0, w)
-            over = bounces.add(t, w, fall)
+        bounces, evaluations = bounced(scene, start(0.0, rate), setting.value)
         return bounces.four(evaluations)
 
     return run

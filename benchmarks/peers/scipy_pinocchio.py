@@ -20,8 +20,8 @@ from nipper_pin.mechanism import Mechanism, rad_s_from_rpm
 
 from .planar import shaft_accelerations
 from .planar_model import planar_model
-from .protocol import Bounces, Four, Run, Setting
-from .scipy_flight import SETTINGS, Flight, Start
+from .protocol import Four, Run, Setting
+from .scipy_flight import SETTINGS, Jaw, Start, bounced
 
 NAME = "SciPy DOP853, located events (Pinocchio's accelerations)"
 PACKAGE = "scipy"
@@ -60,31 +60,26 @@ def prepare(mechanism: Mechanism, speed_rpm: float) -> Run:
     def jaw_acceleration(t: float, y: FloatArray) -> float:
         return float(accelerations(t, y)[jaw.index])
 
+    def after(t: float, y: FloatArray) -> Start:
+        a, w = accelerations(t, y), jaw.rate(y[nv:])
+        fall = -jaw.rate(a)
+        length = 2.0 * w / fall
+        speeds = np.abs(y[nv:]) + length * np.abs(a)
+        return Start(t, y, w, fall, np.concatenate([length * speeds, speeds]))
+
+    def rebound(t: float, y: FloatArray) -> Start:
+        y[jaw.index] = 0.0
+        q, jacobians = close_positions(body, y[None, :nv], split)
+        v = system.closed_velocity(y[nv:], jacobians[0], split)
+        impact = collide(system, q[0], v, jacobians[0], [jaw], [jaw.restitution])
+        return after(t, np.concatenate([q[0], impact.v_after]))
+
+    scene = Jaw(jaw.restitution, places, equation, jaw_acceleration, rebound)
+
     def run(setting: Setting) -> Four:
-        before, t = body.evaluations, 0.0
-        y = np.concatenate([start.q, first_impact.v_after])
-        a = accelerations(t, y)
-        w = jaw.rate(first_impact.v_after)
-        bounces = Bounces(jaw.restitution, w, -jaw.rate(a), 0.1 * setting.value)
-        over = False
-        while not over:
-            fall = -jaw.rate(a)
-            length = 2.0 * w / fall
-            speeds = np.abs(y[nv:]) + length * np.abs(a)
-            scale = np.concatenate([length * speeds, speeds])
-            watched = len(bounces.times) == 1
-            begin = Start(t, y, w, fall, scale)
-            flight = Flight(equation, begin, places, setting.value, watched)
-            t, y, _ = flight.land()
-            if watched:
-                bounces.amplitude = flight.amplitude(jaw_acceleration)
-            y[jaw.index] = 0.0
-            q, jacobians = close_positions(body, y[None, :nv], split)
-            v = system.closed_velocity(y[nv:], jacobians[0], split)
-            impact = collide(system, q[0], v, jacobians[0], [jaw], [jaw.restitution])
-            y = np.concatenate([q[0], impact.v_after])
-            a, w = accelerations(t, y), jaw.rate(impact.v_after)
-            over = bounces.add(t, w, -jaw.rate(a))
+        before = body.evaluations
+        first = after(0.0, np.concatenate([start.q, first_impact.v_after]))
+        bounces, _ = bounced(scene, first, setting.value)
         return bounces.four(body.evaluations - before)
 
     return run

@@ -27,15 +27,7 @@ MODEL, CASE = "e62", "650"
 
 @dataclass(frozen=True)
 class Flight:
-    """Dense motion between two collisions, at fixed fractions of the flight.
-
-    Attributes:
-        start_s: Time of the first collision [s].
-        duration_s: Time to the second [s].
-        fractions: Places sigma in the flight, shape (K,), from 0 to 1.
-        gap: Coordinate of the stop there [rad], shape (K,).
-        rate: Its rate [rad/s], shape (K,).
-    """
+    """Gap [rad] and rate [rad/s] between two collisions, at K fractions from 0 to 1."""
 
     start_s: float
     duration_s: float
@@ -46,17 +38,11 @@ class Flight:
 
 @dataclass(frozen=True)
 class Certified:
-    """Certified numbers of one transition, rounded to double precision.
+    """Certified numbers of one transition, rounded to double precision; N collisions, shape (N,).
 
-    Attributes:
-        overrides: What differs from the model, by path.
-        times: Collision times from the first one [s], shape (N,).
-        impulses: Normal impulses at the lips [N s], shape (N,).
-        amplitudes: Largest jaw angles of the rebounds [rad], shape (N,).
-        rebound_times: Durations of the rebounds [s], shape (N,).
-        separation_rate: Rate after the first collision [rad/s].
-        transition_time: From the first collision to rest [s].
-        flights: Dense motion of the first flights; empty for cases without it.
+    Times [s] count from the first collision, impulses [N s] are those at the lips, amplitudes
+    largest jaw angles [rad], the separation rate is that after the first collision [rad/s].
+    Overrides are what differs from the model, by path; flights are there of one case alone.
     """
 
     name: str
@@ -123,11 +109,10 @@ def _flights() -> tuple[Flight, ...]:
     fractions = np.array(document["fractions"], dtype=float)
     return tuple(
         Flight(
-            start_s=float(item["start_s"]),
-            duration_s=float(item["duration_s"]),
-            fractions=fractions,
-            gap=np.array(item["gap_rad"], dtype=float),
-            rate=np.array(item["rate_rad_s"], dtype=float),
+            float(item["start_s"]),
+            float(item["duration_s"]),
+            fractions,
+            *(np.array(item[key], dtype=float) for key in ("gap_rad", "rate_rad_s")),
         )
         for item in document["flights"]
     )

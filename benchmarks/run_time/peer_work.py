@@ -11,8 +11,6 @@ from .certified import Certified
 from .timing import timed
 from .work_precision import Row, graded_four
 
-# As they are known to package indices, for the header.
-PACKAGES = ("mujoco",)
 # A setting is not repeated beyond this time [s].
 _BUDGET_S, _QUICK_BUDGET_S = 5.0, 0.3
 
@@ -22,11 +20,7 @@ Say = Callable[[str], None]
 def peer_rows(
     reference: Certified, *, quick: bool, repeats: int, say: Say
 ) -> tuple[list[Row], list[str]]:
-    """Time and grade the peers that are installed.
-
-    Returns:
-        Rows, and what could not be measured and why.
-    """
+    """Rows of the peers that are installed, and what could not be measured, and why."""
     mechanism = reference.mechanism()
     budget = _QUICK_BUDGET_S if quick else _BUDGET_S
     rows: list[Row] = []

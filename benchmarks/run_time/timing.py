@@ -6,10 +6,10 @@ import os
 import platform
 import statistics
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import distributions
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ from nipper_pin.units import MS_PER_S
 
 _PACKAGES = (
     "nipper-pin", "pin", "coal", "numpy", "scipy", "numba", "msgspec", "rich", "matplotlib",
+    "mujoco",
 )  # fmt: skip
 # Least duration of all repeats [s]: the first repeats of a short run are slower, and ten of them
 # would sample the machine for a hundredth of a second only.
@@ -27,30 +28,23 @@ _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA
 
 @dataclass(frozen=True)
 class Timing:
-    """Wall time of repeated runs.
+    """Wall time of repeated runs: the first, which pays for caches and compilation, and others.
 
-    Attributes:
-        first_ms: First run, which also pays for caches and compilation [ms].
-        median_ms: Median of the others [ms].
-        fastest_ms: Fastest of the others [ms]; what the machine can do when left alone.
-        spread_ms: Distance of their quartiles [ms]; zero with fewer than four runs.
-        runs: Number of the others.
+    Of these the median ``wall_ms``, the fastest, which is what the machine can do when left alone,
+    and the distance of the quartiles, zero with fewer than four.
     """
 
     first_ms: float
-    median_ms: float
+    wall_ms: float
     fastest_ms: float
     spread_ms: float
     runs: int
 
 
 def timed(function: Callable[[], object], repeats: int, budget_s: float = inf) -> Timing:
-    """Time a function.
+    """Time a function, repeated at least so often; short ones for a fifth of a second.
 
-    Args:
-        function: What is timed.
-        repeats: Runs after the first, at least; short ones are repeated for a fifth of a second.
-        budget_s: No further run starts when this much time has gone [s]; one always does.
+    No further run starts when the budget of time has gone; one always does.
     """
     times: list[float] = []
     begin = time.perf_counter()
@@ -70,8 +64,9 @@ def timed(function: Callable[[], object], repeats: int, budget_s: float = inf) -
     return Timing(first, statistics.median(others), min(others), spread, len(others))
 
 
-def environment(more: Iterable[str] = ()) -> dict[str, Any]:
-    """Return versions, also of more distributions where they are installed, and the processor."""
+def environment() -> dict[str, Any]:
+    """Return versions of what is installed, the processor, its load and threads."""
+    installed = {item.name: item.version for item in distributions()}
     return {
         "date": datetime.now(tz=UTC).isoformat(timespec="seconds"),
         "platform": platform.platform(),
@@ -81,17 +76,8 @@ def environment(more: Iterable[str] = ()) -> dict[str, Any]:
         "load_average": list(os.getloadavg()) if hasattr(os, "getloadavg") else None,
         "threads": {name: os.environ.get(name) for name in _THREADS},
         "python": platform.python_version(),
-        "versions": {
-            name: found for name in (*_PACKAGES, *more) if (found := _version(name)) is not None
-        },
+        "versions": {name: installed[name] for name in _PACKAGES if name in installed},
     }
-
-
-def _version(name: str) -> str | None:
-    try:
-        return version(name)
-    except PackageNotFoundError:
-        return None
 
 
 def _processor() -> str:

@@ -26,16 +26,10 @@ _BUDGET_S = 1.0
 
 @dataclass(frozen=True)
 class TurnRow:
-    """One engine at one setting.
+    """One engine at one setting: the median of one turn with tables and compiled code at hand.
 
-    Attributes:
-        engine: "direct" or "reduced".
-        setting: Cylinder speed and tolerance.
-        wall_ms: Median of one turn [ms]; tables and compiled code are there already.
-        error_times: Largest error of the times of collisions, by the time of a turn.
-        error_impulses: Largest relative error of their impulses.
-        turns_per_s: Turns a second on one core, by the median.
-        tables_ms: Time to make the tables [ms]; None for an engine without.
+    Errors are the largest of the collisions, that of times by the time of a turn. Turns a second
+    are those on one core; an engine without tables has no time to make them.
     """
 
     engine: str
@@ -50,14 +44,13 @@ class TurnRow:
 def turn_rows(*, repeats: int) -> list[TurnRow]:
     """Measure one turn at each certified speed, engine beside engine."""
     mechanism = load(MODEL)
-    tables_ms = timed(lambda: build_turns(mechanism), repeats, _BUDGET_S).median_ms
+    tables_ms = timed(lambda: build_turns(mechanism), repeats, _BUDGET_S).wall_ms
     rows = []
     for speed in _SPEEDS:
         for tolerance in _TOLERANCES:
-            rows.append(_row("direct", speed, tolerance, _direct(mechanism, speed, tolerance),
-                             repeats, None))  # fmt: skip
-            rows.append(_row("reduced", speed, tolerance, _reduced(mechanism, speed, tolerance),
-                             repeats, tables_ms))  # fmt: skip
+            for engine, make, ms in (("direct", _direct, None), ("reduced", _reduced, tables_ms)):
+                turn = make(mechanism, speed, tolerance)
+                rows.append(_row(engine, speed, tolerance, turn, repeats, ms))
     return rows
 
 
@@ -93,17 +86,10 @@ def _reduced(mechanism: Mechanism, speed: str, tolerance: float) -> _Turn:
 def _row(
     engine: str, speed: str, tolerance: float, turn: _Turn, repeats: int, tables_ms: float | None
 ) -> TurnRow:
-    error_times, error_impulses = _errors(speed, *turn())  # has what is compiled compiled, too
-    timing = timed(turn, repeats, _BUDGET_S)
-    return TurnRow(
-        engine,
-        f"{speed} r/min, {tolerance:.0e}",
-        timing.median_ms,
-        error_times,
-        error_impulses,
-        MS_PER_S / timing.median_ms,
-        tables_ms,
-    )
+    errors = _errors(speed, *turn())  # has what is compiled compiled, too
+    wall_ms = timed(turn, repeats, _BUDGET_S).wall_ms
+    setting = f"{speed} r/min, {tolerance:.0e}"
+    return TurnRow(engine, setting, wall_ms, *errors, MS_PER_S / wall_ms, tables_ms)
 
 
 def _errors(

@@ -20,7 +20,7 @@ and second rebound time, first amplitude and transition time. The others:
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -29,7 +29,6 @@ from nipper_pin.arrays import FloatArray
 from nipper_pin.hybrid.case import Case, Resolution
 from nipper_pin.hybrid.result.solution import Solution
 from nipper_pin.hybrid.simulate import simulate
-from nipper_pin.mechanism import Mechanism
 
 from .certified import Certified
 from .timing import Timing, timed
@@ -42,16 +41,10 @@ Motion = Callable[[FloatArray, bool], tuple[FloatArray, FloatArray]]
 
 @dataclass(frozen=True)
 class Observed:
-    """What an engine found in one transition.
+    """What an engine found in one transition; None for what it does not count or have.
 
-    Attributes:
-        times: Collision times from the first one [s], shape (N,).
-        impulses: Normal impulses at the lips [N s], shape (N,).
-        amplitudes: Largest jaw angles of the rebounds [rad], shape (N,).
-        transition_time: From the first collision to rest [s].
-        evaluations: Evaluations of the dynamics; None if they are not counted.
-        motion: Gap [rad] and rate [rad/s] of the jaw at times [s]; at events the limit from the
-            left if the second argument is true. None if the engine has no dense motion.
+    Quantities of N collisions are those of :class:`~.certified.Certified`. Motion gives gap [rad]
+    and rate [rad/s] of the jaw at times [s], at events from the left if so asked.
     """
 
     times: FloatArray
@@ -66,13 +59,8 @@ class Observed:
 class Row:
     """One engine, or peer, at one setting; None where it gives no result.
 
-    Times are those of a :class:`~.timing.Timing`, their median ``wall_ms``; errors are those of the
-    module, ``error_duration`` that of the transition time.
-
-    Attributes:
-        setting: Tolerance or step, in words.
-        evaluations: Evaluations of the dynamics, or steps.
-        version: Of a peer's package.
+    Times are those of a :class:`~.timing.Timing`; errors are those of the module,
+    ``error_duration`` that of the transition time. The version is that of a peer's package.
     """
 
     engine: str
@@ -171,11 +159,7 @@ def graded_four(
     return Row(
         engine=engine,
         setting=setting,
-        wall_ms=timing.median_ms,
-        first_ms=timing.first_ms,
-        fastest_ms=timing.fastest_ms,
-        spread_ms=timing.spread_ms,
-        runs=timing.runs,
+        **asdict(timing),
         error_duration=relative(found[3:], true[3:]),
         error_worst=relative(found, true),
         **more,
@@ -208,8 +192,9 @@ def trajectory_error(observed: Observed, certified: Certified) -> float | None:
     return worst
 
 
-def accuracy(certified: Certified, mechanism: Mechanism, tolerance: float) -> Row:
+def accuracy(certified: Certified, tolerance: float) -> Row:
     """Errors of one certified case at one tolerance; its time is that of a single run."""
+    mechanism = certified.mechanism()
     case = Case(speed_rpm=certified.speed_rpm, resolution=Resolution(tolerance=tolerance))
     timing = timed(lambda: simulate(mechanism, case).collisions, 1)
     observed = observe(simulate(mechanism, case))

@@ -1,9 +1,9 @@
 """Stress campaign: thousands of random and extreme trials, judged without a reference."""
 
 from .campaign import Campaign, run_campaign
-from .checks.invariants import CHECKS, Violation, violations
+from .checks.invariants import CHECKS, violations
 from .files import begin, keep
-from .judging import REFUSED, RIGHT, TIME_LIMIT_S, WRONG, Verdict, judge
+from .judging import REFUSED, RIGHT, WRONG, Verdict, judge
 from .refusals import Excess, excesses
 from .space import FAMILIES, Trial, trial
 
@@ -12,13 +12,11 @@ __all__ = [
     "FAMILIES",
     "REFUSED",
     "RIGHT",
-    "TIME_LIMIT_S",
     "WRONG",
     "Campaign",
     "Excess",
     "Trial",
     "Verdict",
-    "Violation",
     "begin",
     "excesses",
     "judge",

@@ -6,29 +6,23 @@ import hashlib
 import os
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from typing import Any
 
-from nipper_pin.errors import SimulationError
-from nipper_pin.study.processes import WorkerError, Workers
+from nipper_pin.study.processes import Workers
 
 from .judging import REFUSED, RIGHT, TIME_LIMIT_S, WRONG, Verdict, judge
 from .refusals import excesses
 from .space import trial
 
 _FEWER = ": run fewer --workers"
-_Job = tuple[int, int, float, tuple[str, ...]]
 
 
 @dataclass(frozen=True)
 class Campaign:
-    """All verdicts of a campaign, in order of number.
-
-    Attributes:
-        wall_s: Wall time of the whole [s].
-    """
+    """All verdicts of a campaign, in order of number."""
 
     seed: int
     verdicts: tuple[Verdict, ...]
@@ -44,12 +38,8 @@ class Campaign:
         return {
             "cases": len(self.verdicts),
             **{word: words[word] for word in (RIGHT, REFUSED, WRONG)},
-            "errors": dict(
-                sorted(Counter(v.kind for v in self.verdicts if v.word != RIGHT).items())
-            ),
-            "outcomes": dict(
-                sorted(Counter(v.kind for v in self.verdicts if v.word == RIGHT).items())
-            ),
+            "errors": self._kinds(right=False),
+            "outcomes": self._kinds(right=True),
             "families": {
                 name: {word: count[word] for word in (RIGHT, REFUSED, WRONG)}
                 for name, count in families.items()
@@ -65,6 +55,10 @@ class Campaign:
             "wall_s": self.wall_s,
         }
 
+    def _kinds(self, *, right: bool) -> dict[str, int]:
+        kinds = Counter(item.kind for item in self.verdicts if (item.word == RIGHT) is right)
+        return dict(sorted(kinds.items()))
+
 
 def run_campaign(
     cases: int,
@@ -75,47 +69,30 @@ def run_campaign(
     families: Sequence[str] = (),
     first: int = 0,
 ) -> Campaign:
-    """Judge the trials of a campaign in parallel.
+    """Judge trials, by default of all families in turn, in one process a processor.
 
-    Args:
-        cases: Number of trials.
-        seed: Seed; a trial depends on it and on its number alone.
-        workers: Processes; by default one a processor.
-        progress: Called with each verdict as it comes.
-        time_limit_s: Time of the processor after which a trial is a hang [s].
-        families: Families that the trials are of, in turn; all by default.
-        first: Number of the first trial.
+    A trial depends on the seed and on its number alone; one that takes this time of the processor
+    is a hang. Verdicts are told as they come.
 
     Raises:
         UnknownNameError: There is no such family.
-        SimulationError: A worker process died.
+        WorkerError: A worker process died.
     """
     began = time.perf_counter()
     verdicts: dict[int, Verdict] = {}
-    count = workers or os.cpu_count() or 1
-    jobs = [(seed, number, time_limit_s, tuple(families)) for number in range(first, first + cases)]
-    try:
-        for verdict in _judged(jobs, count):
-            verdicts[verdict.number] = verdict
+    jobs = (
+        (number, partial(_judge, seed, number, tuple(families), time_limit_s))
+        for number in range(first, first + cases)
+    )
+    with Workers(workers or os.cpu_count() or 1, _wake, advice=_FEWER, apart=True) as pool:
+        for number, verdict in pool.as_completed(jobs):
+            verdicts[number] = verdict
             progress(verdict)
-    except WorkerError as error:
-        message = f"{error.message}; {len(verdicts)} of {cases} trials are judged"
-        raise SimulationError(message, workers=count, judged=len(verdicts)) from error
     ordered = tuple(verdicts[number] for number in sorted(verdicts))
     return Campaign(seed, ordered, time.perf_counter() - began)
 
 
-def _judged(jobs: list[_Job], workers: int) -> Iterator[Verdict]:
-    """Verdicts as they come."""
-    if not jobs:
-        return
-    with Workers(workers, _wake, advice=_FEWER, apart=True) as pool:
-        for _, verdict in pool.as_completed((job, partial(_judge, job)) for job in jobs):
-            yield verdict
-
-
-def _judge(job: _Job) -> Verdict:
-    seed, number, time_limit_s, families = job
+def _judge(seed: int, number: int, families: Sequence[str], time_limit_s: float) -> Verdict:
     return judge(trial(seed, number, families), time_limit_s)
 
 

@@ -18,6 +18,7 @@ from .judging import WRONG, Verdict
 from .space import Trial
 
 _VERDICTS = "verdicts.jsonl"
+_TOLD = ("number", "family", "word", "kind", "detail")
 
 
 def begin(folder: str | Path) -> None:
@@ -50,7 +51,7 @@ def keep(item: Trial, verdict: Verdict, folder: str | Path) -> None:
         raise InputError(message, file=str(file)) from error
 
 
-def save_trial(item: Trial, verdict: Verdict, folder: str | Path) -> Path:
+def save_trial(item: Trial, verdict: Verdict, folder: str | Path) -> None:
     """Write a trial as a saved case, which ``nipper-pin simulate --case`` runs.
 
     It says besides which trial it was and what was wrong.
@@ -62,16 +63,8 @@ def save_trial(item: Trial, verdict: Verdict, folder: str | Path) -> Path:
         "mechanism": asdict(item.source) | {"folder": str(Path(item.source.folder).resolve())},
         "meshes": mesh_digests(item.source.name, item.source.urdf, Path(item.source.folder)),
         "case": asdict(case),
-        "stress": {
-            "seed": item.seed,
-            "number": item.number,
-            "family": item.family,
-            "word": verdict.word,
-            "kind": verdict.kind,
-            "detail": verdict.detail,
-        },
+        "stress": {"seed": item.seed, **{key: getattr(verdict, key) for key in _TOLD}},
     }
     target = Path(folder) / f"trial-{item.number}.json"
     with complete_file(target) as partial:
         partial.write_text(json.dumps(document, indent=1), encoding="utf-8")
-    return target

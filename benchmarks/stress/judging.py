@@ -37,15 +37,10 @@ _CONFESSION = "please report"
 
 @dataclass(frozen=True)
 class Verdict:
-    """Verdict on one trial.
+    """Verdict on one trial: "right", "refused" or "wrong", and a hash of every bit of its result.
 
-    Attributes:
-        word: "right", "refused" or "wrong".
-        kind: Type of the error of a refusal; the violated invariant, "hang" or "traceback" of a
-            wrong one; how the run ended otherwise.
-        detail: The reason; empty if right.
-        fingerprint: Hash of every bit of the result.
-        wall_s: Wall time [s].
+    The kind is how a right run ended, the type of the error of a refusal, or the first violated
+    invariant, "hang" or "traceback".
     """
 
     number: int
@@ -81,8 +76,7 @@ def judge(item: Trial, time_limit_s: float = TIME_LIMIT_S) -> Verdict:
             return verdict(WRONG, "confession", error.message)
         return verdict(REFUSED, type(error).__name__, error.message)
     except _TimeIsUpError:
-        where = f"no end after {time_limit_s:g} s"
-        return verdict(WRONG, "hang", where)
+        return verdict(WRONG, "hang", f"no end after {time_limit_s:g} s")
     except Exception:
         return verdict(WRONG, "traceback", traceback.format_exc(limit=-6))
     if found:

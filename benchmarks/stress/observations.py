@@ -21,15 +21,10 @@ _SEGMENTS, _PANELS, _POINTS = 24, 3, 5
 
 
 class Shown(NamedTuple):
-    """Public values of a solution at K times.
+    """Public values of a solution at K times, shape (K, nv), (K, m), (K, drives) and (K,).
 
-    Attributes:
-        q: Configurations, shape (K, nv).
-        v: Velocities, shape (K, nv).
-        a: Accelerations, shape (K, nv).
-        closures: Forces of the cut joints on their frames a, world axes, shape (K, m) [N].
-        drives: Torques of the drives, shape (K, drives) [N m or N].
-        stops: Forces of the closed stops, by name, positive when they push [N m or N].
+    Closures are the forces of the cut joints on their frames a, in world axes; drives are torques;
+    stops the forces of those that are closed, by name, positive when they push.
     """
 
     q: FloatArray

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from math import degrees
 from typing import Any
 from xml.etree import ElementTree
@@ -44,11 +45,9 @@ _LINKS = (
 
 @dataclass(frozen=True)
 class Trial:
-    """One trial: a model, possibly an impossible one, and what to do with it.
+    """One trial: a model, possibly an impossible one, and arguments of :class:`~nipper_pin.Case`.
 
-    Attributes:
-        family: Part of the space that it belongs to.
-        case: Arguments of :class:`~nipper_pin.Case`; ``resolution`` holds those of a Resolution.
+    Of these ``resolution`` holds those of a Resolution.
     """
 
     number: int
@@ -122,18 +121,14 @@ def _scaled(source: Source, factors: Mapping[str, tuple[float, float]]) -> Sourc
     return Source(source.name, urdf, source.description, source.folder)
 
 
-def _masses(rng: Generator) -> Draft:
+def _some_scaled(rng: Generator, *, masses: bool) -> Draft:
+    """Moments of inertia of some links by random factors, masses with them or not at all."""
+    low, high = (1e-4, 1e4) if masses else (1e-14, 1e-2)
     chosen = rng.permutation(_LINKS)[: int(rng.integers(1, len(_LINKS) + 1))]
-    factors = {name: (f, f) for name, f in ((str(n), log(rng, 1e-4, 1e4)) for n in chosen)}
+    factors = {str(name): log(rng, low, high) for name in chosen}
     case = window(rng, float(rng.uniform(100.0, 900.0)))
-    return _scaled(changed(usual(rng)), factors), case
-
-
-def _inertia(rng: Generator) -> Draft:
-    chosen = rng.permutation(_LINKS)[: int(rng.integers(1, len(_LINKS) + 1))]
-    factors = {str(name): (1.0, log(rng, 1e-14, 1e-2)) for name in chosen}
-    case = window(rng, float(rng.uniform(100.0, 900.0)))
-    return _scaled(changed(usual(rng)), factors), case
+    both = {name: (f if masses else 1.0, f) for name, f in factors.items()}
+    return _scaled(changed(usual(rng)), both), case
 
 
 def _reach(rng: Generator) -> Draft:
@@ -309,8 +304,8 @@ FAMILIES: dict[str, Callable[[Generator], Draft]] = {
     "speed": _speed,
     "restitution": _restitution,
     "spring": _spring,
-    "mass ratio": _masses,
-    "little inertia": _inertia,
+    "mass ratio": partial(_some_scaled, masses=True),
+    "little inertia": partial(_some_scaled, masses=False),
     "reach": _reach,
     "dead centre": _dead_centre,
     "grazing": _grazing,

@@ -12,11 +12,7 @@ from nipper_pin.view.console import headline, show_table
 
 @dataclass(frozen=True)
 class Sheet:
-    """One table.
-
-    Attributes:
-        text: Number of leading columns that hold words.
-    """
+    """One table; its first columns, so many, hold words."""
 
     title: str
     headings: tuple[str, ...]

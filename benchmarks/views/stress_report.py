@@ -6,7 +6,7 @@ from rich.console import Console
 
 from nipper_pin.view.console import say, show_table
 
-from ..stress import WRONG, Campaign, Verdict
+from ..stress import WRONG, Campaign
 
 _FAILURES = 20
 
@@ -14,11 +14,8 @@ _FAILURES = 20
 def print_campaign(campaign: Campaign, console: Console) -> None:
     """Print what was tried, how often, and what happened."""
     record, words = campaign.record(), ("right", "refused", "wrong")
-    rows = [
-        (family, *(str(found[word]) for word in words))
-        for family, found in record["families"].items()
-    ]
-    rows.append(("all", *(str(record[word]) for word in words)))
+    families = {**record["families"], "all": record}
+    rows = [(name, *(str(found[word]) for word in words)) for name, found in families.items()]
     show_table(console, ("family", *words), rows)
     for title in ("errors", "outcomes"):
         text = ", ".join(f"{kind} {count}" for kind, count in record[title].items())
@@ -27,7 +24,8 @@ def print_campaign(campaign: Campaign, console: Console) -> None:
     alone = len(campaign.verdicts) == 1
     wrong = [item for item in campaign.verdicts if alone or item.word == WRONG]
     for item in wrong[:_FAILURES]:
-        print_verdict(item, console)
+        text = f"case {item.number} ({item.family}): {item.word}, {item.kind}"
+        say(console, f"{text}: {item.detail}" if item.detail else text)
     if len(wrong) > _FAILURES:
         say(console, f"and {len(wrong) - _FAILURES} more")
     say(
@@ -35,9 +33,3 @@ def print_campaign(campaign: Campaign, console: Console) -> None:
         f"{record['cases']} cases, seed {campaign.seed}, {campaign.wall_s:.3g} s; "
         f"digest {record['digest'][:16]}",
     )
-
-
-def print_verdict(verdict: Verdict, console: Console) -> None:
-    """Print one verdict."""
-    text = f"case {verdict.number} ({verdict.family}): {verdict.word}, {verdict.kind}"
-    say(console, f"{text}: {verdict.detail}" if verdict.detail else text)

@@ -33,11 +33,7 @@ def bits(solution: Solution) -> bytes:
 
 
 def within_errors(coarse: Solution, fine: Solution) -> list[Violation]:
-    """The events of two solutions of one case agree within twice their stated errors.
-
-    Series that one run extrapolates earlier are compared as far as both have them, and then at
-    their rest.
-    """
+    """The events of two solutions of one case agree within twice their stated errors."""
     return list(_compared(coarse, fine, "tolerance", AGREED))
 
 
@@ -50,7 +46,11 @@ def mirror_images(solution: Solution, image: Solution) -> list[Violation]:
 
 
 def _compared(coarse: Solution, fine: Solution, kind: str, share: float) -> Iterator[Violation]:
-    """Differences beyond this share of the stated errors of both."""
+    """Differences beyond this share of the stated errors of both.
+
+    Series that one run extrapolates earlier are compared as far as both have them, and then at
+    their rest.
+    """
     first, second = list(coarse.events), list(fine.events)
     clock = 16.0 * EPS * max((event.t for event in first + second), default=0.0)
     i = j = 0
@@ -73,15 +73,10 @@ def _compared(coarse: Solution, fine: Solution, kind: str, share: float) -> Iter
             if texts and not _left_over(one, first, clock):
                 yield from (Violation(kind, text) for text in texts)
             i, j = i + 1, j + 1
-        elif _ends_series(one, other):
+        elif _left_out(other, one):
             j += 1
-        elif _ends_series(other, one):
+        elif _left_out(one, other):
             i += 1
-        elif (one.kind, other.kind) == (EventKind.REST, EventKind.RELEASE):
-            # The other run went on with the series to its last rest, one of fewer stops.
-            i += 1
-        elif (one.kind, other.kind) == (EventKind.RELEASE, EventKind.REST):
-            j += 1
         else:
             # Events that are as near to one another as their errors may come in either order.
             if not apart <= PARTED * allowed:
@@ -97,11 +92,16 @@ def _same(one: Event, other: Event) -> bool:
     return alike and (one.kind is not EventKind.REST or one.closed_after == other.closed_after)
 
 
-def _ends_series(rest: Event, other: Event) -> bool:
-    """True if an event of another run may be one of those that this rest leaves out."""
-    if rest.kind is not EventKind.REST or other.kind is EventKind.RELEASE:
-        return False
-    return set(other.stops[:1]) <= {*rest.stops, *rest.P_N}
+def _left_out(item: Event, other: Event) -> bool:
+    """True if another run, where it has another event, may have left this one out.
+
+    It does so at the rest that ends a series; and of a series that it goes on with to its last
+    rest, one of fewer stops, this rest.
+    """
+    if item.kind is EventKind.REST and other.kind is EventKind.RELEASE:
+        return True
+    ends = other.kind is EventKind.REST and item.kind is not EventKind.RELEASE
+    return ends and set(item.stops[:1]) <= {*other.stops, *other.P_N}
 
 
 def _left_over(hit: Event, events: list[Event], instant: float) -> bool:

@@ -50,9 +50,8 @@ def impulses(solution: Solution) -> Iterator[str]:
                                float(np.abs(event.delta[system.driven]).max(initial=0.0)),
                                DRIVE_SHAKEN * float(np.abs(event.delta).max()))  # fmt: skip
         inertias = np.diag(M)[~np.isin(np.arange(len(M)), system.held_coordinates)]
-        share = max(
-            MOMENTUM, min(64.0 * EPS * float(inertias.max() / inertias.min()), MOST_MOMENTUM)
-        )
+        widely = 64.0 * EPS * float(inertias.max() / inertias.min())
+        share = max(MOMENTUM, min(widely, MOST_MOMENTUM))
         yield from beyond(f"{where}: momentum", float(np.abs(left).max()),
                            share * float(np.max(size)))  # fmt: skip
         # Of rates that an impact takes away altogether what its solution leaves is left, 1e-13 of
@@ -94,14 +93,13 @@ def _restitution(solution: Solution, place: int) -> Iterator[str]:
         rates.append((name, impulse, before, xi))
         fastest = max(fastest, abs(before))
         lost -= 0.5 * impulse * (before + after)
+    most = RESTITUTION_LAW * fastest
     for name, impulse, before, xi in rates:
         where = f"event {event.number}, stop {name}"
         yield from beyond(f"{where}: impulse pulls", -impulse, 0.0)
-        yield from beyond(f"{where}: below the law", -xi, RESTITUTION_LAW * fastest)
+        yield from beyond(f"{where}: below the law", -xi, most)
         if impulse > 0.0 and at_once:
-            yield from beyond(
-                f"{where}: impulse and excess rate", abs(xi), RESTITUTION_LAW * fastest
-            )
+            yield from beyond(f"{where}: impulse and excess rate", abs(xi), most)
         if name in event.stops and name not in event.closed_before:
             yield from beyond(f"{where}: approach rate", before, 0.0)
     yield from beyond(f"event {event.number}: energy lost [J]", abs(event.energy_lost - lost),

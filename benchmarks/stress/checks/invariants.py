@@ -38,22 +38,14 @@ from .rebounds import rebounds
 
 @dataclass(frozen=True)
 class Violation:
-    """One violated invariant.
-
-    Attributes:
-        detail: Where, what was found and what is allowed.
-    """
+    """One violated invariant: where, what was found and what is allowed."""
 
     kind: str
     detail: str
 
 
 def violations(solution: Solution) -> list[Violation]:
-    """Check one solution; of many segments and events evenly chosen ones are looked at.
-
-    Returns:
-        The violations; none if all is right.
-    """
+    """Check one solution; of many segments and events evenly chosen ones are looked at."""
     impossible = [Violation("motion", text) for text in _over_determined(solution)]
     if impossible:
         # The equations of such a segment have no solution that others could be compared with.
@@ -106,14 +98,10 @@ def _outcome(solution: Solution) -> Iterator[str]:
         window = case.cycles * solution.shaft.period
         yield from beyond("end away from that of the window [s]", abs(end - window),
                            16.0 * EPS * window)  # fmt: skip
-    if case.rest_rate is None:
-        for event in events:
+    for event in events:
+        if event.kind is EventKind.REST and case.rest_rate is None:
             hard = [n for n in event.stops if solution.mechanism.stop(n).restitution == 1.0]
-            if (
-                event.kind is EventKind.REST
-                and hard
-                and solution.mechanism.stop(hard[0]).rate(event.v_before)
-            ):
+            if hard and solution.mechanism.stop(hard[0]).rate(event.v_before):
                 yield f"event {event.number}: {hard} came to rest with restitution 1"
 
 
@@ -308,10 +296,8 @@ def _energy(solution: Solution) -> Iterator[str]:
     most = (ENERGY_KEPT + lost + unresolved) * scale + 64.0 * EPS * stored
     # A strut's deflection is a difference of places, and has their round-off: so have the energy of
     # springs that hold some, and that of those which hold none.
-    stiffness, blurred = (
-        sum(s.stiffness for s in system.mechanism.struts),
-        EPS * system.body.reach_m,
-    )
+    stiffness = sum(strut.stiffness for strut in system.mechanism.struts)
+    blurred = EPS * system.body.reach_m
     most += 1e4 * stiffness * blurred**2 + 4.0 * blurred * (2.0 * stiffness * stored) ** 0.5
     yield from beyond("energy that is left over [J]", abs(energy.residual), most)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from itertools import chain
 from math import pi
 from typing import Any
 
@@ -24,8 +23,7 @@ def built(solution: Solution) -> Iterator[str]:
     mechanism, body = solution.mechanism, solution.system.body
     tree = PlanarTree.of(mechanism)
     carried = tree.masses @ tree.moved[:-1]
-    ends = chain.from_iterable((p.q[0], p.q[-1]) for _, p, _ in samples(solution))
-    states = list(ends)
+    states = [q for _, panel, _ in samples(solution) for q in (panel.q[0], panel.q[-1])]
     for q in states[:: max(len(states) // _STATES, 1)]:
         told, found = tree.mass_matrix(q), body.mass_matrix(q)
         # Light links hang on heavy ones.

@@ -47,13 +47,8 @@ def rebounds(solution: Solution) -> Iterator[str]:
                            abs(time - (end.t - hit.t)), clock)  # fmt: skip
         seen = _highest(solution, stop, hit.t, end.t)
         moved = abs(stop.at) + amplitude
-        most = (
-            AMPLITUDE_SHARE * amplitude
-            + 16.0 * EPS * moved
-            + clock * abs(hit.separation_rate)
-            + CLOSURE_SUM
-        )
-        most += 10.0 * solution.case.resolution.tolerance * amplitude
+        most = (AMPLITUDE_SHARE + 10.0 * solution.case.resolution.tolerance) * amplitude
+        most += 16.0 * EPS * moved + clock * abs(hit.separation_rate) + CLOSURE_SUM
         yield from beyond(f"{where}: rebound amplitude is not that of the motion [rad or m]",
                            abs(amplitude - seen), most)  # fmt: skip
 

@@ -25,25 +25,14 @@ from .motion import (
     unit,
 )
 
-KINDS = ("RRR", "RRP", "RPR", "RPP", "PRP")
-"""The kinds of dyads; each letter is a pin (R) or a slide (P)."""
-
 
 @dataclass
 class Growing:
-    """A linkage as it grows from its crank.
+    """A linkage as it grows from its crank, of this radius; links have about this size [mm].
 
-    Attributes:
-        radius: Of the crank [mm].
-        size: Of the links [mm].
-        least: Least sine of the angles at which links meet.
-        poses: Motion of every body.
-        places: Motion of every point [mm].
-        on: Points of every body.
-        bodies: Bodies with more than one point: their density [kg/m]; blocks: their mass [kg].
-        joints: Joints, in the order of the tree.
-        outputs: What the dyads move.
-        halved: Rods that are two halves by now.
+    They meet at angles of this least sine. There are motions of bodies and of points [mm], points
+    on every body, densities [kg/m] of bodies or masses [kg] of blocks, joints in the order of the
+    tree, what the dyads move, and rods that are two halves by now.
     """
 
     radius: float
@@ -74,16 +63,10 @@ class Growing:
             name for name in self.on if len(set(self.on[name])) > 1 and name not in self.halved
         ]
         name = str(rng.choice(bodies))
+        there, least = self.on[name], 0.2 * self.radius
         # What hangs on a point that stands still does not move, either; few need be so.
-        there = (
-            self.on[name]
-            if rng.random() < 0.05
-            else [
-                point
-                for point in self.on[name]
-                if np.ptp(self.places[point].view(float)) > 0.2 * self.radius
-            ]
-        )
+        if rng.random() >= 0.05:
+            there = [point for point in there if np.ptp(self.places[point].view(float)) > least]
         if there and rng.random() < 0.6:
             return name, str(rng.choice(there))
         point = f"P{len(self.places)}"
@@ -109,9 +92,7 @@ def add_dyad(rng: Generator, linkage: Growing, kind: str) -> None:
     Raises:
         NoAssemblyError: With these numbers it does not close over the whole turn.
     """
-    {"RRR": _rrr, "RRP": _rrp, "RPR": _rpr, "RPP": _rpp, "PRP": _prp}[kind](
-        rng, linkage, str(len(linkage.outputs) + 1)
-    )
+    _DYADS[kind](rng, linkage, str(len(linkage.outputs) + 1))
 
 
 def _density(rng: Generator) -> float:
@@ -239,3 +220,8 @@ def _prp(rng: Generator, linkage: Growing, number: str) -> None:
 
 def _way(angle: float) -> Place:
     return float(np.cos(angle)), float(np.sin(angle))
+
+
+_DYADS = {"RRR": _rrr, "RRP": _rrp, "RPR": _rpr, "RPP": _rpp, "PRP": _prp}
+KINDS = tuple(_DYADS)
+"""The kinds of dyads; each letter is a pin (R) or a slide (P)."""

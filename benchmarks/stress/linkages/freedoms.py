@@ -18,13 +18,9 @@ _SHARES = (0.03, 0.4)  # of the reach of a coordinate, from its end to where a s
 
 @dataclass(frozen=True)
 class Struck:
-    """A stop in the reach of what a rod moves.
+    """A lower or an upper stop of an output, met at a place in ``ANGLES``.
 
-    Attributes:
-        output: What is stopped.
-        lower: Whether it limits from below.
-        contact: Place in ``ANGLES`` where it is met.
-        longer: Whether the rod has to get longer there.
+    There the rod that moves it has to get longer, or shorter.
     """
 
     output: Output

@@ -28,12 +28,7 @@ class NoAssemblyError(Exception):
 
 @dataclass(frozen=True)
 class Pose:
-    """Motion of a body.
-
-    Attributes:
-        point: Place of one of its points, shape (angles,) [mm].
-        angle: Its angle, continuous, shape (angles,) [rad].
-    """
+    """Motion of a body: one of its points [mm] and its continuous angle [rad], (angles,) each."""
 
     point: Complex
     angle: FloatArray
@@ -45,12 +40,9 @@ class Pose:
 
 @dataclass(frozen=True)
 class Rod:
-    """A rod that moves what a dyad moves.
+    """A rod of this length, from its driving end, shape (angles,) [mm], to what it moves.
 
-    Attributes:
-        length: Its length [mm].
-        driving: Its driven end, shape (angles,) [mm].
-        held: Where its other end is while the coordinate that it moves keeps a value [mm].
+    Its other end is held where the coordinate that it moves keeps a value.
     """
 
     name: str
@@ -61,14 +53,7 @@ class Rod:
 
 @dataclass(frozen=True)
 class Output:
-    """Motion of a dyad relative to the frame or the link that carries it.
-
-    Attributes:
-        joint: Name of the joint.
-        coordinate: Its coordinate, continuous, shape (angles,) [rad or mm].
-        hinge: Whether it is an angle.
-        rod: The rod that moves it, if there is one.
-    """
+    """Continuous coordinate of a joint that a dyad, or its rod, moves, (angles,) [rad or mm]."""
 
     joint: str
     coordinate: FloatArray
@@ -103,9 +88,8 @@ def two_rods(
 ) -> Complex:
     """The pin of two rods of these ends and lengths, shape (angles,) [mm].
 
-    Args:
-        side: 1 to the left of the way from first to second, -1 to the right.
-        least: Least sine of the angle between the rods.
+    The side is 1 to the left of the way from first to second, -1 to the right; the rods stand at an
+    angle of this least sine.
 
     Raises:
         NoAssemblyError: They do not meet, or their angle is too flat.
@@ -125,15 +109,10 @@ def two_rods(
 def rod_on_line(
     end: Complex, length: float, at: complex, along: float, side: float, least: float
 ) -> FloatArray:
-    """Travel of a block on a still line that a rod moves, shape (angles,) [mm].
+    """Travel of a block on a still line that a rod, driven at its end, moves, (angles,) [mm].
 
-    Args:
-        end: The rod's driven end, shape (angles,) [mm].
-        length: Its length [mm].
-        at: A point of the line [mm].
-        along: The line's angle [rad].
-        side: 1 for the block further along the line, -1 for the other one.
-        least: Least cosine of the angle between rod and line.
+    The line goes through a point at an angle [rad], at one to the rod of this least cosine; the
+    side is 1 for the block further along it, -1 for the other one.
 
     Raises:
         NoAssemblyError: It does not reach the line, or stands too square to it.

@@ -44,10 +44,7 @@ def linkage(rng: Generator) -> Draft:
 
 
 def write_linkage(seed: int, number: int, folder: str | Path) -> dict[str, Any]:
-    """Write the machine of a trial of a campaign of this family alone as a model folder.
-
-    Returns:
-        What is done with the machine, as arguments of :class:`~nipper_pin.Case`.
+    """Write the machine of a trial of this family alone as a model folder; return its case.
 
     Raises:
         InputError: The folder cannot be written or is not empty.
@@ -142,16 +139,11 @@ def _points(linkage: Growing, touch: int) -> dict[str, Place]:
 def _struck_stops(rng: Generator, stops: list[Struck], touch: int) -> list[Part]:
     found: list[Part] = []
     for stop in stops:
-        x = stop.output.coordinate
+        x, side = stop.output.coordinate, "lower" if stop.lower else "upper"
         away = float(x[stop.contact] - x[touch])
-        found.append(
-            Stop(
-                stop.output.joint,
-                "lower" if stop.lower else "upper",
-                float(np.degrees(away)) if stop.output.hinge else away,
-                one_of(rng, 0.0, 0.2, rng.uniform(0.0, 0.8)),
-            )
-        )
+        place = float(np.degrees(away)) if stop.output.hinge else away
+        e_N = one_of(rng, 0.0, 0.2, rng.uniform(0.0, 0.8))
+        found.append(Stop(stop.output.joint, side, place, e_N))
     return found
 
 
@@ -211,11 +203,7 @@ def _halved(joint: Pin | Slide | Slot, linkage: Growing) -> Part:
             return link
         return f"{link}_2" if linkage.on[link][1] == point else f"{link}_1"
 
-    if isinstance(joint, Pin):
-        return replace(joint, parent=half(joint.parent, joint.point),
-                       child=half(joint.child, joint.point))  # fmt: skip
-    if isinstance(joint, Slide):
-        return replace(joint, parent=half(joint.parent, joint.at),
-                       child=half(joint.child, joint.at))  # fmt: skip
-    return replace(joint, slotted=half(joint.slotted, joint.at),
-                   pinned=half(joint.pinned, joint.at))  # fmt: skip
+    sides = ("slotted", "pinned") if isinstance(joint, Slot) else ("parent", "child")
+    point = joint.point if isinstance(joint, Pin) else joint.at
+    links: dict[str, Any] = {side: half(getattr(joint, side), point) for side in sides}
+    return replace(joint, **links)

@@ -16,13 +16,8 @@ from .parts import SHAFT, SLED, Place, Source, description, frame, hinge, link, 
 class Chain:
     """A machine as it grows, link by link; all frames are parallel to the world at touch.
 
-    Attributes:
-        parts: Links and joints of the URDF.
-        tables: Tables of the TOML document, by name.
-        freedom: Degrees of freedom with all stops open, drives counted.
-        joints: Joints that move freely, each with True if it is a hinge.
-        links: Names of the links from the frame on, and the places of their origins.
-        mass: Mass of the last link [kg].
+    Parts are those of the URDF, tables those of the TOML document. Joints that move freely are
+    hinges or not; links have the places of their origins, from the frame on, the last one a mass.
     """
 
     parts: list[str] = field(default_factory=list)
@@ -64,18 +59,14 @@ class Chain:
     def _add_yoke(self, rng: Generator) -> None:
         radius, lean = log(rng, 1e-3, 0.2), float(rng.uniform(-1.2, 1.2))
         self.parts += [
-            link("crank", 2.0, 0.01, (0.01, 0.0)), hinge("shaft", "frame", "crank", (0.0, 0.0)),
-            frame("crank_pin", "crank", (radius, 0.0)),
+            *cranked(radius),
             link("yoke", 1.5, 0.01, (0.0, 0.0)),
             slide("yoke_x", "frame", "yoke", (1.0, 0.0), (radius, 0.0)),
             frame("slot_line", "yoke", (0.0, 0.0), lean),
         ]  # fmt: skip
         law = {"law": "constant_speed", "ratio": sign(rng), **SHAFT}
         self.tables["drives"]["shaft"] = {"joint": "shaft", **law}
-        self.tables["closures"]["slot"] = {
-            "frame_a": "slot_line", "frame_b": "crank_pin", "slot_axis": "z",
-            "block_mass_kg": log(rng, 1e-4, 10.0),
-        }  # fmt: skip
+        self.slot("slot", ("slot_line", "crank_pin"), "z", log(rng, 1e-4, 10.0))
         self.links.append(("yoke", (radius, 0.0)))
 
     def add_link(self, rng: Generator, turns: bool, mass: float) -> None:
@@ -92,10 +83,13 @@ class Chain:
         else:
             angle = float(rng.uniform(0.0, 2.0 * pi))
             self.parts.append(slide(joint, parent, name, (cos(angle), sin(angle)), (dx, dz)))
-        self.joints[joint] = turns
-        self.links.append((name, (x + dx, z + dz)))
+        self.hung(name, joint, turns, (x + dx, z + dz), mass)
+
+    def hung(self, name: str, joint: str, turns: bool, place: Place, mass: float) -> None:
+        """Go on with a link of this mass [kg], whose free joint has this place."""
+        self.joints[joint], self.mass = turns, mass
+        self.links.append((name, place))
         self.freedom += 1
-        self.mass = mass
 
     def tie(self, rng: Generator, kind: str) -> None:
         """Tie the end of the chain to the frame.
@@ -109,10 +103,8 @@ class Chain:
         self.parts.append(frame("tip", name, (0.2, 0.1)))
         if kind == "slot":
             self.parts.append(frame("rail", "frame", (x + 0.2, z + 0.1), float(rng.uniform(0, pi))))
-            self.tables["closures"]["rail"] = {
-                "frame_a": "rail", "frame_b": "tip", "slot_axis": str(rng.choice(["x", "z"])),
-                "block_mass_kg": self.mass * log(rng, 1e-6, 1e2),
-            }  # fmt: skip
+            axis = str(rng.choice(["x", "z"]))
+            self.slot("rail", ("rail", "tip"), axis, self.mass * log(rng, 1e-6, 1e2))
             self.freedom -= 1
             self.joints["rail"] = False
             return
@@ -125,6 +117,13 @@ class Chain:
         ]
         self.tables["closures"]["tie"] = {"frame_a": "tip", "frame_b": "coupler_end"}
 
+    def slot(self, name: str, frames: tuple[str, str], axis: str, block: float) -> None:
+        """Let a pin, the second frame, slide with a block [kg] along an axis of the first one."""
+        first, second = frames
+        self.tables["closures"][name] = {
+            "frame_a": first, "frame_b": second, "slot_axis": axis, "block_mass_kg": block,
+        }  # fmt: skip
+
     def stop(self, joint: str, side: str, at: float, e_N: float) -> None:
         """Put a stop on a joint, at a coordinate [rad or m]."""
         key, place = ("at_deg", degrees(at)) if self.joints[joint] else ("at_mm", 1e3 * at)
@@ -135,8 +134,7 @@ class Chain:
     def add_stops(self, rng: Generator, count: int, room: tuple[float, float]) -> list[str]:
         """Put stops on joints chosen at random, with gaps in this room [rad or m].
 
-        Returns:
-            Stops that have to be closed at the start, as their joints stand beyond them at touch.
+        Told are those that are closed at the start, as their joints stand beyond them at touch.
         """
         closed = []
         places = [(joint, side) for joint in self.joints for side in ("lower", "upper")]
@@ -163,7 +161,8 @@ class Chain:
                 self.stop(joint, side, at, restitution(rng))
             closed = [name for name in closed if not name.startswith(f"{joint} ")]
             closed.append(f"{joint} {sides[0]}")
-        return _one_a_joint(closed)
+        # No two stops of one joint are closed.
+        return list({name.split()[0]: name for name in closed}.values())
 
     def spring(self, name: str, joint: str, stiffness: float, preload: float) -> None:
         """Put a linear spring on a joint: [N/m or N m/rad] and [m or rad]."""
@@ -220,9 +219,12 @@ class Chain:
         return Source(name, robot(name, self.parts), texts, ".")
 
 
-def _one_a_joint(stops: list[str]) -> list[str]:
-    """Stops of which no two stand on the same joint."""
-    return list({name.split()[0]: name for name in stops}.values())
+def cranked(radius: float) -> list[str]:
+    """A crank on the shaft with its pin."""
+    return [
+        link("crank", 2.0, 0.01, (0.01, 0.0)), hinge("shaft", "frame", "crank", (0.0, 0.0)),
+        frame("crank_pin", "crank", (radius, 0.0)),
+    ]  # fmt: skip
 
 
 def spring_table(rng: Generator, reach: float, force: float) -> tuple[list[float], list[float]]:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from math import atan2, cos, hypot, pi, sin, sqrt
 from typing import Any
 
-from .chains import Chain, spring_table
+from .chains import Chain, cranked, spring_table
 from .draws import Draft, Generator, changed, log, one_of, restitution, sign, usual, window
 from .parts import SHAFT, Place, Source, frame, hinge, link
 
@@ -31,12 +31,20 @@ def _gravity(rng: Generator) -> float:
     return one_of(rng, 9.81, 9.81, 0.0, rng.uniform(0.0, 100.0))
 
 
+def _pair(
+    rng: Generator, bases: tuple[str, ...] = _BASES, light: float = 0.1, heavy: float = 10.0
+) -> Chain:
+    """One or two links on a base."""
+    machine = Chain()
+    machine.add_base(rng, str(rng.choice(bases)))
+    for _ in range(int(rng.integers(1, 3))):
+        machine.add_link(rng, bool(rng.random() < 0.5), log(rng, light, heavy))
+    return machine
+
+
 def _two_stops(rng: Generator) -> Draft:
     """One or two bodies between two stops, with clearances from one metre to one nanometre."""
-    machine = Chain()
-    machine.add_base(rng, str(rng.choice(_BASES[1:])))
-    for _ in range(int(rng.integers(1, 3))):
-        machine.add_link(rng, bool(rng.random() < 0.5), log(rng, 1e-2, 1e2))
+    machine = _pair(rng, _BASES[1:], 1e-2, 1e2)
     closed = []
     for joint in machine.joints:
         near, gap = one_of(rng, 0.0, 1.0, rng.uniform()), log(rng, 1e-9, 1.0)
@@ -79,10 +87,7 @@ def _chain(rng: Generator) -> Draft:
 
 def _hard_elements(rng: Generator) -> Draft:
     """Stiffness from 1e-3 to 1e9, damping from none to far above critical, any preload."""
-    machine = Chain()
-    machine.add_base(rng, str(rng.choice(_BASES)))
-    for _ in range(int(rng.integers(1, 3))):
-        machine.add_link(rng, bool(rng.random() < 0.5), log(rng, 0.1, 10.0))
+    machine = _pair(rng)
     closed = machine.add_stops(rng, int(rng.integers(1, 4)), (1e-6, 0.3))
     slowest = 60.0
     for joint in machine.joints:
@@ -117,10 +122,7 @@ def _spring_tables(rng: Generator) -> Draft:
                         preload + stiffness * bend + 1.0, preload + (stiffness + wall) * 90.0],
         }  # fmt: skip
         return source, window(rng, float(rng.uniform(100.0, 900.0)))
-    machine = Chain()
-    machine.add_base(rng, str(rng.choice(_BASES)))
-    for _ in range(int(rng.integers(1, 3))):
-        machine.add_link(rng, bool(rng.random() < 0.5), log(rng, 0.1, 10.0))
+    machine = _pair(rng)
     reach = log(rng, 1e-2, 3.0)
     closed = machine.add_stops(rng, int(rng.integers(1, 5)), (1e-3 * reach, 0.3 * reach))
     for number, joint in enumerate(machine.joints):
@@ -149,9 +151,7 @@ def _near_points(rng: Generator) -> Draft:
             link("b0", mass, 0.1 * mass * length**2, (0.7 * length, 0.0)),
             hinge("j0", parent, "b0", (0.0, 0.0)), frame("end", "b0", (length, 0.0)),
         ]  # fmt: skip
-        machine.joints["j0"], machine.mass = True, mass
-        machine.links.append(("b0", (x, z)))
-        machine.freedom += 1
+        machine.hung("b0", "j0", True, (x, z), mass)
         angle = -float(rng.uniform(0.1, pi - 0.1))
         far = length + sign(rng) * log(rng, 1e-12, 1e-1)
         machine.parts.append(frame("anchor", "frame", (x + far * cos(angle), z + far * sin(angle))))
@@ -176,16 +176,13 @@ def slotted_lever(rng: Generator, radius: float, axis: Place, block: float) -> C
     machine = Chain(freedom=1)
     x, z = radius - axis[0], -axis[1]
     machine.parts += [
-        link("crank", 2.0, 0.01, (0.01, 0.0)), hinge("shaft", "frame", "crank", (0.0, 0.0)),
-        frame("crank_pin", "crank", (radius, 0.0)),
+        *cranked(radius),
         link("lever", 1.0, 0.02, (0.05, 0.0)), hinge("lever_axis", "frame", "lever", axis),
         frame("slot_line", "lever", (0.0, 0.0), atan2(z, x)),
     ]  # fmt: skip
     drive = {"joint": "shaft", "law": "constant_speed", "ratio": 1.0, **SHAFT}
     machine.tables["drives"]["shaft"] = drive
-    machine.tables["closures"]["slot"] = {
-        "frame_a": "slot_line", "frame_b": "crank_pin", "slot_axis": "x", "block_mass_kg": block,
-    }  # fmt: skip
+    machine.slot("slot", ("slot_line", "crank_pin"), "x", block)
     machine.links.append(("lever", axis))
     mass = log(rng, 1e-2, 10.0)
     arm = hypot(x, z)
@@ -193,10 +190,7 @@ def slotted_lever(rng: Generator, radius: float, axis: Place, block: float) -> C
         link("flap", mass, mass * (0.3 * arm) ** 2, (0.5 * arm, 0.1 * arm)),
         hinge("flap", "lever", "flap", (x, z)),
     ]
-    machine.joints["flap"] = True
-    machine.links.append(("flap", (radius, 0.0)))
-    machine.freedom += 1
-    machine.mass = mass
+    machine.hung("flap", "flap", True, (radius, 0.0), mass)
     return machine
 
 

@@ -20,16 +20,19 @@ _OTHER_EXTREME = {"minimum": "maximum", "maximum": "minimum"}
 # Numbers of a drive that change their sign on a hinge; those of a slide do not.
 _TURNING = {
     "constant_speed": ("ratio",), "fourier": ("mean_rad", "cosine_rad", "sine_rad"),
-    "table": ("coordinate_rad",), "cam": ("lift_deg",),
+    "table": ("coordinate_rad",), "cam": ("lift_deg",), "screw": (), "geared": (),
 }  # fmt: skip
-_ALIKE = ("screw", "geared")
+# Places and directions of slides, and angles of frames, of a URDF: what is negated of each.
+_ACROSS = (
+    (".//origin", "xyz", 0), (".//origin", "rpy", 1), (".//joint[@type='prismatic']/axis", "xyz", 0)
+)  # fmt: skip
 
 
 def mirrored(source: Source) -> Source | None:
     """The mirror image of a model; None if it has shapes or drives of another kind."""
     description = copy.deepcopy(source.description)
     drives = description.get("drives", {})
-    if any(drive["law"] not in (*_TURNING, *_ALIKE) for drive in drives.values()):
+    if any(drive["law"] not in _TURNING for drive in drives.values()):
         return None
     if any("contact" in stop for stop in description.get("stops", {}).values()):
         return None
@@ -44,7 +47,7 @@ def mirrored(source: Source) -> Source | None:
         if item.get("slot_axis") == "x"
     }  # fmt: skip
     for drive in drives.values():
-        _turn(drive, _TURNING.get(drive["law"], ()))
+        _turn(drive, _TURNING[drive["law"]])
     cylinder = description.get("cylinder", {})
     if drives.get(cylinder.get("reference_drive"), {}).get("joint") in turned:
         extreme = cylinder.get("reference_extreme", "minimum")
@@ -75,18 +78,10 @@ def _turn(entry: dict[str, Any], keys: tuple[str, ...]) -> None:
 
 
 def _mirror(root: ElementTree.Element) -> None:
-    """Mirror places, directions of slides and angles of frames of a URDF, in place."""
-    for item in root.iter("origin"):
-        _negate(item, "xyz", 0)
-        _negate(item, "rpy", 1)
-    for joint in root.iter("joint"):
-        if joint.get("type") == "prismatic":
-            for axis in joint.iter("axis"):
-                _negate(axis, "xyz", 0)
-
-
-def _negate(item: ElementTree.Element, key: str, place: int) -> None:
-    if key in item.attrib:
-        numbers = [float(number) for number in item.attrib[key].split()]
-        numbers[place] = -numbers[place]
-        item.set(key, " ".join(map(repr, numbers)))
+    """Mirror a URDF in place."""
+    for path, key, place in _ACROSS:
+        for item in root.iterfind(path):
+            if key in item.attrib:
+                numbers = [float(number) for number in item.attrib[key].split()]
+                numbers[place] = -numbers[place]
+                item.set(key, " ".join(map(repr, numbers)))

@@ -17,13 +17,7 @@ SLED = {"reflected_mass_kg": 10.0, "shaft_frequency_hz": 10.0, "shaft_damping_ra
 
 @dataclass(frozen=True)
 class Source:
-    """A model as plain data.
-
-    Attributes:
-        urdf: The URDF text.
-        description: The TOML document.
-        folder: Folder that relative mesh paths start from.
-    """
+    """A model as plain data; relative mesh paths start from the folder."""
 
     name: str
     urdf: str
@@ -36,13 +30,7 @@ class Source:
 
 
 def description(title: str, freedom: int, gravity: float) -> dict[str, Any]:
-    """The top of a TOML document, for a cylinder at 300 r/min rated speed.
-
-    Args:
-        title: Title of the model.
-        freedom: Degrees of freedom with all stops open, drives counted.
-        gravity: Acceleration along -z [m/s^2].
-    """
+    """The top of a TOML document, for a cylinder at 300 r/min rated speed."""
     return {
         "format": 1,
         "title": title,
@@ -75,26 +63,27 @@ def link(name: str, mass: float, inertia: float, centre: Place) -> str:
 
 def hinge(name: str, parent: str, child: str, place: Place) -> str:
     """A hinge at a place of its parent."""
-    return (
-        f'<joint name="{name}" type="continuous"><parent link="{parent}"/><child link="{child}"/>'
-        f'<origin xyz="{place[0]!r} 0 {place[1]!r}"/><axis xyz="0 -1 0"/></joint>'
-    )
+    return _joint(name, "continuous", parent, child, place, '<axis xyz="0 -1 0"/>')
 
 
 def slide(name: str, parent: str, child: str, axis: Place, place: Place = (0.0, 0.0)) -> str:
     """A slide along a direction of its parent."""
-    return (
-        f'<joint name="{name}" type="prismatic"><parent link="{parent}"/><child link="{child}"/>'
-        f'<origin xyz="{place[0]!r} 0 {place[1]!r}"/><axis xyz="{axis[0]!r} 0 {axis[1]!r}"/>'
-        '<limit lower="-1e9" upper="1e9" effort="1e9" velocity="1e9"/></joint>'
-    )
+    along = f'<axis xyz="{axis[0]!r} 0 {axis[1]!r}"/>'
+    limit = '<limit lower="-1e9" upper="1e9" effort="1e9" velocity="1e9"/>'
+    return _joint(name, "prismatic", parent, child, place, along + limit)
 
 
 def frame(name: str, parent: str, place: Place, turned: float = 0.0) -> str:
     """A named frame at a place of a link, turned counter-clockwise [rad]."""
     # A rotation about +y is clockwise in the side view.
+    joint = _joint(f"{name}_fixed", "fixed", parent, name, place, "", f' rpy="0 {-turned!r} 0"')
+    return f'<link name="{name}"/>{joint}'
+
+
+def _joint(
+    name: str, kind: str, parent: str, child: str, place: Place, more: str, turned: str = ""
+) -> str:
     return (
-        f'<link name="{name}"/><joint name="{name}_fixed" type="fixed"><parent link="{parent}"/>'
-        f'<child link="{name}"/><origin xyz="{place[0]!r} 0 {place[1]!r}" rpy="0 {-turned!r} 0"/>'
-        "</joint>"
+        f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>'
+        f'<origin xyz="{place[0]!r} 0 {place[1]!r}"{turned}/>{more}</joint>'
     )

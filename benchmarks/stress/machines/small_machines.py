@@ -15,19 +15,14 @@ from nipper_pin.mechanism import load
 
 from .parts import SHAFT, SLED, Source, description, frame, hinge, link, robot, slide
 
-
-@cache
-def _e62() -> Source:
-    mechanism = load("e62")
-    return Source(
-        mechanism.name, mechanism.urdf, dict(mechanism.description), mechanism.mesh_folder
-    )
+_load = cache(load)
 
 
 def e62() -> Source:
     """The E62-class model of the package, an estimate of that class of machine."""
-    source = _e62()
-    return Source(source.name, source.urdf, copy.deepcopy(source.description), source.folder)
+    machine = _load("e62")
+    document = copy.deepcopy(dict(machine.description))
+    return Source(machine.name, machine.urdf, document, machine.mesh_folder)
 
 
 def four_bar(
@@ -72,13 +67,8 @@ def flaps(
 ) -> Source:
     """Equal flaps on an arm that swings; each lies on a stop of its own, and all leave it at once.
 
-    Args:
-        count: Number of flaps.
-        swing: Cosine coefficients of the arm's angle, shape (n,) [rad].
-        restitution: e_N of every stop.
-        stiffness: Of the springs that press them shut [N m/rad].
-        preload_deg: Their deflection on the stops [deg].
-        gravity: Acceleration along -z [m/s^2].
+    The swing is given by cosine coefficients of the arm's angle [rad]; springs of this stiffness
+    [N m/rad] press the flaps shut.
     """
     names = [f"flap{number}" for number in range(1, count + 1)]
     parts = [link("arm", 1.0, 1e-3, (0.05, 0.0)), hinge("arm_axis", "frame", "arm", (0.0, 0.0))]
@@ -105,11 +95,7 @@ def flaps(
 def bouncing_mass(mass: float, lead_mm: float, restitution: float, gravity: float) -> Source:
     """A mass on a shelf that a table takes off at constant speed; then it bounces on the table.
 
-    Args:
-        mass: Of the bouncing body [kg]; the slides that tie it to the shelf have 1e-3 kg.
-        lead_mm: Rise of the table in a turn [mm].
-        restitution: e_N of the table.
-        gravity: Acceleration along -z [m/s^2].
+    The slides that tie it to the shelf have 1e-3 kg; the lead is the rise of the table in a turn.
     """
     parts = [
         link("table", 1.0, 1e-2, (0.0, 0.0)),

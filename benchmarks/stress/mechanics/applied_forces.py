@@ -18,14 +18,9 @@ from .planar_tree import Complex, PlanarTree
 
 
 class Pull(NamedTuple):
-    """A strut at states of any shape (...).
+    """Tension [N] of a strut at states of any shape (...), line from its first point to its second.
 
-    Attributes:
-        strut: The strut.
-        tension: Its pull [N].
-        line: From its first point to its second [m].
-        length: Of the line [m], not zero.
-        jacobian: Of the line, shape (..., nv).
+    The line [m], its length, which is not zero, and its Jacobian, shape (..., nv), go with it.
     """
 
     strut: Strut

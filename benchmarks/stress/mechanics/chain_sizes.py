@@ -37,11 +37,9 @@ class ChainSizes:
         return np.asarray(self._ways(q).max(axis=(-2, -1)))
 
     def of(self, q: Real, v: Real, a: Real) -> tuple[Real, Real]:
-        """Sizes at states, shape (..., nv) each.
+        """Sizes of generalised forces, shape (..., nv) [N m or N], at states of that shape.
 
-        Returns:
-            Of the generalised forces, shape (..., nv) [N m or N], and of the accelerations with
-            which cut joints open, shape (..., m) [m/s2].
+        And of the accelerations with which cut joints open, shape (..., m) [m/s2].
         """
         ways, tree = self._ways(q), self._tree
         levers = self._moved * np.where(self._slides, 1.0, ways)

@@ -21,15 +21,10 @@ from .planar_tree import PlanarTree
 
 
 class _Solved(NamedTuple):
-    """The linear systems of states: accelerations that nothing prescribes, closure forces.
+    """The linear systems of states, for n unknowns: accelerations that are loose, closure forces.
 
-    Attributes:
-        a: All accelerations, shape (..., nv).
-        unknowns: Their accelerations and the closure forces, shape (..., n).
-        matrix: Of the systems, shape (..., n, n).
-        inverse: Sizes of the elements of its inverse.
-        jacobian: Of the closures, shape (..., m, nv).
-        applied: Size of what the applied forces are sums of, shape (..., nv).
+    Accelerations are all, the inverse holds sizes of elements, the Jacobian is that of the closures
+    and applied is the size of what the applied forces are sums of, shape (..., nv).
     """
 
     a: Real

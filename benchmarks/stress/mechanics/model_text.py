@@ -14,6 +14,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from ...tolerances import UPRIGHT
 
@@ -22,12 +23,9 @@ _Y, _UP = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
 
 
 class Frame(NamedTuple):
-    """Axes of a link of the text.
+    """Axes of a link of the text, fixed to the moving link of a number; -1 is the machine's frame.
 
-    Attributes:
-        body: Number of the moving link that it is fixed to; -1 is the frame of the machine.
-        place: Its origin, from the joint of that link.
-        axes: Direction of its x axis; 1 if it is turned out of the plane.
+    Its place is from the joint of that link, its axes are the direction of x; 1 if out of plane.
     """
 
     body: int
@@ -37,18 +35,11 @@ class Frame(NamedTuple):
 
 @dataclass
 class Link:
-    """A moving link with all that is fixed to it, and the joint that carries it.
+    """A moving link with all that is fixed to it, and the joint that carries it on its parent.
 
-    Attributes:
-        joint: Name of the joint.
-        parent: Number of the link that carries the joint; -1 is the frame.
-        offset: Place of the joint, from the joint of the parent.
-        slide: Direction of sliding; None of a hinge.
-        sense: 1 of a hinge that turns counter-clockwise as its coordinate grows, else -1.
-        damping: Of the joint, by the text [N m s/rad or N s/m].
-        mass: [kg].
-        com: Centre of mass, from the joint.
-        inertia: About that [kg m^2].
+    Offset and centre of mass are from joint to joint and from the joint; the inertia is about the
+    latter. A hinge has no direction of sliding, and the sense 1 if it turns counter-clockwise as
+    its coordinate grows, else -1. Damping is that of the text.
     """
 
     name: str
@@ -74,13 +65,7 @@ class Link:
 
 @dataclass
 class Links:
-    """Moving links in the order of their coordinates.
-
-    Attributes:
-        links: The links.
-        frames: All axes, by name.
-        steepness: Part of gravity that acts in the plane.
-    """
+    """Moving links in the order of their coordinates, and the part of gravity in their plane."""
 
     links: list[Link] = field(default_factory=list)
     frames: dict[str, Frame] = field(default_factory=dict)
@@ -98,12 +83,9 @@ class Links:
 def read_links(
     text: str, order: Sequence[str] = (), closures: Mapping[str, Any] | None = None
 ) -> Links:
-    """Read a URDF.
+    """Read a URDF; coordinates are in the order of these joints, or of the text.
 
-    Args:
-        text: The URDF.
-        order: Names of the joints in the order of their coordinates; as in the text by default.
-        closures: Those of the TOML document: a slot among them adds its block, a point of mass.
+    A slot among the closures of the TOML document adds its block, a point of mass.
     """
     root = ElementTree.fromstring(text)
     moving = [item for item in root.findall("joint") if item.get("type") != "fixed"]
@@ -224,12 +206,7 @@ def _origin(item: ElementTree.Element | None) -> tuple[Real, Real]:
     """Translation and rotation, which is about the fixed axes x, y and z in turn."""
     if item is None:
         return np.zeros(3), np.eye(3)
-    turn = np.eye(3)
-    for place, angle in enumerate(_numbers(item.get("rpy", "0 0 0"))):
-        about, (one, other) = np.eye(3), ((place + 1) % 3, (place + 2) % 3)
-        about[one, one] = about[other, other] = np.cos(angle)
-        about[one, other], about[other, one] = -np.sin(angle), np.sin(angle)
-        turn = about @ turn
+    turn = Rotation.from_euler("xyz", _numbers(item.get("rpy", "0 0 0"))).as_matrix()
     return _numbers(item.get("xyz", "0 0 0")), turn
 
 
