@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from programs import main
 
 from benchmarks.stress import run_campaign, trial
 from benchmarks.stress.linkages import random_linkage, write_linkage
@@ -31,11 +29,6 @@ COUNT = 40
 @pytest.fixture(scope="module")
 def linkages() -> list[Drawing]:
     return [random_linkage(np.random.default_rng([3, number])) for number in range(COUNT)]
-
-
-def test_a_seed_gives_the_same_linkage(linkages: list[Drawing]) -> None:
-    assert random_linkage(np.random.default_rng([3, 7])) == linkages[7]
-    assert random_linkage(np.random.default_rng([4, 7])) != linkages[7]
 
 
 def test_every_linkage_is_a_model(linkages: list[Drawing]) -> None:
@@ -158,12 +151,3 @@ def test_a_campaign_of_one_family() -> None:
     assert {verdict.family for verdict in result.verdicts} == {"linkage"}
     with pytest.raises(UnknownNameError, match="no family of trials named 'linkages'"):
         trial(1, 1, ("linkages",))
-
-
-@pytest.mark.slow
-def test_the_command_judges_one_family(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["stress", "--cases", "1", "--workers", "1", "--family", "bouncing mass", "--json", "-"]
-    assert main([*words, "--out", str(tmp_path / "one")]) == 0
-    assert set(json.loads(capsys.readouterr().out)["families"]) == {"bouncing mass"}
-    assert main(["stress", "--family", "toggles"]) == 2
-    assert "no family of trials named 'toggles'" in capsys.readouterr().err

@@ -12,14 +12,14 @@ import pytest
 import small_machines
 from machine_of_all_elements import CASE, everything
 
-from benchmarks.stress import FAMILIES, RIGHT, judge, trial, violations
+from benchmarks.stress import FAMILIES, trial, violations
 from benchmarks.stress.checks.agreement import bits, mirror_images
 from benchmarks.stress.machines.element_families import (
     ELEMENT_FAMILIES,
 )
 from benchmarks.stress.machines.mirror import mirrored
 from benchmarks.stress.machines.parts import Source
-from nipper_pin import Case, EventKind, Mechanism, Solution, Window, simulate
+from nipper_pin import Case, Mechanism, Solution, Window, simulate
 from nipper_pin.mechanism import from_sources
 
 SEED = 11
@@ -148,20 +148,3 @@ def test_families_hold_what_they_say() -> None:
     tolerances = [item.case["resolution"]["tolerance"] for item in sources]
     assert min(tolerances) == 1e-12
     assert max(tolerances) > 1e-4
-
-
-@pytest.mark.campaign
-def test_new_families_are_run_and_most_of_them_are_right() -> None:
-    """Three trials of each; what they are judged by is shown to fail above."""
-    names = tuple(FAMILIES)
-    verdicts = [
-        judge(trial(SEED, names.index(name) + k * len(names)))
-        for name in ELEMENT_FAMILIES for k in range(3)
-    ]  # fmt: skip
-    assert [v.detail for v in verdicts if v.word == "wrong"] == []
-    assert sum(v.word == RIGHT for v in verdicts) > len(verdicts) // 2
-    collided = trial(SEED, names.index("two stops"))
-    solution = simulate(
-        collided.mechanism(), Case(**{**collided.case, "resolution": CASE.resolution})
-    )
-    assert any(event.kind is EventKind.COLLISION for event in solution.events)
