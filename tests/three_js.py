@@ -27,6 +27,7 @@ class Scene:
         found = re.search(r'<script id="scene"[^>]*>(.*?)</script>', page, re.S)
         assert found is not None
         sent = [umsgpack.unpackb(base64.b64decode(text)) for text in json.loads(found[1])]
+        self.sent: list[dict[str, Any]] = sent
         self.objects = {item["path"]: item["object"] for item in sent if "object" in item}
         self._fixed = {
             item["path"]: np.array(item["matrix"]).reshape(4, 4).T

@@ -128,24 +128,6 @@ def test_cell_means_against_a_loop() -> None:
     assert np.isnan(found[2]).all()
 
 
-def test_main_effects_of_a_known_function() -> None:
-    """y = x^2 + z with z evenly about zero: the mean over x is the parabola, that over z a line.
-
-    The cells of a sampled parameter hold 4000 / 18 scenarios: their means stray by the width of a
-    cell and the scatter of a mean, 0.1 in all; a swapped or reversed column misses by 1.
-    """
-    random = np.random.default_rng(5)
-    x, z = random.uniform(-1.0, 1.0, 4000), random.uniform(-1.0, 1.0, 4000)
-    table = made_up([axis("x", -1.0, 1.0), axis("z", -1.0, 1.0)], x=x, z=z, y=x * x + z)
-    parameters = [Parameter.of(table, place) for place in range(2)]
-    figure = main_effects(table, parameters, Quantity.of(table, "y"))
-    for axes, wanted in zip(figure.axes, (np.square, lambda z: z + 1.0 / 3.0), strict=True):
-        (line,) = axes.get_lines()
-        np.testing.assert_allclose(line.get_ydata(), wanted(line.get_xdata()), atol=0.2)
-        assert np.abs(line.get_ydata() - wanted(line.get_xdata())).mean() < 0.05
-        assert len(line.get_xdata()) == 18
-
-
 def test_parameters_and_their_cells() -> None:
     """Values of a grid are cells of their own; samples have 4 to 24 of about twelve values.
 
