@@ -57,7 +57,7 @@ COMMANDS = {
     ),
     "check --json": ("check e62 --speed 650 --json out", "check e62 --json out"),
 }  # fmt: skip
-QUICK = ("simulate --json", "new")
+QUICK = ("new",)
 
 
 def run(words: str, place: Path, limit: int = -1, end: str = "refused") -> tuple[int, str]:

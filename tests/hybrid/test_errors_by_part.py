@@ -50,6 +50,7 @@ def stated(solution: Solution, stop: str) -> list[tuple[float, float]]:
     ]
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("upwards", [False, True])
 @pytest.mark.parametrize("count", [3, 20])
 def test_errors_of_balls_hold_and_are_of_each_ball(count: int, upwards: bool) -> None:

@@ -262,6 +262,7 @@ def _numpy(value: Any) -> Any:
     return kinds[type(value)](value) if type(value) in kinds else value
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("name", sorted(GALLERY))
 def test_numbers_of_numpy_are_written_as_plain_ones(name: str) -> None:
     """Every value type of a drawing: the texts are those of the same drawing in plain numbers."""

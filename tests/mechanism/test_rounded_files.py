@@ -97,6 +97,7 @@ def coordinates(solution: nip.Solution, times: np.ndarray) -> np.ndarray:
     return np.array([q[:, index] for _, index in columns])
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("plane", PLANES)
 @pytest.mark.parametrize("form", ["{:.5g}", "{:.6g}", "{:.7g}", "{:.8g}", "{:.5f}", "{:.6f}"])
 @pytest.mark.parametrize(

@@ -111,6 +111,7 @@ def told(cases: list[Case]) -> dict[str, set[Any]]:
     }
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("study", "key"), [(study, key) for study, (_, keys) in STUDIES.items() for key in keys]
 )

@@ -71,6 +71,7 @@ def _errors(four: Four, case: str = "650") -> tuple[float, ...]:
     return tuple(abs(f / float(r) - 1.0) for f, r in zip(found, right, strict=True))
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(("name", "needs", "label", "claim"), CLAIMS)
 def test_a_peer_is_as_accurate_as_the_docs_say(
     e62: Mechanism, name: str, needs: str, label: str, claim: float

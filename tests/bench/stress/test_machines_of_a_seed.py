@@ -91,6 +91,7 @@ def test_a_seed_gives_the_dyads_that_it_gave(kind: str) -> None:
     assert digest_of_dyads(kind) == kept[f"dyad {kind}"]
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("family", FAMILIES)
 def test_a_seed_gives_the_machines_that_it_gave(family: str) -> None:
     """Seven digits of every number: by accident one in 1e9 is rounded to the other side."""

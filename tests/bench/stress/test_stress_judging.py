@@ -232,6 +232,7 @@ def test_what_an_engine_does_is_judged(
     assert kind in f"{verdict.kind}: {verdict.detail}"
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(
     ("tolerance", "evaluations", "tolerances"),
     [
@@ -295,6 +296,7 @@ def higher(
     return None if found is None else found * (1.0 + 1e-6)
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize(
     ("item", "place", "name", "wrong", "kinds"),
     [

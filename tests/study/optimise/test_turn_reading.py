@@ -179,6 +179,7 @@ def test_turns_that_are_simulated(model: str | Path, turns: int) -> None:
     assert found.number == case.cycles == turns
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("name", ["e62", "e62_offset_guide", "hanging_pendulum", *GALLERY])
 def test_kinematics_and_turn_have_one_window(name: str) -> None:
     """Forces and travels of a cycle are those of the turn, where no stop bounces too long.
