@@ -62,19 +62,14 @@ class Peer(Protocol):
 
 @dataclass
 class Bounces:
-    """Collisions of the jaw as an event loop finds them; times [s] count from the first.
-
-    Rebound rate [rad/s] and deceleration [rad/s^2] are those after the first collision, the
-    amplitude is the largest angle so far in the first rebound [rad]. The series is closed at this
-    relative uncertainty of its limit.
-    """
+    """Collisions of the jaw as an event loop finds them."""
 
     restitution: float
-    rate: float
-    deceleration: float
-    closing: float
-    amplitude: float = 0.0
-    times: list[float] = field(default_factory=list)
+    rate: float  # after the first collision [rad/s]
+    deceleration: float  # after it [rad/s^2]
+    closing: float  # relative uncertainty of the limit at which the series is closed
+    amplitude: float = 0.0  # largest angle so far in the first rebound [rad]
+    times: list[float] = field(default_factory=list)  # from the first collision on [s]
     _series: BounceSeries = field(init=False)
 
     def __post_init__(self) -> None:

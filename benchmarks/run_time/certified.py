@@ -38,23 +38,18 @@ class Flight:
 
 @dataclass(frozen=True)
 class Certified:
-    """Certified numbers of one transition, rounded to double precision; N collisions, shape (N,).
-
-    Times [s] count from the first collision, impulses [N s] are those at the lips, amplitudes
-    largest jaw angles [rad], the separation rate is that after the first collision [rad/s].
-    Overrides are what differs from the model, by path; flights are there of one case alone.
-    """
+    """Certified numbers of one transition of N collisions, rounded to double precision."""
 
     name: str
     speed_rpm: float
-    overrides: dict[str, float]
-    times: FloatArray
-    impulses: FloatArray
-    amplitudes: FloatArray
-    rebound_times: FloatArray
-    separation_rate: float
-    transition_time: float
-    flights: tuple[Flight, ...]
+    overrides: dict[str, float]  # what differs from the model, by path
+    times: FloatArray  # from the first collision on, shape (N,) [s]
+    impulses: FloatArray  # at the lips, shape (N,) [N s]
+    amplitudes: FloatArray  # largest jaw angles, shape (N,) [rad]
+    rebound_times: FloatArray  # shape (N,) [s]
+    separation_rate: float  # after the first collision [rad/s]
+    transition_time: float  # [s]
+    flights: tuple[Flight, ...]  # of one case alone
 
     def mechanism(self) -> Mechanism:
         """Load the model of this case."""

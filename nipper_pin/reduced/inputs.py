@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import FloatArray
+from ..errors import InputError
 from ..given import LARGEST, column, number, numbers, refuse, whole
 from ..hybrid.case import FASTEST_RPM
 from ..tolerances.reduced import COARSEST_TOLERANCE, FINEST_TOLERANCE
@@ -87,3 +88,24 @@ def spring_rows(key: str, value: ArrayLike, springs: int, low: float) -> FloatAr
     if found.ndim != 2 or found.shape[1] != springs:
         refuse(key, value, allowed)
     return found
+
+
+def of_all_cases(*given: FloatArray) -> list[FloatArray]:
+    """Numbers of a batch for each of its n cases, from those of one case or of all.
+
+    Args:
+        *given: Columns and rows, shape (1 or n,) or (1 or n, springs).
+
+    Returns:
+        The same with n cases. Copies, which may be written: code is compiled for a type of array,
+        so once, whatever is given.
+
+    Raises:
+        InputError: They have different numbers of cases.
+    """
+    try:
+        cases = np.broadcast_shapes(*(item.shape[:1] for item in given))
+    except ValueError as error:
+        message = f"the arrays of a batch need the same number of cases: {error}"
+        raise InputError(message) from error
+    return [np.array(np.broadcast_to(item, cases + item.shape[1:]), order="C") for item in given]

@@ -15,7 +15,7 @@ from ..errors import InputError, NipperError, SimulationError
 from ..extras import require
 from ..given import LARGEST, column, number
 from ..units import S_PER_MIN
-from .inputs import check_run, one_row, speed_of, speeds_of, spring_rows
+from .inputs import check_run, of_all_cases, one_row, speed_of, speeds_of, spring_rows
 from .kernels.layout import COLUMNS, HOLDS, UNKNOWN
 from .model import ReducedModel
 from .results import REASONS, ReducedTransition, Status, TransitionBatch
@@ -163,19 +163,8 @@ def _cases(
     lengths = spring_rows(
         "preload", model.preload if preload is None else preload, springs, -LARGEST
     )
-    try:
-        (n,) = np.broadcast_shapes(speed.shape, e_N.shape, weight.shape, rates.shape[:1],
-                                   lengths.shape[:1])  # fmt: skip
-    except ValueError as error:
-        message = f"the arrays of a batch need the same number of cases: {error}"
-        raise InputError(message) from error
-    return (
-        _full(speed * (math.tau / S_PER_MIN), (n,)),
-        _full(e_N, (n,)),
-        _full(rates, (n, springs)),
-        _full(lengths, (n, springs)),
-        _full(weight, (n,)),
-    )
+    speed, e_N, weight, rates, lengths = of_all_cases(speed, e_N, weight, rates, lengths)
+    return speed * (math.tau / S_PER_MIN), e_N, rates, lengths, weight
 
 
 @cache
@@ -215,8 +204,3 @@ def _weight(model: ReducedModel, gravity: ArrayLike | None) -> FloatArray:
             raise InputError(message, gravity=gravity)
         return np.zeros(1)
     return np.asarray(values / model.gravity_m_s2)
-
-
-def _full(values: FloatArray, shape: tuple[int, ...]) -> FloatArray:
-    # A copy, which may be written: one type of array, so one compilation, whatever is given.
-    return np.array(np.broadcast_to(values, shape), order="C")

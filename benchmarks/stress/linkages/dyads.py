@@ -28,23 +28,18 @@ from .motion import (
 
 @dataclass
 class Growing:
-    """A linkage as it grows from its crank, of this radius; links have about this size [mm].
+    """A linkage as it grows from its crank."""
 
-    They meet at angles of this least sine. There are motions of bodies and of points [mm], points
-    on every body, densities [kg/m] of bodies or masses [kg] of blocks, joints in the order of the
-    tree, what the dyads move, and rods that are two halves by now.
-    """
-
-    radius: float
-    size: float
-    least: float
+    radius: float  # of the crank [mm]
+    size: float  # of the links [mm]
+    least: float  # sine of the angles at which links meet
     poses: dict[str, Pose] = field(default_factory=lambda: dict(POSES))
-    places: dict[str, Complex] = field(default_factory=dict)
-    on: dict[str, list[str]] = field(default_factory=dict)
-    bodies: dict[str, float] = field(default_factory=dict)
-    joints: list[Pin | Slide | Slot] = field(default_factory=list)
+    places: dict[str, Complex] = field(default_factory=dict)  # motion of every point [mm]
+    on: dict[str, list[str]] = field(default_factory=dict)  # points of every body
+    bodies: dict[str, float] = field(default_factory=dict)  # density [kg/m]; of blocks mass [kg]
+    joints: list[Pin | Slide | Slot] = field(default_factory=list)  # in the order of the tree
     outputs: list[Output] = field(default_factory=list)
-    halved: set[str] = field(default_factory=set)
+    halved: set[str] = field(default_factory=set)  # rods that are two halves by now
 
     def add(self, name: str, points: str, pose: Pose, mass: float) -> None:
         """Take up a body through points that have places."""

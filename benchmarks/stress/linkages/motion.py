@@ -40,14 +40,12 @@ class Pose:
 
 @dataclass(frozen=True)
 class Rod:
-    """A rod of this length, from its driving end, shape (angles,) [mm], to what it moves.
-
-    Its other end is held where the coordinate that it moves keeps a value.
-    """
+    """A rod that moves what a dyad moves."""
 
     name: str
-    length: float
-    driving: Complex
+    length: float  # [mm]
+    driving: Complex  # its driven end, shape (angles,) [mm]
+    # Its other end [mm], by the value that the coordinate keeps.
     held: Callable[[float], Complex | complex]
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from ...frames import Column
 from ...notebook import html
+from ...terms.shown import counted
 from ...units import MS_PER_S
 from ..event import EventKind
 
@@ -23,8 +24,8 @@ def line(solution: Solution) -> str:
     hits = (event for event in solution.events if event.kind is EventKind.COLLISION)
     count = sum(len(event.struck(solution.mechanism)) for event in hits)
     return (
-        f"<Solution of {solution.mechanism.name}: {_case(solution)}, {count} "
-        f"collision{'' if count == 1 else 's'}, {solution.outcome.name.lower()}>"
+        f"<Solution of {solution.mechanism.name}: {_case(solution)}, "
+        f"{counted(count, 'collision')}, {solution.outcome.name.lower()}>"
     )
 
 

@@ -13,7 +13,7 @@ from ...arrays import FloatArray
 from ...errors import InputError, UnknownNameError
 from ...given import LARGEST, column, whole
 from ...units import S_PER_MIN
-from ..inputs import speeds_of, spring_rows
+from ..inputs import of_all_cases, speeds_of, spring_rows
 from .model import TurnModel
 
 # Events of a turn that there is room for beyond its collisions.
@@ -114,13 +114,5 @@ def turn_cases(
                         0.0)  # fmt: skip
     lengths = spring_rows("preload", model.preload if preload is None else preload, springs,
                           -LARGEST)  # fmt: skip
-    try:
-        (n,) = np.broadcast_shapes(speed.shape, *(item.shape for item in columns),
-                                   rates.shape[:1], lengths.shape[:1])  # fmt: skip
-    except ValueError as error:
-        message = f"the arrays of a batch need the same number of cases: {error}"
-        raise InputError(message) from error
-    e_N = np.stack([np.broadcast_to(item, (n,)) for item in columns], axis=1)
-    full = (speed, (n,)), (e_N, e_N.shape), (rates, (n, springs)), (lengths, (n, springs))
-    # Copies, which may be written: one type of array, so one compilation, whatever is given.
-    return [np.array(np.broadcast_to(item, shape), order="C") for item, shape in full]
+    speed, *columns, rates, lengths = of_all_cases(speed, *columns, rates, lengths)
+    return [speed, np.stack(columns, axis=1), rates, lengths]
