@@ -67,6 +67,49 @@ def test_inertias_of_a_tree_in_any_plane(order: list[str], seed: int) -> None:
     assert tree.inverse_dynamics(*many)[0] == pytest.approx(force[places], abs=1e-12)
 
 
+def test_links_that_are_fixed_and_the_block_of_a_slot() -> None:
+    """Two masses on a hinge at (3, 4) and (-3, 0); the block slides from where the pin is."""
+
+    def link(name: str, mass: float, place: str) -> str:
+        return (
+            f'<link name="{name}"><inertial><origin xyz="{place}"/><mass value="{mass}"/>'
+            '<inertia ixx="0" iyy="0" izz="0" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+        )
+
+    def fixed(name: str, parent: str, place: str) -> str:
+        return (
+            f'<link name="{name}"/><joint name="{name}_f" type="fixed"><parent link="{parent}"/>'
+            f'<child link="{name}"/><origin xyz="{place}" rpy="0 -0.5 0"/></joint>'
+        )
+
+    urdf = (
+        '<robot name="r"><link name="frame"/>'
+        + link("arm", 2.0, "3 0 4") + link("back", 5.0, "-3 0 0")
+        + '<joint name="h" type="continuous"><parent link="frame"/><child link="arm"/>'
+        '<axis xyz="0 -1 0"/></joint><joint name="back_f" type="fixed"><parent link="arm"/>'
+        '<child link="back"/></joint>' + fixed("slot", "arm", "1 0 0")
+        + fixed("pin", "frame", "2 0 1")
+        + "</robot>"
+    )  # fmt: skip
+    tree, still = PlanarTree(urdf, {"gravity_m_s2": 10.0}, ["h"]), np.zeros(1)
+    weight = tree.inverse_dynamics(still, still, still)
+    assert weight == pytest.approx([10.0 * (2.0 * 3.0 - 5.0 * 3.0)])
+    assert tree.mass_matrix(still) == pytest.approx(np.array([[2.0 * 25.0 + 5.0 * 9.0]]))
+    for axis, towards in (("x", (math.cos(0.5), math.sin(0.5))),
+                          ("z", (-math.sin(0.5), math.cos(0.5)))):  # fmt: skip
+        closure = {"frame_a": "slot", "frame_b": "pin", "slot_axis": axis, "block_mass_kg": 0.25}
+        tree = PlanarTree(urdf, {"gravity_m_s2": 10.0, "closures": {"s": closure}}, ["h", "s"])
+        along = 1.0 * towards[0] + 1.0 * towards[1] + 0.5
+        x, z = 1.0 + along * towards[0], along * towards[1]
+        q, still = np.array([0.0, 0.5]), np.zeros(2)
+        # A hinge counts counter-clockwise: it moves (x, z) by (-z, x).
+        cross = -z * towards[0] + x * towards[1]
+        matrix = [[95.0 + 0.25 * (x * x + z * z), 0.25 * cross], [0.25 * cross, 0.25]]
+        assert tree.mass_matrix(q) == pytest.approx(np.array(matrix))
+        weight = tree.inverse_dynamics(q, still, still)
+        assert weight == pytest.approx([-90.0 + 2.5 * x, 2.5 * towards[1]])
+
+
 def of_another_law(document: dict[str, Any]) -> None:
     document["drives"]["arm"]["law"] = "oscillating_guide"
 
