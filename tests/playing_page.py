@@ -1,13 +1,16 @@
-"""Waiting for a page of the viewer, which may run no text but its own."""
+"""Pages of the viewer in a browser, which may run no text but their own."""
 
 from __future__ import annotations
 
+import io
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from PIL import Image
 from playwright.sync_api import Page
 
 
@@ -28,3 +31,25 @@ def playing(open_page: Any, file: Path) -> Iterator[Page]:
         yield opened.page
         assert opened.complaints == []
         assert opened.requests == [file.resolve().as_uri()]
+
+
+def _drawn(page: Page, frames: int) -> None:
+    """Wait until so many frames have been drawn."""
+    for _ in range(frames):
+        page.evaluate("() => new Promise(done => requestAnimationFrame(done))")
+
+
+def seek(page: Page, time: float) -> None:
+    """Stop, go to a time of the film, and wait until it has been drawn."""
+    page.evaluate(
+        "time => { animator.pause(); animator.seek(time); animator.display_progress(time); }", time
+    )
+    _drawn(page, 3)
+
+
+def picture(page: Page, of: str) -> np.ndarray:
+    """What a part of the page shows, without names, shape (height, width, 3), 0 to 255."""
+    page.locator("#names").uncheck()
+    _drawn(page, 2)
+    image = Image.open(io.BytesIO(page.locator(of).screenshot()))
+    return np.asarray(image.convert("RGB"), dtype=float)

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
-from PIL import Image
-from playing_page import playing, until
+from playing_page import picture, playing, seek, until
 from playwright.sync_api import Page
 
 from nipper_pin import Case, Comparison, compare, load, simulate
@@ -52,24 +50,6 @@ def page(window: Page) -> Page:
     for side in ("a", "b"):
         window.locator(f"#shown-{side}").check()
     return window
-
-
-def picture(page: Page, of: str) -> np.ndarray:
-    """What a part of the page shows, without names, shape (height, width, 3), 0 to 255."""
-    page.locator("#names").uncheck()
-    page.evaluate(
-        "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
-    )
-    image = Image.open(io.BytesIO(page.locator(of).screenshot()))
-    return np.asarray(image.convert("RGB"), dtype=float)
-
-
-def seek(page: Page, at: float) -> None:
-    page.evaluate(
-        "time => { animator.pause(); animator.seek(time); animator.display_progress(time); }", at
-    )
-    page.evaluate("() => new Promise(done => requestAnimationFrame(() => "
-                  "requestAnimationFrame(() => requestAnimationFrame(done))))")  # fmt: skip
 
 
 def of_colour(image: np.ndarray, colour: str, within: float = 40.0) -> np.ndarray:

@@ -293,14 +293,13 @@ def test_the_delay_of_the_numbers_can_be_read(page: Page) -> None:
     page.wait_for_timeout(2000)
     page.evaluate(STOPWATCH)
     slider(page, SPEED).focus()
-    for count in range(1, 41):
-        page.keyboard.press("ArrowRight" if count <= 20 else "ArrowLeft")
+    for count in range(1, 13):
+        page.keyboard.press("ArrowRight" if count <= 6 else "ArrowLeft")
         page.wait_for_function("count => window.delays.length === count", arg=count)
-    delays = sorted(page.evaluate("window.delays"))
-    assert len(delays) == 40
+    delays = page.evaluate("window.delays")
     print(
-        f"slider to numbers: least {delays[0]:.0f} ms, median {statistics.median(delays):.0f} ms, "
-        f"95 % {delays[37]:.0f} ms"
+        f"slider to numbers: {min(delays):.0f} to {max(delays):.0f} ms, "
+        f"median {statistics.median(delays):.0f} ms"
     )
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import signal
 import subprocess
 import sys
@@ -11,8 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from PIL import Image
-from playing_page import playing, until
+from playing_page import picture, playing, seek, until
 from playwright.sync_api import Browser, Page
 
 from nipper_pin import Case, Solution, load, simulate
@@ -38,35 +36,29 @@ def shown(solution: Solution) -> Film:
     return film(solution, Look(exaggerate=10.0))
 
 
-@pytest.fixture(scope="module")
-def page_file(solution: Solution, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write_page(solution, tmp_path_factory.mktemp("page") / "e62.html", Look(exaggerate=10.0))
-
-
-@pytest.fixture(scope="module")
-def page(open_page, page_file: Path) -> Iterator[Page]:
+def shown_page(open_page, folder: Path, solution: Solution, factor: float) -> Iterator[Page]:
     """The static file, opened once; what it complains of or asks for fails the last test."""
-    with playing(open_page, page_file) as opened:
-        yield opened
+    with playing(
+        open_page, write_page(solution, folder / "e62.html", Look(exaggerate=factor))
+    ) as page:
+        yield page
 
 
-def picture(page: Page, of: str = "#pane") -> np.ndarray:
-    """What a part of the page shows, without names, shape (height, width, 3), 0 to 255."""
-    page.locator("#names").uncheck()
-    page.evaluate("() => new Promise(done => requestAnimationFrame(done))")
-    image = Image.open(io.BytesIO(page.locator(of).screenshot()))
-    found = np.asarray(image.convert("RGB"), dtype=float)
-    # Buttons stand in the lower corner of the machine's picture.
-    return found[20:-45] if of == "#pane" else found
+@pytest.fixture(scope="module")
+def page(open_page, solution: Solution, tmp_path_factory) -> Iterator[Page]:
+    """Gaps are drawn ten times as large."""
+    yield from shown_page(open_page, tmp_path_factory.mktemp("page"), solution, 10.0)
 
 
-def seek(page: Page, time: float) -> None:
-    """Stop, go to a time of the film, and wait until it has been drawn."""
-    page.evaluate(
-        "time => { animator.pause(); animator.seek(time); animator.display_progress(time); }", time
-    )
-    page.evaluate("() => new Promise(done => requestAnimationFrame(() => "
-                  "requestAnimationFrame(() => requestAnimationFrame(done))))")  # fmt: skip
+@pytest.fixture(scope="module")
+def plain(open_page, solution: Solution, tmp_path_factory) -> Iterator[Page]:
+    """Gaps are drawn as they are."""
+    yield from shown_page(open_page, tmp_path_factory.mktemp("plain"), solution, 1.0)
+
+
+def machine(page: Page) -> np.ndarray:
+    """The picture of the machine, without the buttons in its lower corner."""
+    return picture(page, "#pane")[20:-45]
 
 
 def numbers(page: Page) -> dict[str, float]:
@@ -94,7 +86,7 @@ def tinted(image: np.ndarray, colour: str) -> int:
 def test_the_static_file_draws_the_machine(page: Page) -> None:
     """Not blank: the machine covers a tenth of the picture with colours that no gradient has."""
     seek(page, 0.5)
-    image = picture(page)
+    image = machine(page)
     saturation = image.max(axis=-1) - image.min(axis=-1)
     assert (saturation > 60.0).mean() > 0.05
     assert len(np.unique(image.reshape(-1, 3), axis=0)) > 500
@@ -104,15 +96,15 @@ def test_the_picture_changes_as_it_plays(page: Page) -> None:
     """The film, which plays by itself when it opens, stops and plays on at a click."""
     # From a known place: the film repeats, and the end of a wait must not lie behind its end.
     seek(page, 0.2)
-    before = picture(page)
+    before = machine(page)
     assert page.text_content("#play") == "play"
     page.click("#play")
     until(page, "animator.time > 0.7")
     page.click("#play")
     until(page, "!animator.playing")
-    still = picture(page)
+    still = machine(page)
     assert (np.abs(still - before).max(axis=-1) > 30.0).mean() > 0.01
-    np.testing.assert_array_equal(picture(page), still)
+    np.testing.assert_array_equal(machine(page), still)
     page.click("#play")
     until(page, "animator.playing")
 
@@ -143,7 +135,7 @@ def test_colour_tells_the_phase(page: Page, shown: Film) -> None:
     bouncing = [item for item in shown.solution.phases if not elsewhere(shown.solution, item)]
     for item in bouncing[-3:]:
         seek(page, float(shown.pace.playback_at(0.5 * (item.t_start + item.t_end))))
-        image = picture(page)
+        image = machine(page)
         own = tinted(image, phase_colour(mechanism, item.closed))
         others = [
             tinted(image, phase_colour(mechanism, phase.closed))
@@ -161,30 +153,23 @@ def test_the_arrow_of_an_impulse_comes_and_goes(page: Page, shown: Film) -> None
     for item in (hit, first):
         at = float(shown.pace.playback_at(item.t))
         seek(page, at + 0.3)
-        during = tinted(picture(page), "#D55E00")
+        during = tinted(machine(page), "#D55E00")
         seek(page, at + 1.5)
-        assert during > 4 * tinted(picture(page), "#D55E00") + 500
+        assert during > 4 * tinted(machine(page), "#D55E00") + 500
         assert f"collision {item.number} " in page.text_content("#hit")
 
 
-def test_an_exaggerated_gap_shows(open_page, page_file: Path, shown: Film, tmp_path: Path) -> None:
+def test_an_exaggerated_gap_shows(page: Page, plain: Page, shown: Film) -> None:
     """In the middle of the first rebound, 0.3 degrees, the two drawings differ; at rest not."""
-    plain = write_page(shown.solution, tmp_path / "plain.html", Look())
     first = next(item for item in shown.solution.collisions if item.stop == "jaw")
-    rebound = float(shown.pace.playback_at(first.t + 0.5 * first.rebound_time))
     closed = next(item for item in shown.solution.phases if item.number == 2)
-    rest = float(shown.pace.playback_at(0.5 * (closed.t_start + closed.t_end)))
-    images = []
-    for path in (page_file, plain):
-        with open_page(path) as opened:
-            until(opened.page, "animator.time > 0.2")
-            for time in (rebound, rest):
-                seek(opened.page, time)
-                images.append(picture(opened.page))
-    share = [
-        (np.abs(one - other).max(axis=-1) > 30.0).mean()
-        for one, other in zip(images[:2], images[2:], strict=True)
-    ]
+    share = []
+    for t in (first.t + 0.5 * first.rebound_time, 0.5 * (closed.t_start + closed.t_end)):
+        images = []
+        for one in (page, plain):
+            seek(one, float(shown.pace.playback_at(t)))
+            images.append(machine(one))
+        share.append((np.abs(images[0] - images[1]).max(axis=-1) > 30.0).mean())
     assert share[0] > 0.003
     assert share[1] == 0.0
 
@@ -209,7 +194,7 @@ def test_the_live_server_shows_the_same(chromium: Browser, watch) -> None:
             page.wait_for_selector("#pane canvas")
             until(page, "animator.time > 0.2")
             seek(page, 1.0)
-            image = picture(page)
+            image = machine(page)
             page.close()
         finally:
             server.send_signal(signal.SIGINT)
@@ -218,50 +203,40 @@ def test_the_live_server_shows_the_same(chromium: Browser, watch) -> None:
     assert found.complaints == []
 
 
-def between(hits: list, number: int) -> float:
-    """Time of the machine in the middle of a rebound."""
-    hit = hits[number]
-    return hit.t + 0.5 * hit.rebound_time
-
-
-@pytest.mark.parametrize("factor", [1.0, 10.0])
+@pytest.mark.parametrize(("drawn", "factor"), [("plain", 1.0), ("page", 10.0)])
 def test_both_lips_are_seen_close_up(
-    open_page, solution: Solution, tmp_path: Path, factor: float
+    request: pytest.FixtureRequest, solution: Solution, shown: Film, drawn: str, factor: float
 ) -> None:
     """Apart by the gap that is drawn, to the scale that is shown; and together at rest.
 
     The distance between the upper lip's lowest pixel and the row of the contact point, the middle
     of the picture, is the gap: 0.47 mm in the first rebound, or ten times that.
     """
-    path = write_page(solution, tmp_path / "lips.html", Look(exaggerate=factor))
-    hits = [hit for hit in solution.collisions if hit.stop == "jaw"]
+    page: Page = request.getfixturevalue(drawn)
+    first = next(hit for hit in solution.collisions if hit.stop == "jaw")
     lever = solution.mechanism.stop("jaw").lever
-    shown = film(solution, Look(exaggerate=factor))
     closed = next(item for item in solution.phases if item.number == 2)
     rest = 0.5 * (closed.t_start + closed.t_end)
-    with open_page(path) as opened:
-        page = opened.page
-        until(page, "animator.time > 0.2")
-        high, scale = page.evaluate("[lips.height, lips.scale_mm]")
-        assert scale / 1e3 < 0.5 * high
-        for t in (between(hits, 0), rest):
-            seek(page, float(shown.pace.playback_at(t)))
-            image = picture(page, "#lips canvas")
-            gap = factor * lever * float(solution.trajectory.evaluate(t).q[0, 2])
-            # Just behind the contact point: farther back the gap of a turned lip is smaller.
-            wide = image.shape[1]
-            middle = image[:, int(0.46 * wide) : int(0.5 * wide)]
-            saturation = middle.max(axis=-1) - middle.min(axis=-1)
-            amber = (saturation > 120.0) & (middle[..., 0] > middle[..., 2] + 100.0)
-            blue = (saturation > 60.0) & (middle[..., 2] > middle[..., 0] + 60.0)
-            upper = np.flatnonzero((amber if t != rest else blue).any(axis=1))
-            pixels = image.shape[0] / high
-            lowest = 0.5 * image.shape[0] - upper.max() - 0.5
-            assert upper.size
-            assert lowest == pytest.approx(gap * pixels, abs=4.0)
-            # Something is under it: the lower lip, from the contact point downwards.
-            under = middle[int(0.5 * image.shape[0]) + 2 : int(0.5 * image.shape[0]) + 8]
-            assert (under.max(axis=-1) < 215.0).mean() > 0.3
+    high, scale = page.evaluate("[lips.height, lips.scale_mm]")
+    assert scale / 1e3 < 0.5 * high
+    for t in (first.t + 0.5 * first.rebound_time, rest):
+        seek(page, float(shown.pace.playback_at(t)))
+        image = picture(page, "#lips canvas")
+        gap = factor * lever * float(solution.trajectory.evaluate(t).q[0, 2])
+        # Just behind the contact point: farther back the gap of a turned lip is smaller.
+        wide = image.shape[1]
+        middle = image[:, int(0.46 * wide) : int(0.5 * wide)]
+        saturation = middle.max(axis=-1) - middle.min(axis=-1)
+        amber = (saturation > 120.0) & (middle[..., 0] > middle[..., 2] + 100.0)
+        blue = (saturation > 60.0) & (middle[..., 2] > middle[..., 0] + 60.0)
+        upper = np.flatnonzero((amber if t != rest else blue).any(axis=1))
+        pixels = image.shape[0] / high
+        lowest = 0.5 * image.shape[0] - upper.max() - 0.5
+        assert upper.size
+        assert lowest == pytest.approx(gap * pixels, abs=4.0)
+        # Something is under it: the lower lip, from the contact point downwards.
+        under = middle[int(0.5 * image.shape[0]) + 2 : int(0.5 * image.shape[0]) + 8]
+        assert (under.max(axis=-1) < 215.0).mean() > 0.3
 
 
 def test_the_cursor_follows_and_a_click_goes_to_a_collision(page: Page, solution: Solution) -> None:
@@ -322,15 +297,10 @@ def test_keys_buttons_and_speed(page: Page) -> None:
 
 
 @pytest.mark.parametrize(("width", "height"), [(900, 700), (390, 844)])
-def test_nothing_covers_the_machine_on_small_screens(
-    chromium: Browser, watch, page_file: Path, width: int, height: int
-) -> None:
+def test_nothing_covers_the_machine_on_small_screens(plain: Page, width: int, height: int) -> None:
     """Picture, close-up, numbers and curves stand beside or below one another, within the width."""
-    page = chromium.new_page(viewport={"width": width, "height": height})
-    watch(page)
-    page.goto(page_file.resolve().as_uri())
-    until(page, "animator.time > 0.2")
-    boxes = [page.locator(item).bounding_box()
+    plain.set_viewport_size({"width": width, "height": height})
+    boxes = [plain.locator(item).bounding_box()
              for item in ("#pane", "#lips", "#numbers", "#line", "#curves")]  # fmt: skip
     for place, one in enumerate(boxes):
         assert one["x"] >= 0.0
@@ -338,4 +308,3 @@ def test_nothing_covers_the_machine_on_small_screens(
         for other in boxes[:place]:
             beside = one["x"] >= other["x"] + other["width"] - 1.0
             assert beside or one["y"] >= other["y"] + other["height"] - 1.0
-    page.close()
