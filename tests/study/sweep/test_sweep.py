@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
+import time
 from pathlib import Path
 from typing import Any
 
@@ -24,13 +25,13 @@ from sweep_studies import (
 )
 
 from nipper_pin import Case, InputError, load, simulate
-from nipper_pin.cli import main
-from nipper_pin.study.sweep import read_plan, read_sweep, run_sweep
-from nipper_pin.study.sweep.chunks import NO_MODEL, run_chunk
+from nipper_pin.cli import main, sweep
+from nipper_pin.study.folders import alone_in
+from nipper_pin.study.sweep import read_sweep, run_sweep
 from nipper_pin.study.sweep.plan import Chunk
 from nipper_pin.study.sweep.results import Store
 
-# --- results -----------------------------------------------------------------------------------
+# --- results -------------------------------------------------------------------------------------
 
 
 @pytest.mark.slow
@@ -39,22 +40,30 @@ def test_rows_are_what_single_runs_say(tmp_path: Path) -> None:
 
     The single runs take every number by its path in the model's file, in its unit; the sweep takes
     speed, restitution and spring as columns in SI units. A wrong unit, column or order would differ
-    in the first digits, and neighbouring rows differ by more than 1 %.
+    in the first digits, and rows differ by more than 1e-4.
     """
     text = """
     quantities = ["duration_s", "impulse_N_s_1", "rebound_time_s_2", "time_s_9999"]
     [set]
     "stops.steeve.restitution" = 0.15
+    [samples]
+    method = "latin_hypercube"
+    count = 8
     [parameters."links.top_nipper.mass_kg"]
-    values = [1.0, 1.3]
+    low = 1.0
+    high = 1.3
     [parameters.preload]
-    values = [10.0, 12.0]
+    low = 10.0
+    high = 12.0
     [parameters.restitution]
-    values = [0.1, 0.2]
+    low = 0.1
+    high = 0.2
     [parameters.speed_rpm]
-    values = [450.0, 650.0]
+    low = 450.0
+    high = 650.0
     [parameters."springs.steeve.stiffness_N_per_m"]
-    values = [8000.0, 9500.0]
+    low = 8000.0
+    high = 9500.0
     """
     run_sweep(plan(tmp_path, text), tmp_path / "out", workers=1)
     table = read_sweep(tmp_path / "out").table
@@ -64,8 +73,9 @@ def test_rows_are_what_single_runs_say(tmp_path: Path) -> None:
         "premise_holds", "duration_s", "impulse_N_s_1", "rebound_time_s_2", "time_s_9999",
     ]  # fmt: skip
     rows = table.to_pylist()
-    assert [row["scenario"] for row in rows] == list(range(32))
-    assert len({row["duration_s"] for row in rows}) == 32
+    assert [row["scenario"] for row in rows] == list(range(8))
+    durations = np.sort([row["duration_s"] for row in rows])
+    assert (np.diff(durations) > 1e-4 * durations[1:]).all()
     for row in rows:
         mechanism = load("e62", {
             "stops.steeve.restitution": 0.15,
@@ -124,8 +134,7 @@ def test_rows_of_csv_tables_vary(tmp_path: Path) -> None:
     law: Any = load(home).drives[0].law
     own = law.coordinate[34]
     text = text % (own, own + 1e-4)
-    run_sweep(plan(tmp_path, text), tmp_path / "out", workers=1)
-    rows = read_sweep(tmp_path / "out").table.to_pylist()
+    rows = read_sweep(stored(tmp_path / "out", plan(tmp_path, text))).table.to_pylist()
     durations = [row["duration_s"] for row in rows]
     assert len(rows) == 4
     for row in rows:
@@ -137,116 +146,149 @@ def test_rows_of_csv_tables_vary(tmp_path: Path) -> None:
         single = simulate(mechanism, Case(speed_rpm=650.0)).transitions[0].duration
         assert row["duration_s"] == pytest.approx(single, rel=1e-8)
     assert np.diff(sorted(durations)).min() > 1e-5 * durations[0]
-    table = home / "steeve.csv"
+    table, before = home / "steeve.csv", chunk_files(tmp_path / "out")
     table.write_text(table.read_text(encoding="utf-8").replace("189.0", "190.0"), encoding="utf-8")
     with pytest.raises(InputError, match="another sweep"):
         run_sweep(plan(tmp_path, text), tmp_path / "out", workers=1)
+    assert chunk_files(tmp_path / "out") == before
 
 
-def test_impossible_machines_are_marked_rows(tmp_path: Path) -> None:
-    """A radius below zero and one beyond the guide do not cost the rows beside them."""
-    text = """
-    [parameters."drives.pendulum.crank_radius_mm"]
-    values = [63.0, -5.0, 64.0, 10000.0]
-    """
-    rows = read_sweep(stored(tmp_path / "out", plan(tmp_path, text))).table.to_pylist()
-    assert [row["outcome"] for row in rows] == ["at_rest", NO_MODEL, "at_rest", NO_MODEL]
-    for row in rows[1::2]:
-        assert "crank_radius_mm" in row["message"]
-        assert row["engine"] == "none"
-        assert row["collisions"] == 0
-        assert np.isnan(row["duration_s"])
-    assert all(row["message"] == "" and row["duration_s"] > 0.0 for row in rows[::2])
-
-
-# --- who computes, and accidents ---------------------------------------------------------------
+# --- who computes --------------------------------------------------------------------------------
 
 
 @pytest.mark.slow
 def test_results_do_not_depend_on_who_computes(tmp_path: Path) -> None:
-    """Files are equal to the last byte for one and for two processes, and in this one backwards.
+    """Files are equal to the last byte for two processes, and for this one.
 
     The columns hold finite numbers, so that equality says something.
     """
-    found = plan(tmp_path, "chunk = 90\n" + TABLE)
-    assert len(found.chunks()) == 7
-    for workers in (1, 2):
-        run_sweep(found, tmp_path / str(workers), workers=workers)
-    one, two = chunk_files(tmp_path / "1"), chunk_files(tmp_path / "2")
-    assert one == two
-    text = found.job.text()
-    for chunk, rows in reversed(list(found.rows(found.chunks()))):
-        assert run_chunk(text, chunk.start, rows) == one[f"{chunk.number:07d}.parquet"]
-    table = read_sweep(tmp_path / "1").table
+    found = plan(tmp_path, "chunk = 40\n" + TABLE.replace("600", "160"))
+    run_sweep(found, tmp_path / "out", workers=2)
+    assert chunk_files(tmp_path / "out") == chunk_files(stored(tmp_path / "here", found))
+    table = read_sweep(tmp_path / "out").table
     assert set(table["engine"].to_pylist()) == {"reduced"}
     assert np.isfinite(table["duration_s"].to_numpy()).all()
 
 
-@pytest.mark.slow
-def test_interrupted_sweeps_resume(tmp_path: Path) -> None:
-    """What is on disk at the interrupt is kept as it is, and the end is that of a run in one go.
-
-    A file cut short by an accident, and a temporary one, are not taken for results.
-    """
-    found = plan(tmp_path, GEOMETRY)
-    assert len(found.chunks()) == 8
-    run_sweep(found, tmp_path / "whole", workers=2)
-    out = tmp_path / "parts"
-
-    def interrupt(done: int, _found: int, _total: int) -> None:
-        if done >= 8:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        run_sweep(found, out, workers=1, progress=interrupt)
-    kept = {path.name: path.stat().st_mtime_ns for path in (out / "chunks").iterdir()}
-    assert 2 <= len(kept) < 8
-    cut = out / "chunks" / min(kept)
-    cut.write_bytes(cut.read_bytes()[:-20])
-    (out / "chunks" / ".0000009.parquet.1.partial").write_bytes(b"half of it")
-    assert read_plan(study(tmp_path, GEOMETRY)).hash == found.hash
-    report = run_sweep(found, out, workers=2)
-    assert report.found == 4 * (len(kept) - 1)
-    (out / "chunks" / ".0000009.parquet.1.partial").unlink()
-    assert chunk_files(out) == chunk_files(tmp_path / "whole")
-    for name, written in kept.items():
-        path = out / "chunks" / name
-        assert (path.stat().st_mtime_ns == written) == (path != cut)
-    # Nothing is left to do: no process is started.
-    again = run_sweep(found, out)
-    assert (again.found, again.workers) == (30, 0)
+@pytest.mark.parametrize("bounds", [[], ["--chunks", "0"]])
+def test_a_second_process_is_refused(
+    bounds: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """In a sentence, before anything is written; as soon as the first one ends it may begin."""
+    text, out = "[parameters.restitution]\nvalues = [0.1]\n", tmp_path / "out"
+    arguments = ["sweep", study(tmp_path, text), "--out", str(out), "--workers", "1", *bounds]
+    with alone_in(out):
+        assert main(arguments) == 2
+        assert capsys.readouterr().err == (
+            f"nipper-pin: {out}: another process works in it; wait for it, or give --out\n"
+        )
+        assert list(out.iterdir()) == []
+    stored(out, plan(tmp_path, text))
+    with alone_in(out, shared=True):
+        assert main(arguments) == (0 if bounds else 2)
+    assert main(arguments) == 0
+    assert read_sweep(out).stored == 1
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("blow", [signal.SIGINT, signal.SIGKILL])
-def test_a_sweep_is_stopped(tmp_path: Path, blow: signal.Signals) -> None:
-    """The command itself, interrupted or killed, leaves no process behind and can be run again.
+def test_jobs_of_an_array_begin_at_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Each may be the first in the folder, and two of them have a chunk in common.
 
-    It is stopped with a part of its chunks on disk; the end has the rows of a whole run.
+    Each does its own chunks and no more; a command for all of them is refused meanwhile.
     """
-    path, out = study(tmp_path, GEOMETRY.replace("points = 5", "points = 40")), tmp_path / "out"
-    arguments = [*COMMAND, "sweep", path, "--out", str(out), "--workers", "2"]
-    # A group of its own: from a keyboard, an interrupt reaches every process of the group.
-    command = subprocess.Popen(arguments, stderr=subprocess.PIPE, text=True, start_new_session=True)
-    wait_for(lambda: len(list(out.glob("chunks/*.parquet"))) >= 3)
-    workers = children(command.pid)
-    if blow == signal.SIGINT:
-        os.killpg(command.pid, blow)
-    else:
-        command.send_signal(blow)
-    complained = command.communicate(timeout=60)[1]
-    stored = len(list(out.glob("chunks/*.parquet")))
-    assert 3 <= stored < 60
-    if blow == signal.SIGINT:
-        assert command.returncode == 130
-        assert complained.startswith(f"nipper-pin: interrupted; {4 * stored} of 240 scenarios")
-        assert complained.count("\n") == 1
-    assert len(workers) >= 2
-    wait_for(lambda: not any(Path(f"/proc/{pid}").exists() for pid in workers))
-    done = subprocess.run(arguments, capture_output=True, text=True, check=True)
-    assert f"{4 * stored} were there, {240 - 4 * stored} computed" in " ".join(done.stdout.split())
+    path, out = study(tmp_path, GEOMETRY), tmp_path / "out"
+    every = ["sweep", path, "--out", str(out), "--workers", "1"]
+    jobs = [
+        subprocess.Popen(
+            [*COMMAND, *every, "--chunks", bounds],
+            text=True,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+        )
+        for bounds in ("0-3", "3-5")
+    ]
+    wait_for(lambda: (out / "chunks").is_dir() or jobs[0].poll() is not None)
+    assert main(every) == 2
+    assert "another process works in it" in capsys.readouterr().err
+    for job, scenarios in zip(jobs, (16, 12), strict=True):
+        said, complained = job.communicate(timeout=300)
+        assert job.returncode == 0, complained
+        assert said.startswith(f"{scenarios} of 30 scenarios")
+    whole = chunk_files(stored(tmp_path / "alone", plan(tmp_path, GEOMETRY)))
+    assert chunk_files(out) == dict([*whole.items()][:6])
+
+
+def test_chunks_that_no_command_can_have(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = ["sweep", study(tmp_path, GEOMETRY), "--out", str(tmp_path / "out"), "--chunks"]
+    for bounds in ("8", "8-9", "3-2", "a-b", "1:2", ""):
+        assert main([*arguments, bounds]) == 2, bounds
+        assert f"--chunks {bounds}" in capsys.readouterr().err
+
+
+def test_progress_without_a_terminal(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Lines on stderr whose numbers are those of the clock and of the chunks."""
+    seconds = iter(range(0, 1000, 20))
+    monkeypatch.setattr(time, "monotonic", lambda: float(next(seconds)))
+    with sweep._lines() as show:
+        for done in (100, 200, 300, 400):
+            show(done, 100, 500)
+    assert capsys.readouterr().err.splitlines() == [
+        # At 40 s and 80 s, with 30 s between two lines: (200 - 100) / 40 s; 300 / 80 s.
+        "nipper-pin: 200 of 500 scenarios after 40 s, 2.5/s, about 120 s left",
+        "nipper-pin: 400 of 500 scenarios after 80 s, 3.75/s, about 27 s left",
+    ]
+
+
+# --- accidents -----------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_a_sweep_is_stopped_and_goes_on(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The command itself, killed and then interrupted, leaves no process behind.
+
+    Each time it is stopped with a part of its chunks on disk, which stay as they are; the end has
+    the rows of a whole run.
+    """
+    path, out = study(tmp_path, GEOMETRY.replace("points = 5", "points = 20")), tmp_path / "out"
+    arguments = ["sweep", path, "--out", str(out), "--workers", "2"]
+
+    def stopped(blow: signal.Signals) -> tuple[int, str]:
+        """Status and complaint of a command that is stopped after three more chunks."""
+        before = len(list(out.glob("chunks/*.parquet")))
+        # A group of its own: from a keyboard, an interrupt reaches every process of the group.
+        command = subprocess.Popen(
+            [*COMMAND, *arguments], stderr=subprocess.PIPE, text=True, start_new_session=True
+        )
+        wait_for(lambda: len(list(out.glob("chunks/*.parquet"))) >= before + 3)
+        text = Path(f"/proc/{command.pid}/task/{command.pid}/children").read_text()
+        workers = [int(number) for number in text.split()]
+        assert len(workers) >= 2
+        if blow == signal.SIGINT:
+            os.killpg(command.pid, blow)
+        else:
+            command.send_signal(blow)
+        complained = command.communicate(timeout=60)[1]
+        wait_for(lambda: not any(Path(f"/proc/{pid}").exists() for pid in workers))
+        return command.returncode, complained
+
+    stopped(signal.SIGKILL)
+    kept = chunk_files(out)
+    status, complained = stopped(signal.SIGINT)
+    found = chunk_files(out)
+    assert 6 <= len(found) < 30
+    assert {name: found[name] for name in kept} == kept
+    assert status == 130
+    assert complained.startswith(f"nipper-pin: interrupted; {4 * len(found)} of 120 scenarios")
+    assert complained.count("\n") == 1
+    assert main([*arguments[:-1], "1"]) == 0
+    told = f"{4 * len(found)} were there, {120 - 4 * len(found)} computed"
+    assert told in " ".join(capsys.readouterr().out.split())
     numbers = pq.read_table([*out.glob("chunks/*.parquet")])["scenario"].to_pylist()
-    assert sorted(numbers) == list(range(240))
+    assert sorted(numbers) == list(range(120))
 
 
 @pytest.mark.slow
@@ -257,33 +299,13 @@ def test_an_interrupt_counts_what_is_stored(
 
     Without a look at the folder this chunk would be missing in what the command says.
     """
-    write = Store.write
+    write, out = Store.write, tmp_path / "out"
 
     def interrupted(store: Store, chunk: Chunk, content: bytes) -> None:
         write(store, chunk, content)
         if len(chunk_files(out)) == 2:
             raise KeyboardInterrupt
 
-    path, out = study(tmp_path, GEOMETRY), tmp_path / "out"
     monkeypatch.setattr(Store, "write", interrupted)
-    assert main(["sweep", path, "--out", str(out), "--workers", "1"]) == 130
+    assert main(["sweep", study(tmp_path, GEOMETRY), "--out", str(out), "--workers", "1"]) == 130
     assert "interrupted; 8 of 30 scenarios" in capsys.readouterr().err
-
-
-def children(pid: int) -> list[int]:
-    text = Path(f"/proc/{pid}/task/{pid}/children").read_text()
-    return [int(number) for number in text.split()]
-
-
-def test_results_of_two_plans_are_not_mixed(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    out = tmp_path / "out"
-    small = '[parameters."drives.tension.ratio"]\nvalues = [2.2]\n'
-    arguments = ["--out", str(out), "--workers", "1"]
-    before = chunk_files(stored(out, plan(tmp_path, small)))
-    assert main(["sweep", study(tmp_path, small.replace("2.2", "2.3")), *arguments]) == 2
-    said = capsys.readouterr().err
-    assert "another sweep (they differ in: axes)" in said
-    assert "--out" in said
-    assert chunk_files(out) == before

@@ -1,22 +1,149 @@
-"""What a sweep says of its rows: reasons, engines, faults of the program, and its exit status."""
+"""What a sweep says of its rows: reasons, engines, extremes, faults, its time and its status."""
 
 from __future__ import annotations
 
 import json
+import math
+import re
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pyarrow as pa
 import pytest
-from sweep_studies import TABLE, plan, stored, study
+from msgspec.structs import replace
+from snapshots import Words
+from sweep_studies import GEOMETRY, TABLE, plan, stored, study
 
-from nipper_pin import SimulationError
+from nipper_pin import InputError, SimulationError, load, transition_table
 from nipper_pin.cli import main
 from nipper_pin.study.sweep import chunks, read_sweep, run_sweep
-from nipper_pin.study.sweep.chunks import DefectError, run_chunk
+from nipper_pin.study.sweep.chunks import NO_MODEL, DefectError, run_chunk
+from nipper_pin.study.sweep.estimate import Estimate, estimate
+from nipper_pin.study.sweep.job import Job, versions
 from nipper_pin.study.sweep.results.chunk_file import read
+from nipper_pin.study.sweep.results.extremes import Extremes
 
+GRID = """
+chunk = 9
+quantities = ["duration_s", "rebound_amplitude_2"]
+[parameters.speed_rpm]
+values = [450.0, 550.0, 650.0]
+[parameters.preload]
+values = [10.0, 11.0, 12.0]
+[parameters.restitution]
+values = [0.1, 0.15, 0.2, 0.25]
+"""
 RADII = '[parameters."drives.pendulum.crank_radius_mm"]\nvalues = [{}]\n'
+
+
+# --- rows ----------------------------------------------------------------------------------------
+
+
+def test_rows_are_those_of_a_table(tmp_path: Path) -> None:
+    """To round-off: tables are sampled anew of a machine that went through its text, in 1e-13.
+
+    In SI units; and the file says what it is of, and in which units.
+    """
+    found = plan(tmp_path, GRID.replace("chunk = 9", "chunk = 36"))
+    ((chunk, rows),) = list(found.rows(found.chunks()))
+    table = read(run_chunk(found.job.text(), chunk.start, rows))
+    wanted = transition_table(
+        load("e62"), speed_rpm=rows[:, 0], preload_length_mm=rows[:, 1], restitution=rows[:, 2]
+    )
+    assert set(wanted.engine) == {"reduced"}
+    assert table["scenario"].to_pylist() == list(range(36))
+    for name in ("engine", "outcome", "collisions", "premise_holds"):
+        assert table[name].to_pylist() == getattr(wanted, name).tolist()
+    assert table["message"].to_pylist() == [*wanted.message]
+    second = wanted.rebound_amplitude[:, 1]
+    for name, values in (("duration_s", wanted.duration), ("rebound_amplitude_2", second)):
+        np.testing.assert_allclose(table[name].to_numpy(), values, rtol=1e-12)
+    about = json.loads(table.schema.metadata[b"nipper_pin"])
+    assert about == {
+        "model": "e62", "versions": versions(), "plan": found.job.identity,
+        "study": found.job.study, "direct": {},
+    }  # fmt: skip
+    units = {item.name: item.metadata for item in table.schema}
+    assert units["duration_s"] == {b"unit": b"s"}
+    assert units["preload"] == {b"unit": b"mm"}
+    assert units["engine"] is units["collisions"] is None
+
+
+@pytest.fixture(scope="module")
+def grid(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("grid")
+    return stored(folder / "out", plan(folder, GRID))
+
+
+@pytest.mark.parametrize(("most", "step"), [(None, 1), (36, 1), (35, 5), (9, 5), (4, 11), (1, 37)])
+def test_rows_that_are_read(grid: Path, most: int | None, step: int) -> None:
+    """Every k-th of all, where k has no factor in common with the sizes of the grids, 3 and 4."""
+    sweep = read_sweep(grid, most)
+    assert sweep.table["scenario"].to_pylist() == [*range(0, 36, step)]
+    assert (sweep.scenarios, sweep.stored, sweep.title) == (36, 36, "test")
+    assert sweep.quantities == ("duration_s", "rebound_amplitude_2")
+    assert [axis["name"] for axis in sweep.axes] == ["speed_rpm", "preload", "restitution"]
+    assert repr(sweep) == (
+        f"<SweepTable of {load('e62').title}: {len(sweep.table)} scenarios over speed_rpm, "
+        "preload, restitution>"
+    )
+    assert sweep.to_frame("pyarrow") is sweep.table
+    frame = sweep.to_frame("pandas")
+    assert list(frame) == sweep.table.column_names
+    assert frame["scenario"].tolist() == sweep.table["scenario"].to_pylist()
+    page, shown = sweep._repr_html_(), min(len(sweep.table), 12)
+    assert "36 of 36 stored" in page
+    assert (f"and {len(sweep.table) - shown} more" in page) is (len(sweep.table) > shown)
+    assert page.count("<tr>") == 2 + 1 + shown
+
+
+def test_a_folder_without_rows(tmp_path: Path, grid: Path) -> None:
+    (tmp_path / "chunks").mkdir()
+    (tmp_path / "plan.json").write_bytes((grid / "plan.json").read_bytes())
+    with pytest.raises(InputError, match="nothing is computed yet"):
+        read_sweep(tmp_path)
+
+
+# --- what is said of them ------------------------------------------------------------------------
+
+
+def test_what_a_report_says(tmp_path: Path, words: Words) -> None:
+    """Why the direct engine served, of which turns rows are, and what has no result and why.
+
+    Reasons that differ in their numbers alone count as one. Nothing is left to compute. A radius
+    below zero and one beyond the guide are marked, and do not cost the rows beside them.
+    """
+    text = RADII.format("63.0, -6.0, 10000.0, -7.0")
+    found = plan(tmp_path, text + "[parameters.speed_rpm]\nvalues = [450.0, 1200.0]\n")
+    report = run_sweep(found, stored(tmp_path / "out", found))
+    assert (report.scenarios, report.found, report.computed, report.workers) == (8, 8, 0, 0)
+    words("\n".join(report.sentences()) + "\n")
+    rows = read_sweep(tmp_path / "out").table.to_pylist()
+    assert {row["engine"] for row in rows if not row["message"]} == {"direct"}
+    assert [row["outcome"] for row in rows] == ["at_rest"] * 2 + [NO_MODEL] * 6
+    for row in rows[2:]:
+        assert "crank_radius_mm" in row["message"]
+        assert (row["engine"], row["collisions"]) == ("none", 0)
+        assert np.isnan(row["duration_s"])
+    record = report.record()
+    assert list(record["direct"].values()) == [1, 1]
+    for key, name in (("outcomes", "outcome"), ("engines", "engine")):
+        values = [row[name] for row in rows]
+        assert record[key] == {value: values.count(value) for value in set(values)}
+    assert record["without_result"] == 6
+
+
+def test_turns_of_the_reduced_engine_are_named_and_counted(tmp_path: Path) -> None:
+    """They are whole turns, and none of the direct engine."""
+    speeds = "[parameters.speed_rpm]\nlow = 1150.0\nhigh = 1250.0\npoints = 40\n"
+    found = plan(tmp_path, speeds)
+    report = run_sweep(found, stored(tmp_path / "out", found))
+    assert report.record()["engines"] == {"reduced_turn": 40}
+    assert report.sentences() == [
+        "40 do not arrive in the initial phase (premise_holds is false); 40 of them were computed "
+        "by whole turns"
+    ]
 
 
 def test_a_sweep_without_any_result_fails(
@@ -47,71 +174,17 @@ def test_runs_of_too_many_collisions_are_told(tmp_path: Path, most: int, told: b
 
 
 @pytest.mark.slow
-def test_rows_that_the_reduced_engine_leaves_are_told(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_rows_that_the_reduced_engine_leaves_are_told(tmp_path: Path) -> None:
     """Some rebounds this high leave the range that the tables cover."""
     text = TABLE.replace("high = 0.25", "high = 0.7").replace("count = 600", "count = 64")
-    arguments = ["sweep", study(tmp_path, text), "--out", str(tmp_path / "out"), "--workers", "1"]
-    assert main(arguments) == 0
-    said = capsys.readouterr().out
+    found = plan(tmp_path, text)
+    said = run_sweep(found, stored(tmp_path / "out", found)).sentences()
     rows = read_sweep(tmp_path / "out").table.to_pylist()
     left = [row["message"] for row in rows if row["engine"] == "direct"]
     assert 0 < len(left) < 64
     for reason in set(left):
         assert reason.startswith("the reduced engine: ")
         assert f"{left.count(reason)} by the direct engine: {reason}" in said
-
-
-# --- faults of the program ---------------------------------------------------------------------
-
-
-def faulty(monkeypatch: pytest.MonkeyPatch, error: Exception, speed: float) -> None:
-    """Transitions that raise an error wherever this speed is among them."""
-    right = chunks.table_of
-
-    def table(mechanism: Any, cases: Any, **settings: Any) -> Any:
-        if speed in cases.speed_rpm:
-            raise error
-        return right(mechanism, cases, **settings)
-
-    monkeypatch.setattr(chunks, "table_of", table)
-
-
-SPEEDS = """
-chunk = 1
-[parameters.speed_rpm]
-values = [450.0, 550.0, 650.0]
-"""
-
-
-def test_a_fault_of_the_program_is_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """No row says that it is an outcome; the error names the scenario and where it happened."""
-    found = plan(tmp_path, SPEEDS)
-    text = found.job.text()
-    for error in (ValueError("a shape"), ZeroDivisionError("division"), KeyError("name")):
-        with monkeypatch.context() as broken:
-            faulty(broken, error, 550.0)
-            parts = list(found.rows(found.chunks()))
-            for chunk, rows in (parts[0], parts[2]):
-                assert read(run_chunk(text, chunk.start, rows)).num_rows == 1
-            with pytest.raises(DefectError) as caught:
-                run_chunk(text, parts[1][0].start, parts[1][1])
-        said = caught.value.message
-        assert said.startswith(
-            f"scenario 1: a fault of the program, please report it: {type(error).__name__}"
-        )
-        assert "test_sweep_outcomes.py, line" in said
-
-
-def test_an_error_of_the_package_is_an_outcome(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    found = plan(tmp_path, SPEEDS)
-    faulty(monkeypatch, SimulationError("a dead centre"), 550.0)
-    rows = read_sweep(stored(tmp_path / "out", found)).table.to_pylist()
-    assert [row["outcome"] for row in rows] == ["at_rest", "failed", "at_rest"]
-    assert rows[1]["message"] == "a dead centre"
 
 
 def test_rows_say_whether_the_premise_holds(
@@ -138,19 +211,168 @@ def test_rows_say_whether_the_premise_holds(
     assert rows[0]["rebound_amplitude_1"] == pytest.approx(12.61e-3, rel=1e-3)
 
 
-def test_the_summary_counts_what_is_on_disk(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+# --- the smallest and the largest row ------------------------------------------------------------
+
+
+def extremes(folder: Path, quantity: str, **units: str) -> Extremes:
+    """Of a sweep over two parameters."""
+    axes = "".join(f"[parameters.{name}]\nvalues = [1.0]\n" for name in ("speed_rpm", "preload"))
+    job: Job = plan(folder, axes).job
+    return Extremes(replace(job, quantities=(quantity, "another"), units={**job.units, **units}))
+
+
+def table(scenarios: Any, values: Any, quantity: str = "duration_s") -> pa.Table:
+    """Rows whose parameters follow from their number."""
+    numbers = {name: [float(n * k) for n in scenarios]
+               for k, name in ((2, "speed_rpm"), (3, "preload"))}  # fmt: skip
+    return pa.table({"scenario": list(scenarios), quantity: values, **numbers})
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_extremes_are_those_of_a_search(seed: int, tmp_path: Path) -> None:
+    """In any order of chunks; values that are missing or occur twice are among the rows."""
+    random = np.random.default_rng(seed)
+    values = random.integers(0, 20, 60) / 8.0
+    values[random.random(60) < 0.3] = math.nan
+    # A chunk without a value changes nothing.
+    values[10:20] = math.nan
+    found = extremes(tmp_path, "duration_s")
+    for chunk in random.permutation(6):
+        rows = range(10 * chunk, 10 * chunk + 10)
+        found.add(table(rows, values[rows.start : rows.stop]))
+    known = [(value, n) for n, value in enumerate(values.tolist()) if not math.isnan(value)]
+    low, high = min(known), max(known, key=lambda pair: (pair[0], -pair[1]))
+    assert found.record() == {
+        "quantity": "duration_s",
+        **{
+            word: {"scenario": n, "value": value,
+                   "numbers": {"speed_rpm": 2.0 * n, "preload": 3.0 * n}}
+            for word, (value, n) in (("smallest", low), ("largest", high))
+        },
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("quantity", "values", "low", "high"),
+    [
+        # From the start of turns on, at 24: a rest at 0.5 is later than one at 39.5.
+        ("rest_index", [39.5, 0.5, 36.25], 36.25, 0.5), ("collisions", [7, 3, 9], 3.0, 9.0),
+        ("premise_holds", [None, True, False], 0.0, 1.0),
+    ],
+)  # fmt: skip
+def test_extremes_of_what_is_no_length_of_time(
+    quantity: str, values: list[Any], low: float, high: float, tmp_path: Path
 ) -> None:
-    """Scenarios, mechanisms and chunks from the files alone."""
-    text = RADII.format("63.0, 64.0, 65.0") + SPEEDS.replace("chunk = 1", "")
-    path, out = study(tmp_path, "chunk = 3\n" + text), tmp_path / "out"
-    stored(out, plan(tmp_path, "chunk = 3\n" + text))
-    (out / "chunks" / "0000001.parquet").unlink()
-    monkeypatch.setenv("COLUMNS", "1000")
-    assert main(["sweep", path, "--out", str(out), "--workers", "1"]) == 0
-    rows = read_sweep(out).table.to_pylist()
-    machines = {row["drives.pendulum.crank_radius_mm"] for row in rows}
-    assert capsys.readouterr().out.startswith(
-        f"{len(rows)} scenarios of {len(machines)} mechanisms in {out}: 6 were there, "
-        f"{len(rows) - 6} computed in "
+    found = extremes(tmp_path, quantity)
+    found.add(table((1, 2, 3), values, quantity))
+    record = found.record()
+    assert (record["smallest"]["value"], record["largest"]["value"]) == (low, high)
+
+
+def test_extremes_in_words(tmp_path: Path) -> None:
+    """Of a hinge in mdeg, of a slide in um; nothing where no row has a value."""
+    none = extremes(tmp_path, "duration_s")
+    none.add(table(range(3), [math.nan, math.nan, None]))
+    assert (none.smallest, none.largest, none.sentences()) == (None, None, [])
+    assert none.record()["smallest"] is None
+    for unit, told in (("rad", f"{18e4 / math.pi * 2.5e-5:.4g} mdeg"), ("m", "25.00 um")):
+        found = extremes(tmp_path, "rebound_amplitude_1", rebound_amplitude_1=unit)
+        found.add(table((8,), [2.5e-5], "rebound_amplitude_1"))
+        row = f"first rebound amplitude: {told} (scenario 8: speed_rpm 16, preload 24)"
+        assert found.sentences() == [f"Smallest {row}", f"Largest {row}"]
+
+
+# --- faults of the program -----------------------------------------------------------------------
+
+
+def faulty(monkeypatch: pytest.MonkeyPatch, error: Exception, speed: float) -> None:
+    """Transitions that raise an error wherever this speed is among them."""
+    right = chunks.table_of
+
+    def table(mechanism: Any, cases: Any, **settings: Any) -> Any:
+        if speed in cases.speed_rpm:
+            raise error
+        return right(mechanism, cases, **settings)
+
+    monkeypatch.setattr(chunks, "table_of", table)
+
+
+SPEEDS = "chunk = 1\n[parameters.speed_rpm]\nvalues = [450.0, 550.0, 650.0]\n"
+
+
+def test_a_fault_of_the_program_is_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """No row says that it is an outcome; the error names the scenario and where it happened."""
+    found = plan(tmp_path, SPEEDS)
+    first, second, _ = found.rows(found.chunks())
+    for error in (ValueError("a shape"), ZeroDivisionError("division"), KeyError("name")):
+        with monkeypatch.context() as broken:
+            faulty(broken, error, 550.0)
+            assert read(run_chunk(found.job.text(), first[0].start, first[1])).num_rows == 1
+            with pytest.raises(DefectError) as caught:
+                run_chunk(found.job.text(), second[0].start, second[1])
+        said = caught.value.message
+        assert said.startswith(
+            f"scenario 1: a fault of the program, please report it: {type(error).__name__}"
+        )
+        assert "test_sweep_outcomes.py, line" in said
+
+
+def test_an_error_of_the_package_is_an_outcome(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = plan(tmp_path, SPEEDS)
+    faulty(monkeypatch, SimulationError("a dead centre"), 550.0)
+    rows = read_sweep(stored(tmp_path / "out", found)).table.to_pylist()
+    assert [row["outcome"] for row in rows] == ["at_rest", "failed", "at_rest"]
+    assert rows[1]["message"] == "a dead centre"
+
+
+# --- the time that is expected -------------------------------------------------------------------
+
+
+def test_dry_run_says_how_long(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nothing is written; a chunk is timed whole, and all chunks take their share of its time."""
+    path = study(tmp_path, GEOMETRY)
+    arguments = ["sweep", path, "--dry-run", "--workers", "1"]
+    monkeypatch.chdir(tmp_path)
+    assert main([*arguments, "--json", "-"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert (document["scenarios"], document["chunks"]) == (30, 8)
+    found = document["estimate"]
+    assert (found["engines"], found["workers"]) == ({"direct": 4}, 1)
+    assert found["seconds"] == pytest.approx(1.5 + 30 * found["scenario_s"], rel=1e-12)
+    assert found["scenario_s"] > 0.0
+    assert [item.name for item in tmp_path.iterdir()] == [Path(path).name]
+    monkeypatch.setenv("COLUMNS", "200")
+    assert main([*arguments, "--chunks", "6-7"]) == 0
+    size, time, following = capsys.readouterr().out.splitlines()
+    assert size == "6 of 30 scenarios of 15 mechanisms in 2 of 8 chunks"
+    words = (
+        r"about \S+ (s|min|h) on 1 processors here: \S+ ms a scenario \(timed: 2 by the .* direct\)"
+    )
+    assert re.fullmatch(words, time)
+    assert following == f"Next: nipper-pin sweep {path}"
+
+
+@pytest.mark.slow
+def test_of_a_billion_a_chunk_near_the_start_is_timed(tmp_path: Path) -> None:
+    """A sequence is drawn up to the chunk; as many as possible are timed in some seconds."""
+    found = estimate(plan(tmp_path, TABLE.replace("600", "1_000_000_000")), 3)
+    assert max(found.engines, key=lambda name: found.engines[name]) == "reduced"
+    assert found.workers == 3
+    assert found.seconds == pytest.approx(1.5 + 1e9 * found.scenario_s / 3, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("seconds", "words"),
+    [(1.6, "2 s"), (180.0, "180 s"), (181.0, "3 min"), (10_801.0, "3 h"), (360_000.0, "100 h")],
+)
+def test_times_have_the_unit_that_suits_them(seconds: float, words: str) -> None:
+    engines = {"reduced": 1024, "direct": 8}
+    found = Estimate(seconds=seconds, workers=3, scenario_s=2.5e-5, engines=engines)
+    assert found.sentence() == (
+        f"about {words} on 3 processors here: 0.025 ms a scenario (timed: 1,024 by the engine "
+        "reduced, 8 by the engine direct)"
     )
