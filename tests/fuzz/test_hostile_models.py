@@ -11,7 +11,7 @@ import pytest
 from matplotlib.figure import Figure
 
 import nipper_pin
-from nipper_pin import Case, InputError, NipperError, load, simulate
+from nipper_pin import Case, load, simulate
 from nipper_pin.cli import main
 from nipper_pin.mechanism import find_model
 from nipper_pin.view.plain_texts import plain
@@ -84,18 +84,6 @@ def test_plain_texts(tmp_path: Path) -> None:
         figure.savefig(tmp_path / "figure.svg")
     plain(figure).savefig(tmp_path / "figure.svg")
     assert "10^{2}" in (tmp_path / "figure.svg").read_text(encoding="utf-8")
-
-
-def test_links_in_a_circle_are_no_model(tmp_path: Path) -> None:
-    loop = tmp_path / "loop"
-    loop.symlink_to(loop)
-    with pytest.raises(NipperError, match="loop"):
-        load(loop)
-
-
-def test_more_turns_than_a_machine_lives_are_refused() -> None:
-    with pytest.raises(InputError, match="from 1 to 1,000,000"):
-        Case(speed_rpm=450.0, window="cycle", cycles=10**20)
 
 
 def test_a_title_is_no_formula(tmp_path: Path) -> None:

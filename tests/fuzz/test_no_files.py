@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import signal
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -16,10 +16,21 @@ from nipper_pin.mechanism import find_model
 
 BASES = Path(__file__).parent / "bases"
 SCRIPTS = Path(__file__).parents[2] / "scripts"
-NONE = ("pipe", "link to a pipe", "endless", "link to a folder")
+# What stands in the place of a file, and what it is called.
+NONE: dict[str, tuple[Callable[[Path], object], str]] = {
+    "a pipe": (os.mkfifo, "a named pipe"),
+    "a folder": (Path.mkdir, "a folder"),
+    "a link to a pipe": (lambda path: path.symlink_to("pipe"), "a named pipe"),
+    "a link to a folder": (lambda path: path.symlink_to("."), "a folder"),
+    "a link to what never ends": (lambda path: path.symlink_to("/dev/zero"), "a device"),
+    "a link that leads nowhere": (lambda path: path.symlink_to("gone"), "nowhere"),
+    "links in a circle": (lambda path: path.symlink_to(path.name), "circle"),
+}
 # Each with the file of the folder that is none, and what then reads it.
 READ = [
     ("model/model.toml", "check model"), ("model/model.urdf", "check model"),
+    ("other/any.toml", "check other"), ("other/any.urdf", "check other"),
+    ("other/any.toml", "check other/any.toml"),
     ("parts/rates.csv", "check parts"), ("parts/meshes/tetrahedron.stl", "check parts"),
     ("model/model.toml", "simulate model"),
     ("model/model.toml", "compare model model"),
@@ -51,48 +62,51 @@ def in_time() -> Iterator[None]:
     signal.signal(signal.SIGALRM, before)
 
 
-@pytest.fixture
-def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+@pytest.fixture(scope="module")
+def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a file of every kind that is read."""
-    for name, home in (("model", find_model("hanging_pendulum")), ("parts", BASES / "parts")):
-        shutil.copytree(home, tmp_path / name)
+    home = tmp_path_factory.mktemp("place")
+    pendulum = find_model("hanging_pendulum")
+    for name, base in (("model", pendulum), ("other", pendulum), ("parts", BASES / "parts")):
+        shutil.copytree(base, home / name)
         for kind in ("urdf", "toml"):
-            (tmp_path / name / f"{home.name}.{kind}").rename(tmp_path / name / f"{name}.{kind}")
-    with (tmp_path / "parts" / "parts.toml").open("a") as stream:
+            called = "any" if name == "other" else name
+            (home / name / f"{base.name}.{kind}").rename(home / name / f"{called}.{kind}")
+    with (home / "parts" / "parts.toml").open("a") as stream:
         stream.write('[springs.table]\njoint = "h2"\nfile = "rates.csv"\n')
-    (tmp_path / "parts" / "rates.csv").write_text("coordinate_deg,torque_N_m\n-9,-1\n9,1\n")
+    (home / "parts" / "rates.csv").write_text("coordinate_deg,torque_N_m\n-9,-1\n9,1\n")
     for name in ("optimise_rebound.toml", "identify_camera.toml", "identify_camera_measured.csv"):
-        shutil.copy(SCRIPTS / name, tmp_path)
-    shutil.copy(BASES / "sweep.toml", tmp_path)
-    (tmp_path / "results" / "chunks").mkdir(parents=True)
-    shutil.copy(BASES / "plan.json", tmp_path / "results")
-    shutil.copy(BASES / "0000000.parquet", tmp_path / "results" / "chunks")
+        shutil.copy(SCRIPTS / name, home)
+    shutil.copy(BASES / "sweep.toml", home)
+    (home / "results" / "chunks").mkdir(parents=True)
+    shutil.copy(BASES / "plan.json", home / "results")
+    shutil.copy(BASES / "0000000.parquet", home / "results" / "chunks")
     machine, case = load("hanging_pendulum"), Case(speed_rpm=60.0, max_collisions=1)
-    save_case(machine, case, tmp_path / "case.json")
-    save(simulate(machine, case), tmp_path / "run.npz")
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
-def put(file: Path, kind: str) -> None:
-    """Something that is no file in the place of a file."""
-    file.unlink(missing_ok=True)
-    if kind == "pipe":
-        os.mkfifo(file)
-    elif kind == "link to a pipe":
-        os.mkfifo(file.with_name("elsewhere"))
-        file.symlink_to("elsewhere")
-    else:
-        file.symlink_to("/dev/zero" if kind == "endless" else "/tmp")
+    save_case(machine, case, home / "case.json")
+    save(simulate(machine, case), home / "run.npz")
+    return home
 
 
 @pytest.mark.parametrize("kind", NONE)
 @pytest.mark.parametrize(("name", "words"), READ)
-def test_what_is_no_file_is_refused(name: str, words: str, kind: str, place: Path) -> None:
+def test_what_is_no_file_is_refused(
+    name: str, words: str, kind: str, place: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """At once and in a sentence, whoever reads it."""
-    put(place / name, kind)
+    monkeypatch.chdir(place)
+    file, aside = place / name, place / "aside"
+    make, called = NONE[kind]
+    file.rename(aside)
+    os.mkfifo(file.with_name("pipe"))
+    make(file)
     status, _, err = answer(words.split())
+    file.rmdir() if file.is_dir() and not file.is_symlink() else file.unlink()
+    file.with_name("pipe").unlink()
+    aside.rename(file)
     assert status in {1, 2}
     assert err.startswith("nipper-pin: ")
     assert Path(name).name in err
+    # Of a model it is told what it is, if it neither leads out of the folder nor is one itself.
+    otherwise = ("stays inside it", "in the model folder", "any.toml.urdf is missing")
+    assert called in err or not words.startswith("check") or any(item in err for item in otherwise)
     assert err.count("\n") == 1

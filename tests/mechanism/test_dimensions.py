@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-import re
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -14,13 +13,13 @@ import pytest
 from small_machines import frame, hinge, machine, slide
 from small_machines import link as body
 
-from nipper_pin.errors import AssemblyError, InputError, ModelError, UnknownNameError
+from nipper_pin.errors import AssemblyError, ModelError
 from nipper_pin.mechanism import Mechanism, load, with_numbers
 from nipper_pin.mechanism.build.closing import closure_gaps
 from nipper_pin.mechanism.build.placements import joint_placements
 from nipper_pin.mechanism.edit.dimensions import read_dimension
 from nipper_pin.mechanism.edit.layout import Layout, read_layout
-from nipper_pin.mechanism.edit.urdf_paths import find_value, steps_of
+from nipper_pin.mechanism.edit.urdf_paths import find_value
 from nipper_pin.mechanism.files.urdf import parse_xml
 
 MODELS = ["e62", "e62_offset_guide", "hanging_pendulum"]
@@ -171,52 +170,6 @@ def test_centre_of_mass_is_where_it_was_asked_for_also_when_its_link_moves() -> 
     assert body.inertia[1, 1] == pytest.approx(1.4 * 0.032**2, rel=1e-12)
 
 
-def numbers_of(mechanism: Mechanism) -> list[str]:
-    """Paths of all numbers of a URDF, found by walking the file."""
-    paths: list[str] = []
-
-    def walk(element: ElementTree.Element, head: str) -> None:
-        for key, text in element.attrib.items():
-            parts = text.split()
-            try:
-                [float(part) for part in parts]
-            except ValueError:
-                continue
-            if len(parts) == 1:
-                paths.append(f"{head}.{key}")
-            else:
-                paths.extend(f"{head}.{key}[{place}]" for place in range(len(parts)))
-        for child in element:
-            if isinstance(child.tag, str):
-                name = child.get("name")
-                walk(child, f"{head}.{child.tag}.{name}" if name else f"{head}.{child.tag}")
-
-    walk(ElementTree.fromstring(mechanism.urdf), "urdf")
-    return paths
-
-
-@pytest.mark.parametrize("name", MODELS)
-def test_every_number_of_the_file_has_a_path(name: str) -> None:
-    """Each number is read and written alone: the text differs in that one number afterwards."""
-    mechanism = load(name)
-    paths = numbers_of(mechanism)
-    assert len(paths) > 300
-    number = re.compile(r"-?\d+(?:\.\d+)?(?:e-?\d+)?")
-    for path in paths[::7]:
-        root = parse_xml(mechanism.urdf, "urdf")
-        before = number.findall(ElementTree.tostring(root, encoding="unicode"))
-        found = find_value(root, path)
-        old = found.read(path, "urdf")
-        found.write(old + 0.125, path, "urdf")
-        after = number.findall(ElementTree.tostring(root, encoding="unicode"))
-        changed = [
-            (float(one), float(other))
-            for one, other in zip(before, after, strict=True)
-            if one != other
-        ]
-        assert changed == [(old, old + 0.125)], path
-
-
 def test_axes_and_angles_have_letters() -> None:
     mechanism = load("e62")
     for letter, place in zip("xyz", range(3), strict=True):
@@ -247,24 +200,6 @@ def test_shapes_without_a_name_go_by_their_place(path: str, radius: float) -> No
     assert find_value(parse_xml(text, "urdf"), path).read(path, "urdf") == radius
 
 
-def test_shapes_change_by_their_names() -> None:
-    path = "urdf.link.rocker.collision.rocker_hub_left.geometry.cylinder.radius"
-    mechanism = load("e62", {path: "0.02"})
-    assert value(mechanism, path) == 0.02
-    assert mechanism.model == load("e62").model
-
-
-def test_a_pin_that_opens_says_by_how_much_and_what_to_use_instead() -> None:
-    """A closure that is off by one millimetre: the residual, its direction, and the way out."""
-    with pytest.raises(AssemblyError) as caught:
-        load("e62", {"urdf.joint.rocker_pin.origin.xyz.x": 0.1832})
-    words = str(caught.value)
-    assert "closures.rocker_axis" in words
-    assert "a gap of 1 mm (x -1, z 0) from rocker_foot to cylinder_axis" in words
-    assert "points.<hinge or frame>.x_mm" in words
-    assert caught.value.evidence["key"] == "closures.rocker_axis"
-
-
 def test_own_values_written_back_change_nothing() -> None:
     """Every path of points and links, with the value that it has: the same machine, bit for bit."""
     mechanism = load("hanging_pendulum")
@@ -284,58 +219,6 @@ def test_own_values_written_back_change_nothing() -> None:
         assert one == other
 
 
-@pytest.mark.parametrize(
-    ("overrides", "kind", "words"),
-    [
-        ({"points.lip.x_mm": 1}, UnknownNameError, "no point named 'lip'; known: cylinder_axis"),
-        ({"points.jaw.y_mm": 1}, UnknownNameError, "known: angle_deg, radius_mm, x_mm, z_mm"),
-        ({"points.jaw": 1}, UnknownNameError, "no coordinate named ''"),
-        ({"points": 1}, UnknownNameError, "no coordinate named ''"),
-        ({"points.jaw.x_mm": "far"}, ModelError, "points.jaw.x_mm = 'far' .* a number"),
-        ({"points.jaw.x_mm": math.inf}, ModelError, "points.jaw.x_mm = inf .* a finite number"),
-        ({"points.jaw.x_mm": "nan"}, ModelError, "a finite number"),
-        ({"points.jaw.x_mm": True}, ModelError, "a number"),
-        (
-            {"points.jaw.x_mm": -72.0, "points.jaw.radius_mm": 100.0},
-            UnknownNameError,
-            "x_mm with z_mm, or radius_mm with angle_deg",
-        ),
-        (
-            {"points.rod_head.x_mm": -90.0, "points.eccentric_pin.x_mm": -91.0},
-            ModelError,
-            "one place for the points rod_head, eccentric_pin",
-        ),
-        ({"points.pendulum_shaft.radius_mm": 1}, UnknownNameError, "point on a hinged link"),
-        # Where a pin coincides with its neighbour, the machine stands in a dead centre at touch.
-        (
-            {"points.rod_pin.x_mm": -72.6, "points.rod_pin.z_mm": 101.9},
-            ModelError,
-            "must leave the drives free to move",
-        ),
-        (
-            {"links.rocker.gyration_mm": 30, "links.rocker.inertia_kg_m2": 5e-4},
-            ModelError,
-            "one of",
-        ),
-        ({"links.rocker.colour": 1}, UnknownNameError, "known: com_x_mm, com_z_mm, gyration_mm"),
-        ({"urdf": 1}, UnknownNameError, "no value named 'urdf'; known: joint, link"),
-        ({"urdf.joint": 1}, UnknownNameError, "no joint named ''; known: cylinder_axis_fixed"),
-        ({"urdf.joint.lip.origin.xyz.x": 1}, UnknownNameError, "no joint named 'lip'"),
-        ({"urdf.joint.jaw.origin.xyz": 1}, UnknownNameError, r"known: \[0\], \[1\], \[2\], x, y"),
-        ({"urdf.joint.jaw.origin.xyz[3]": 1}, UnknownNameError, "no place named '\\[3\\]'"),
-        ({"urdf.joint.jaw.origin": 1}, UnknownNameError, "known: rpy, xyz"),
-        ({"urdf.joint.jaw.type": 1}, ModelError, "the path of a number"),
-        ({"urdf.link.rocker.inertial.mass.value.x": 1}, UnknownNameError, "known: none"),
-        ({"urdf.link.rocker.inertial.weight": 1}, UnknownNameError, "known: inertia, mass, origin"),
-        ({"urdf.link.rocker.inertial.mass.value": -1}, ModelError, "a positive mass"),
-        ({"urdf.joint.jaw.axis.xyz.z": 0.5}, ModelError, "an axis along y of the root"),
-    ],
-)
-def test_mistakes(overrides: dict[str, object], kind: type[InputError], words: str) -> None:
-    with pytest.raises(kind, match=words):
-        load("e62", overrides)
-
-
 def test_a_document_with_a_mistake_is_told_before_points_move(spoil) -> None:  # type: ignore[no-untyped-def]
     """Points follow closures and guides: a document in which these are no tables is named."""
     folder = spoil(toml=(('frame_a = "rocker_foot"', "frame_a = 3"),))
@@ -348,11 +231,6 @@ def test_links_that_hang_in_a_circle_are_told_before_points_move(spoil) -> None:
     folder = spoil(urdf=((ends, ends.replace("frame", "rocker")),))
     with pytest.raises(ModelError, match="joints that hang from the frame"):
         load(folder, {"points.jaw.x_mm": -72.0})
-
-
-def test_steps_of_a_path() -> None:
-    assert steps_of("phases[0].closed[1]") == ["phases", "[0]", "closed", "[1]"]
-    assert steps_of("") == []
 
 
 def test_shapes_and_mass_turn_with_the_line_of_two_pins() -> None:

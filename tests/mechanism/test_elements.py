@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nipper_pin.errors import InputError
 from nipper_pin.mechanism import Characteristic, Damper, Strut, from_sources, load
 
 OLD = 'joint = "steeve"\nstiffness_N_per_m = 9000.0\npreload_length_mm = 11.0 '
@@ -132,19 +131,3 @@ def test_a_slope_that_is_nearly_none() -> None:
     flat = Characteristic(coordinate=(0.0, 1.0, 2.0), force=(0.0, 1e-310, 1.0))
     assert flat.forces(np.array([0.5, 1.0])).max() <= 1e-310
     assert 0.0 < flat.forces(np.array([1.5]))[0] < 1.0
-
-
-@pytest.mark.parametrize(
-    ("coordinate", "force", "words"),
-    [
-        ((0.0, math.nan, 1.0), (0.0, 1.0, 2.0), r"row 2 .* finite"),
-        ((0.0, 1.0, 2.0), (0.0, 1.0, -1e300), r"row 3 .* at most 1e\+15"),
-        ((0.0, 1e-300, 2.0), (0.0, 1.0, 2.0), "rows 1 and 2 .* too near"),
-    ],
-)
-def test_rows_that_cannot_be_computed_with(
-    coordinate: tuple[float, ...], force: tuple[float, ...], words: str
-) -> None:
-    """NaN, and what overflows in a slope: a warning would fail the test."""
-    with pytest.raises(InputError, match=words):
-        Characteristic(coordinate=coordinate, force=force)

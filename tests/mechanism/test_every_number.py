@@ -13,7 +13,6 @@ import msgspec
 import numpy as np
 import pytest
 
-from nipper_pin.errors import InputError, ModelError, UnknownNameError
 from nipper_pin.mechanism import Mechanism, known_models, load
 from nipper_pin.mechanism.edit.dimensions import read_dimension
 from nipper_pin.mechanism.edit.layout import read_layout
@@ -262,12 +261,6 @@ def test_a_drive_table_stays_a_turn(tmp_path: Path, place: int) -> None:
     angles, values = drive_table(new)
     assert (values[0], values[-1]) == (0.05, 0.05)
     assert np.degrees([angles[0], angles[-1]]) == pytest.approx([2.0, 362.0], abs=1e-12)
-    # Where both are given, both count.
-    with pytest.raises(ModelError, match="need the same coordinate"):
-        load(
-            folder,
-            {"drives.cylinder.coordinate_rad[0]": 0.1, "drives.cylinder.coordinate_rad[12]": 0.2},
-        )
 
 
 def test_another_csv_file_counts_before_its_rows(tmp_path: Path) -> None:
@@ -276,27 +269,3 @@ def test_another_csv_file_counts_before_its_rows(tmp_path: Path) -> None:
     (folder / "stiff.csv").write_text(text, encoding="utf-8")
     changes = {"springs.rod.force_N[1]": 3.0, "springs.rod.file": "stiff.csv"}
     assert load(folder, changes).tabulated_springs[1].characteristic.force == (1.0, 3.0, 12.0)
-    # Where a table is written out, or a spring has none, there is no file to change.
-    with pytest.raises(UnknownNameError, match=r"no key named 'file'; known: .*stiffness"):
-        load("e62", {"springs.steeve.file": "stiff.csv"})
-
-
-@pytest.mark.parametrize(
-    ("path", "value", "words"),
-    [
-        ("springs.rod.force_N[3]", 1.0, r"no place named '\[3\]'; known: \[0\] to \[2\]$"),
-        ("springs.rod.force_N[-1]", 1.0, r"no place named '-1'"),
-        ("springs.rod.force_N[02]", 1.0, r"no place named '\[02\]'"),
-        ("springs.rod.force", 1.0, "no key named 'force'; known: coordinate_mm, force_N, joint"),
-        ("drives.cylinder.coordinate_rad[13]", 1.0, r"known: \[0\] to \[12\]$"),
-        ("drives.cylinder.ratio", 1.0, "known: .*coordinate_rad, cylinder_angle_deg"),
-        ("springs.rod.force_N[1]", "much", r"springs.rod.force_N\[1\] = 'much' .* a number"),
-        ("springs.rod.force_N[1]", "nan", r"springs.rod.force_N\[1\] = nan .* a finite number"),
-        ("springs.rod.coordinate_mm[1]", 50.0, "the coordinate must rise from row to row"),
-        ("drives.cylinder.cylinder_angle_deg[4]", 80.0, "after 90 deg"),
-        ("stops.jaw.at_mm", 1.0, "the place of a stop on the revolute joint jaw is at_deg"),
-    ],
-)
-def test_mistakes_in_paths_of_rows(tmp_path: Path, path: str, value: object, words: str) -> None:
-    with pytest.raises(InputError, match=words):
-        load(with_csv_tables(tmp_path), {path: value})

@@ -12,8 +12,8 @@ from small_machines import SHAFT, hinge, link, machine
 from snapshots import Words
 
 from nipper_pin import Mechanism, load
-from nipper_pin.mechanism.drives import Fourier, OscillatingGuide, Table
-from nipper_pin.mechanism.elements import Characteristic
+from nipper_pin.mechanism import Characteristic
+from nipper_pin.mechanism.drives import Cam, ConstantSpeed, Fourier, Geared, OscillatingGuide, Table
 from nipper_pin.notebook import SHOWN, html
 
 
@@ -59,13 +59,20 @@ def test_pages_without_a_table() -> None:
     assert html("t", {"a": 1}, ("w",), ()).count("<table>") == 1
 
 
+GUIDE = {"crank_axis": (0.1, 0.2), "guide_axis": (0.5, 0.6)}
+CAM = {"lift": 1.0, "start_rad": 0.2, "rise_rad": 1.6, "return_rad": 0.8}
+
+
 @pytest.mark.parametrize(
     "make",
     [
-        lambda n: OscillatingGuide(
-            crank_radius_m=0.03 * n, crank_axis=(0.1, 0.2), guide_axis=(0.5, 0.6)
-        ),
+        lambda n: ConstantSpeed(ratio=n),
+        lambda n: OscillatingGuide(crank_radius_m=0.03 * n, **GUIDE),
+        lambda n: Geared(of=OscillatingGuide(crank_radius_m=0.03, **GUIDE), ratio=n),
+        lambda n: Geared(of=OscillatingGuide(crank_radius_m=0.03 * n, **GUIDE), ratio=2.0),
         lambda n: Fourier(mean=0.1 * n, cosine=(0.1, 0.2), sine=(0.0, 0.5)),
+        lambda n: Fourier(mean=0.1, cosine=(0.1, 0.2 * n), sine=(0.0, 0.5)),
+        lambda n: Cam(motion="cycloidal", dwell_rad=0.1 * n, **CAM),
         lambda n: Table(
             cylinder_angle_rad=tuple(np.linspace(0.0, math.tau, 9).tolist()),
             coordinate=(0.0, 0.1 * n, 0.2, 0.3, 0.5, 0.3, 0.2, 0.1, 0.0),
@@ -79,6 +86,7 @@ def test_laws_are_what_they_are_made_of(make: Any) -> None:
     assert one == make(1.0)
     assert one != make(2.0)
     assert hash(one) == hash(make(1.0))
+    assert repr(one) == repr(make(1.0)) != repr(make(2.0))
     text = repr(one)
     for item in fields(one):
         assert (f"{item.name}=" in text) is not item.name.startswith("_"), item.name

@@ -52,57 +52,6 @@ def test_gap_and_rate_count_from_the_stop(sense: float, at: float) -> None:
     assert (stop.rate(v[0]), stop.rates(v).tolist()) == (sense * 3.0, [sense * 3.0])
 
 
-REFUSED: dict[str, tuple[dict[str, dict[str, Any]], str]] = {
-    "degrees on a slide": (
-        {"a": {"joint": "x", "at_deg": 3.0}},
-        r"stops\.a\.at_deg = 3\.0 .*on the prismatic joint x is at_mm",
-    ),
-    "millimetres on a hinge": (
-        {"a": {"joint": "turn", "at_mm": 3.0}},
-        r"stops\.a\.at_mm = 3\.0 .*on the revolute joint turn is at_deg",
-    ),
-    "another side": (
-        {"a": {"joint": "x", "side": "left"}},
-        r"stops\.a\.side = 'left' .*one of lower, upper",
-    ),
-    "two on one side": (
-        {"a": {"joint": "x"}, "b": {"joint": "x", "at_mm": 5.0}},
-        r"stops\.b = 'lower stop at 5 mm' .*'a' is on this side of x already",
-    ),
-    "no room": (
-        {"a": {"joint": "x"}, "b": {"joint": "x", "side": "upper"}},
-        r"stops\.b .*x has no room to move between 'b' and 'a'",
-    ),
-    "the upper one below": (
-        {"b": {"joint": "x", "side": "upper", "at_mm": -1.0}, "a": {"joint": "x"}},
-        r"stops\.a .*x has no room to move between 'a' and 'b'",
-    ),
-    "no number": (
-        {"a": {"joint": "x", "at_mm": float("nan")}},
-        r"stops\.a\.at_mm = nan .*a finite number",
-    ),
-}
-
-
-@pytest.mark.parametrize("name", REFUSED)
-def test_mistakes_are_named(name: str) -> None:
-    """Each is one sentence with the key, the value and what is allowed."""
-    stops, message = REFUSED[name]
-    with pytest.raises(ModelError, match=message):
-        stopped(**{key: {"restitution": 0.5, **value} for key, value in stops.items()})
-
-
-def test_both_stops_of_a_joint_cannot_be_closed_at_once() -> None:
-    """A phase with both of them contradicts itself."""
-    stops = {
-        "a": {"joint": "x", "restitution": 0.5},
-        "b": {"joint": "x", "restitution": 0.5, "side": "upper", "at_mm": 5.0},
-    }
-    phases = [{"number": 1, "name": "squeezed", "closed": ["a", "b"]}]
-    with pytest.raises(ModelError, match=r"contradict one another: stop a, stop b"):
-        machine(PARTS, 2, stops=stops, phases=phases)
-
-
 def test_a_stop_beyond_its_contact_at_the_start_is_refused() -> None:
     """A coordinate of zero above an upper stop at -5 mm lies in the wall: by 0.005 m, with advice.
 

@@ -34,6 +34,7 @@ simulate --set stops.knee.restitution=0.1
 simulate --set preloda=3
 simulate no-such-model
 simulate --cycles 0 --window cycle
+simulate --cycles 100000000000000000000 --window cycle
 simulate --window cycle --start-index 0
 simulate --case missing.json
 simulate e62_identified --case case.json
@@ -49,6 +50,7 @@ simulate --restitution 0.1 --set stops.jaw.restitution=0.2
 simulate --out file
 simulate --json missing/x.json
 check no-such-model
+check loop
 check --json - --provenance
 view --json -
 view --html page.html --port 0
@@ -90,9 +92,75 @@ new full
 new file
 new file/press
 """
+SETTINGS = """
+check --set points.lip.x_mm=1
+check --set points.jaw.y_mm=1
+check --set points.jaw=1
+check --set points=1
+check --set points.jaw.x_mm=far
+check --set points.jaw.x_mm=inf
+check --set points.jaw.x_mm=nan
+check --set points.jaw.x_mm=-72 --set points.jaw.radius_mm=100
+check --set points.rod_head.x_mm=-90 --set points.eccentric_pin.x_mm=-91
+check --set points.pendulum_shaft.radius_mm=1
+check --set points.rod_pin.x_mm=-72.6 --set points.rod_pin.z_mm=101.9
+check --set links.rocker.gyration_mm=30 --set links.rocker.inertia_kg_m2=0.0005
+check --set links.rocker.colour=1
+check --set links.lip.mass_kg=1
+check --set links.frame.mass_kg=1
+check --set links.rocker.mass_kg=x
+check --set links.rocker.mass_kg=0
+check --set links.rocker.inertia_kg_m2=1
+check --set links.rocker.inertia_kg_m2=inf
+check --set urdf=1
+check --set urdf.joint=1
+check --set urdf.joint.lip.origin.xyz.x=1
+check --set urdf.joint.jaw.origin.xyz=1
+check --set urdf.joint.jaw.origin.xyz[3]=1
+check --set urdf.joint.jaw.origin=1
+check --set urdf.joint.jaw.type=1
+check --set urdf.link.rocker.inertial.mass.value.x=1
+check --set urdf.link.rocker.inertial.weight=1
+check --set urdf.link.rocker.inertial.mass.value=-1
+check --set urdf.joint.jaw.axis.xyz.z=0.5
+check --set urdf.joint.rocker_pin.origin.xyz.x=0.1832
+check --set stops.jaw.restitution=much
+check --set stops.jaw.restitution=2
+check --set stops.jaw.restitution=nan
+check --set stops.jaw.bounce=1
+check --set stops.lip.restitution=1
+check --set stops.jaw=1
+check --set stop=1
+check --set =1
+check --set phases[3].number=1
+check --set gravity_m_s2.x=1
+check --set 'drives.pendulum.crank_axis_mm=1 2'
+check --set degrees_of_freedom=2
+check --set simultaneous=both
+check --set springs.steeve.file=stiff.csv
+check --set stops.jaw.at_mm=1
+check --set stops.jaw.contact.lower=lip
+check --set stops.jaw.contact.lower=top_plate
+check --set stops.jaw.contact.upper=bottom_lip
+check --set stops.jaw.contact.lower=cylinder_drum
+check --set drives.pendulum.guide_axis_mm[0]=-190.5
+check --set drives.pendulum.guide_axis_mm[1]=-20.000002
+check small --set springs.coil.force_N[3]=1
+check small --set springs.coil.force_N[-1]=1
+check small --set springs.coil.force_N[02]=1
+check small --set springs.coil.force=1
+check small --set springs.coil.force_N[1]=much
+check small --set springs.coil.force_N[1]=nan
+check small --set springs.coil.coordinate_mm[1]=50
+check small --set drives.x.coordinate_rad[8]=1
+check small --set drives.x.ratio=1
+check small --set drives.x.cylinder_angle_deg[4]=80
+check small --set drives.x.coordinate_rad[0]=0.1 --set drives.x.coordinate_rad[7]=0.2
+"""
 TABLES = {
     name: text.strip().splitlines()
     for name, text in {
         "studies": STUDIES, "runs": RUNS, "comparisons": COMPARISONS, "new": NEW,
+        "settings": SETTINGS,
     }.items()
 }  # fmt: skip

@@ -9,6 +9,7 @@ from tests.refusals.bases import Row
 JAW = "restitution = 0.2\ncontact"
 BAR = "crank_radius_mm = 64.0"
 ENDS = '[stops.jaw]\njoint = "jaw"'
+CLOSURE = '[closures.eccentric_pin]\nframe_a = "rod_head"\nframe_b = "eccentric_pin"\n'
 
 # Of the E62: values, keys, and tables that do not fit one another.
 VALUES = {
@@ -67,8 +68,18 @@ VALUES = {
                               "shortcuts.restitution", "stops.jaw.joint"),
     "no TOML": Row(("title = ", "title "), "TOML", ...),
     "no transition stop": Row(('transition_stop = "jaw"', ""), "transition_stop", None),
+    "closure left out": Row((CLOSURE, ""), "degrees_of_freedom", 3),
+    "drives against closures": Row(('joint = "tension_shaft"', 'joint = "nipper_pivot"'), ..., ...),
+    "stops against drives": Row(('closed = ["jaw"]', 'closed = ["jaw", "steeve"]'),
+                                "phases[1].closed", ["jaw", "steeve"]),
     "contact without shapes": Row(('lower = "bottom_lip"', 'lower = "rocker_foot"'),
                                   "link rocker_foot collision", None),
+}  # fmt: skip
+CLOSURES = {
+    "twice": Row((CLOSURE, CLOSURE + CLOSURE.replace("closures.eccentric_pin", "closures.again")),
+                 "closures", ["eccentric_pin x", "eccentric_pin z", "again x", "again z"]),
+    "within one link": Row(('frame_b = "cylinder_axis"', 'frame_b = "rocker_foot"'),
+                           "closures", ["rocker_axis x", "rocker_axis z"]),
 }  # fmt: skip
 NAMES = {
     "joint of a drive": Row(('joint = "tension_shaft"', 'joint = "shaft"'), "joint", "shaft"),
@@ -162,6 +173,20 @@ DRIVES = {
                               "cylinder_angle_deg", "9 rows"),
     "two ends": drive(TABLE.replace(", 0.0]", ", 0.25]"), "cylinder_angle_deg", "9 rows"),
     "cam of more than a turn": drive(CAM, "dwell_deg", 20.0),
+    **{f"cam of a slide: {name}": drive(
+        'joint = "rail", law = "cam", motion = "cycloidal", rise_deg = 200.0, return_deg = 150.0'
+        f"{text}", place, value) for name, text, place, value in (
+            ("no lift", "", "lift_mm", None),
+            ("lift of nothing", ", lift_mm = 0.0", "lift_mm", 0.0),
+            ("lift of a hinge", ", lift_deg = 3.0", "lift_deg", 3.0),
+            ("inertia", ", lift_mm = 3.0, reflected_inertia_kg_m2 = 1.0",
+             "reflected_inertia_kg_m2", 1.0))},
+    "cam that rises at once": drive(CAM.replace("200.0", "0.0"), "rise_deg", 0.0),
+    "motion of a cam": drive(CAM.replace("cycloidal", "harmonic"), "motion", "harmonic"),
+    "series of a hinge on a slide": drive('joint = "rail", law = "fourier", sine_rad = [0.1]',
+                                          "sine_rad", ...),
+    "slide at a constant speed": drive('joint = "rail", law = "constant_speed", ratio = 1.0',
+                                       "joint", "rail"),
     "guide that jams": drive(f"{GUIDE}, guide_offset_mm = -21.0", "guide_offset_mm", -21.0),
     "no crank": drive(GUIDE.replace("30.0,", "0.0,", 1), "crank_radius_mm", 0.0),
     "crank as long as its distance": drive(GUIDE.replace("30.0,", "50.0,", 1),
@@ -216,6 +241,12 @@ STARTS_AND_STOPS = {
     "two lower stops": stop('joint = "rail", at_mm = 3.0', "", "lower stop at 3 mm"),
     "no room between stops": stop('joint = "rail", at_mm = -4.0, side = "upper"', "",
                                   "upper stop at -4 mm"),
+    "place of a stop that is none": stop('joint = "rail", at_mm = nan', ".at_mm", ...),
+    "side of a stop": stop('joint = "rail", side = "left"', ".side", "left"),
+    "upper stop below the lower one": stop('joint = "rail", at_mm = -5.0, side = "upper"', "",
+                                           "upper stop at -5 mm"),
+    "both stops of a joint closed": Row(("closed = []", 'closed = ["low", "high"]'),
+                                        "phases[0].closed", ["high", "low"]),
     "restitution": Row('stops.x = { joint = "axle", restitution = 1.01 }',
                        "stops.x.restitution", 1.01),
     "freedoms": Row(("degrees_of_freedom = 3", "degrees_of_freedom = 1"), "degrees_of_freedom", 1),
@@ -289,6 +320,7 @@ FILES = {
     "above the folder": swings("drives.x.file", "../x.csv", name="../x"),
     "anywhere": swings("drives.x.file", "/tmp/x.csv", name="/tmp/x"),
     "missing": swings("drives.x.file", "y.csv", name="y"),
+    "no text": Row("", ..., ..., {"small.toml": b"\xff\xfe"}),
     "long field": file(HEAD + b"1" * 200_000 + b",1\n", ..., ...),
 }  # fmt: skip
 

@@ -11,7 +11,9 @@ from programs import main
 from snapshots import Words
 
 from nipper_pin import Case, Mechanism, save, save_case, simulate
+from tests.refusals.bases import model
 from tests.refusals.commands import TABLES
+from tests.refusals.descriptions import HEAD, LINES, file, swings
 
 SWEEP = "format = 1\n[parameters.restitution]\nvalues = [0.1, 0.2]\n"
 FREE = "[parameters.restitution]\nlow = 0.05\nhigh = 0.3\n"
@@ -42,6 +44,11 @@ def home(tmp_path_factory: pytest.TempPathFactory, e62: Mechanism) -> Path:
     for name, text in texts.items():
         (folder / name).write_text(text, encoding="utf-8")
     (folder / "broken.npz").write_bytes(b"PK\x03\x04 not an archive")
+    (folder / "loop").symlink_to("loop")
+    coil, swing = file(HEAD + LINES, ..., ...), swings(..., ...)
+    small = model("small", f"{coil.edits}\n{swing.edits}", folder)
+    for name, content in {**coil.files, **swing.files}.items():
+        (small / name).write_bytes(content)
     case = Case(speed_rpm=600.0)
     save_case(e62, case, folder / "case.json")
     for name, window in (("before", "transition"), ("cycle", "cycle"), ("out/solution", "cycle")):

@@ -27,6 +27,7 @@ READ: dict[str, Callable[[str], Any]] = {
 # Base machine or study, kind of error, and rows.
 TABLES: dict[str, tuple[str, type[InputError], dict[str, Row]]] = {
     "values": ("e62", ModelError, toml.VALUES),
+    "closures": ("e62", AssemblyError, toml.CLOSURES),
     "names": ("e62", UnknownNameError, toml.NAMES),
     "springs": ("small", ModelError, toml.SPRINGS),
     "drives": ("small", ModelError, toml.DRIVES),

@@ -12,7 +12,7 @@ INERTIA = 'iyy="0.001142"'
 TYPE = 'name="jaw" type="revolute"'
 FOOT = '<link name="rocker_foot"/>'
 PLATE = '<collision name="bottom_plate">'
-LINK = "link top_nipper"
+LINK, EYE = "link top_nipper", "link rocker_foot"
 SHAPE = "link bottom_nipper collision bottom_lip"
 CLASH = "link bottom_nipper collision name"
 LIMIT = ' lower="-3.2" upper="3.2"'
@@ -37,6 +37,12 @@ def mesh(name: str) -> Row:
 def limit(side: str, old: str, new: str) -> Row:
     return Row((JAW + "\n    <limit" + LIMIT, JAW + "\n    <limit" + LIMIT.replace(old, new)),
                f"joint jaw limit {side}", new.strip('"'))  # fmt: skip
+
+
+def frame(mass: str, about: int) -> str:
+    """The foot of the rocker with a mass and a number for all its inertias."""
+    turning = "".join(f' i{axes}="{about}"' for axes in ("xx", "yy", "zz"))
+    return f'<link name="rocker_foot"><inertial>{mass}<inertia{turning}/></inertial></link>'
 
 
 # Of the E62: numbers that are none (as XML has them), bodies, axes, the tree and shapes.
@@ -90,7 +96,25 @@ URDFS = {
                         '<axis xyz="1 0 0"/><limit/></joint>'), "link x inertial", None),
     "no XML": Row(("</robot>", "</robot"), "XML", ...),
     "no robot": Row(("<robot", "<machine", "</robot>", "</machine>"), "root element", ...),
-    "colour": Row(('rgba="0.62 0.65 0.70 1"', 'rgba="1 x 0 1"'), ..., ...),
+    **{f"colour {text}": Row(('rgba="0.62 0.65 0.70 1"', f'rgba="{text}"'), ..., ...)
+       for text in ("1 x 0 1", "red")},
+    **{f"scale {text!r} of a picture": Row(
+        ('"meshes/rockers.stl"', f'"meshes/rockers.stl" scale="{text}"'), ..., text)
+       for text in ("", "0.001")},
+    **{f"{text} of a joint": Row(
+        (JAW, f"{JAW}<dynamics {text}/>"), f"joint jaw dynamics {key}", found)
+       for text, key, found in (
+           ('damping="0.1" friction="0.2"', "friction", 0.2), ('friction="-1"', "friction", -1.0),
+           ('friction="nan"', "friction", "nan"), ('damping="-0.1"', "damping", -0.1),
+           ('damping="much"', "damping", "much"))},
+    "macro": Row(("<robot", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"',
+                  FOOT, FOOT + '<xacro:finger prefix="l"/>'), "xacro", "<xacro:finger>"),
+    "undeclared macro": Row((FOOT, FOOT + "<xacro:finger/>"), "xacro", "<xacro:"),
+    "expression": Row((FOOT, FOOT.replace("rocker_foot", "${side}_foot")), "xacro", "${side}_foot"),
+    "name that no message can show": Row(
+        ('link name="cylinder_axis"', 'link name="a&#10;b"'), ..., ...),
+    "mass of a frame": Row((FOOT, frame('<mass value="-1e-9"/>', 0)), f"{EYE} mass", -1e-9),
+    "frame that turns without mass": Row((FOOT, frame('<mass value="0"/>', 1)), f"{EYE} mass", 0.0),
 }  # fmt: skip
 URDF_NAMES = {
     "parent": Row((ENDS, ENDS.replace("bottom_nipper", "nipper")), "link", "nipper"),
@@ -107,6 +131,11 @@ def shapes(first: str, second: str, place: str, value: str) -> Row:
     """Two shapes on the lever."""
     names = "".join(f"<collision name='{name}'>{BOX}" for name in (first, second))
     return Row((LEVER, LEVER.replace("<inertial>", names + "<inertial>")), place, value)
+
+
+def whole(text: str, place: object, value: object) -> Row:
+    """The URDF as a whole, in letters of one byte each."""
+    return Row("", place, value, {"small.urdf": text.encode("latin-1")})
 
 
 # What is no mistake.
@@ -131,6 +160,15 @@ SMALL_URDFS = {
         {"package.xml": b"<p>", "x.stl": b""}),
     "two links of one root": Row((ROOT, ROOT + '<link name="x"/><link name="y"/>'),
                                  "root links", ["frame", "x", "y"]),
+    "nothing that resists": Row((BODY, '<mass value="1"/><inertia ixx="0" iyy="0" izz="0"/>'),
+                                "link lever inertia", 0.0),
+    "hinge across the others": Row(('<axis xyz="0 -1 0"/>', '<axis xyz="1 0 0"/>'),
+                                   "joint pivot axis", [1.0, 0.0, 0.0]),
+    "nothing that moves": whole('<robot name="u"><link name="base"/></robot>',
+                                "joints that move", 0),
+    **{f"letters of another encoding than {name}": whole(
+        f'<?xml version="1.0" encoding="{name}"?><robot name="gr\u00f6\u00dfer"/>', ..., ...)
+       for name in ("utf-8", "us-ascii", "klingon", "hex", "utf-16")},
 }  # fmt: skip
 
 
@@ -143,6 +181,14 @@ def chain(count: int = 10_000) -> str:
     )
 
 
+def entity(named: str, what: str) -> Row:
+    """A document type with entities, one of which is a mass."""
+    head = '<?xml version="1.0"?>'
+    return Row(
+        (head, f"{head}<!DOCTYPE robot [{what}]>", MASS, f'<mass value="&{named};"/>'), ..., ...
+    )
+
+
 def shape(content: bytes) -> Row:
     return Row((LIP, '<mesh filename="bad.stl"/>'), ..., ..., {"bad.stl": content})
 
@@ -151,6 +197,9 @@ def shape(content: bytes) -> Row:
 HOSTILE = {
     "deep XML": Row(("</robot>", "<a>" * 10**5 + "</a>" * 10**5 + "</robot>"), ..., ...),
     "chain of links": Row(("</robot>", chain() + "</robot>"), ..., ...),
+    "entity of a file": entity("x", '<!ENTITY x SYSTEM "file:///etc/hostname">'),
+    "entities that explode": entity("a11", '<!ENTITY a0 "aaaaaaaaaa">' + "".join(
+        f'<!ENTITY a{n} "{f"&a{n - 1};" * 10}">' for n in range(1, 12))),
     "formula as a name": Row((TYPE, TYPE.replace("jaw", "=jaw")), ..., "=jaw"),
     "mesh cut off": shape(b"solid x\nfacet normal nan"),
     "mesh of no length": shape(b"\0" * 80 + b"\xff\xff\xff\x7f" + b"\0" * 10),
