@@ -14,10 +14,8 @@ from typing import Any
 import numpy as np
 
 from nipper_pin.arrays import FloatArray
-from nipper_pin.dynamics.assembly import close_positions, close_velocities
+from nipper_pin.dynamics import ShaftMotion, System, close_positions, close_velocities
 from nipper_pin.dynamics.multipliers import multipliers
-from nipper_pin.dynamics.shaft import ShaftMotion
-from nipper_pin.dynamics.system import System
 from nipper_pin.hybrid.case import Case, Window
 from nipper_pin.hybrid.event import EventKind
 from nipper_pin.hybrid.simulate import simulate

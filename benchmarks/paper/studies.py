@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from nipper_pin.arrays import FloatArray
-from nipper_pin.dynamics.system import DriveMode
+from nipper_pin.dynamics import DriveMode
 from nipper_pin.errors import InputError, SimulationError
 from nipper_pin.mechanism import Mechanism
 from nipper_pin.study.cases import cases_of

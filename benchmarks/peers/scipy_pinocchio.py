@@ -10,11 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from nipper_pin.arrays import FloatArray
-from nipper_pin.dynamics.assembly import close_positions
-from nipper_pin.dynamics.impact import collide
-from nipper_pin.dynamics.multibody import INFINITE_INERTIA
-from nipper_pin.dynamics.shaft import ShaftMotion
-from nipper_pin.dynamics.system import System
+from nipper_pin.dynamics import INFINITE_INERTIA, ShaftMotion, System, close_positions, collide
 from nipper_pin.hybrid.run.start import initial_state
 from nipper_pin.mechanism import Mechanism, rad_s_from_rpm
 

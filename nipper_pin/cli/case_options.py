@@ -10,7 +10,7 @@ import argparse
 from dataclasses import replace
 from typing import Any
 
-from ..dynamics.system import DriveMode
+from ..dynamics import DriveMode
 from ..errors import InputError
 from ..given import read_number
 from ..hybrid.case import START_INDEX, Case, Window

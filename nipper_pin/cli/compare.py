@@ -6,7 +6,7 @@ import argparse
 import shlex
 from typing import Any
 
-from ..dynamics.system import DriveMode
+from ..dynamics import DriveMode
 from ..errors import InputError
 from ..extras import require
 from ..given import read_number

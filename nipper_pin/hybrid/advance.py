@@ -13,9 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import FloatArray
-from ..dynamics.assembly import Partition, close_positions
-from ..dynamics.constraint_set import ConstraintSet
-from ..dynamics.system import System
+from ..dynamics import ConstraintSet, Partition, System, close_positions
 from ..errors import ConvergenceError, ElementError, SimulationError, SingularConfigurationError
 from ..mechanism import Stop
 from ..tolerances.hybrid import ROOT_GAP_ROUND_OFF, SHORTEST_PANEL

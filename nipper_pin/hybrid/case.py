@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
 
-from ..dynamics.system import DriveMode
+from ..dynamics import DriveMode
 from ..errors import InputError
 from ..given import LARGEST, flag, number, refuse, whole
 from ..tolerances.hybrid import LARGEST_TOLERANCE, LEAST_TOLERANCE

@@ -5,8 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from ..dynamics.shaft import ShaftMotion
-from ..dynamics.system import System
+from ..dynamics import ShaftMotion, System
 from ..errors import InputError
 from ..mechanism import Mechanism, need_mechanism
 from ..mechanism.cylinder import rad_s_from_rpm

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from ..arrays import FloatArray
-from ..dynamics.shaft import Driven
+from ..dynamics import Driven
 from .contact.bounce_series import BounceSeries
 from .contact.complementarity import Closed
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from weakref import WeakKeyDictionary
 
-from ..dynamics.system import DriveMode
+from ..dynamics import DriveMode
 from ..mechanism import Mechanism
 from .model import ReducedModel
 from .sampling import build

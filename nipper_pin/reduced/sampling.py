@@ -7,9 +7,7 @@ import math
 import numpy as np
 
 from ..arrays import FloatArray
-from ..dynamics.assembly import Partition, partition
-from ..dynamics.shaft import ShaftMotion
-from ..dynamics.system import DriveMode, System
+from ..dynamics import DriveMode, Partition, ShaftMotion, System, partition
 from ..dynamics.touch import assemble
 from ..errors import InputError, NipperError
 from ..given import LARGEST, flag, number

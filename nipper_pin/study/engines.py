@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Literal, TypeVar
 
-from ..dynamics.system import DriveMode
+from ..dynamics import DriveMode
 from ..errors import InputError, NipperError
 
 Engine = Literal["auto", "direct", "reduced"]

@@ -7,11 +7,9 @@ from collections.abc import Collection, Iterable
 import numpy as np
 
 from ...arrays import FloatArray
-from ...dynamics.constraint_set import ConstraintSet
+from ...dynamics import ConstraintSet, Driven, System
 from ...dynamics.moving_mass import force_size, impulse_sizes
 from ...dynamics.pivoting import complementary, delassus, independent
-from ...dynamics.shaft import Driven
-from ...dynamics.system import System
 from ...errors import SimulationError
 from ...mechanism import Stop
 from ...tolerances.hybrid import ACCELERATION_LOOKAHEAD, ACTIVE_SET_ROUND_OFF

@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterable
 import numpy as np
 
 from ...arrays import FloatArray
-from ...dynamics.system import System
+from ...dynamics import System
 from ...mechanism import Stop
 from ...tolerances.hybrid import GAP_ROUND_OFF
 from ...tolerances.mechanics import STILL_GAP_RATE

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import FloatArray
-from ...dynamics.system import System
+from ...dynamics import System
 from ..event import Event
 from .zonotope import Deviations
 

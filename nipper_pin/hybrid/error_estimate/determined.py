@@ -11,8 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import FloatArray
-from ...dynamics.assembly import Partition, close_velocities
-from ...dynamics.system import System
+from ...dynamics import Partition, System, close_velocities
 from ...tolerances.hybrid import (
     ANGLE_ROUND_OFF,
     DIFFERENCE_STEP,

@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...dynamics.system import System
+from ...dynamics import System
 from ...tolerances.hybrid import (
     CLOCK_ROUND_OFF,
     RATE_ROUND_OFF,

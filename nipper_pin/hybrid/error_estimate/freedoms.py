@@ -14,9 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import FloatArray
-from ...dynamics.assembly import Partition
-from ...dynamics.constraint_set import ConstraintSet
-from ...dynamics.system import System
+from ...dynamics import ConstraintSet, Partition, System
 from ...mechanism import Stop
 from ...tolerances.hybrid import DIFFERENCE_STEP, SMALLEST
 

@@ -10,9 +10,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import FloatArray
+from ...dynamics import System
 from ...dynamics.moving_mass import impact_condition, impulse_sizes
 from ...dynamics.strike import same_by_every_law
-from ...dynamics.system import System
 from ...errors import ImpactError, SingularConfigurationError
 from ...mechanism import Stop
 from ...tolerances.mechanics import EPS

@@ -10,9 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import FloatArray
-from ...dynamics.assembly import Partition, inverted
-from ...dynamics.constraint_set import ConstraintSet
-from ...dynamics.system import System
+from ...dynamics import ConstraintSet, Partition, System, inverted
 from ...tolerances.hybrid import (
     INDEPENDENT_ROUND_OFF,
     LOCAL_ERROR_SAFETY,

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import FloatArray
-from ...dynamics.system import System
+from ...dynamics import System
 from ...errors import SingularConfigurationError
 from ...tolerances.mechanics import EPS
 from ..event import Event

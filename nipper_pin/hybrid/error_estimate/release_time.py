@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...dynamics.constraint_set import ConstraintSet
+from ...dynamics import ConstraintSet, System
 from ...dynamics.multipliers import multipliers
-from ...dynamics.system import System
 from ...tolerances.hybrid import COORDINATE_ROUND_OFF, FORCE_SLOPE_STEP
 from ..motion.panel import Panel, forces_at
 from .by_part import Part

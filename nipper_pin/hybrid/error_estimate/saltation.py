@@ -15,8 +15,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...arrays import FloatArray
-from ...dynamics.assembly import Partition
-from ...dynamics.system import System
+from ...dynamics import Partition, System
 from ...mechanism import Stop
 from .freedoms import Freedoms
 from .variational import lifts, tangents

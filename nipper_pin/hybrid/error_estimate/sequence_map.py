@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...arrays import FloatArray
+from ...dynamics import System
 from ...dynamics.strike import strike
-from ...dynamics.system import System
 from ...mechanism import Stop
 from ...tolerances.hybrid import DIFFERENCE_STEP
 from .freedoms import Freedoms

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import FloatArray
-from ...dynamics.system import System
+from ...dynamics import System
 from ...tolerances.hybrid import NEGLIGIBLE_DEVIATION
 from ..event import Event
 from ..segment import Segment

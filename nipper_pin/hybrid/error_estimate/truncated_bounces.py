@@ -16,8 +16,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import FloatArray
-from ...dynamics.assembly import close_velocities
-from ...dynamics.system import System
+from ...dynamics import System, close_velocities
 from ...tolerances.hybrid import DIFFERENCE_STEP, SMALLEST
 from ..event import Event
 

@@ -18,9 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import FloatArray
-from ...dynamics.assembly import Partition, close_velocities
-from ...dynamics.constraint_set import ConstraintSet
-from ...dynamics.system import System
+from ...dynamics import ConstraintSet, Partition, System, close_velocities
 from ..motion.chebyshev import evaluate_motion, nodes
 from ..motion.panel import Panel
 from .freedoms import Freedoms, free_coordinates

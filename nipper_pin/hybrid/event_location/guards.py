@@ -11,9 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import FloatArray, product
-from ...dynamics.constraint_set import ConstraintSet
+from ...dynamics import ConstraintSet, System
 from ...dynamics.moving_mass import force_size
-from ...dynamics.system import System
 from ...errors import SimulationError
 from ...mechanism import Stop
 from ...tolerances.hybrid import (

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import FloatArray
-from ...dynamics.system import System
+from ...dynamics import System
 from ...mechanism import Stop
 from ...tolerances.hybrid import GAP_ROUND_OFF, SOONEST_SHARE
 from ..motion.chebyshev import nodes

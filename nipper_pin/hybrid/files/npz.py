@@ -20,8 +20,7 @@ import msgspec
 import numpy as np
 
 from ...arrays import FloatArray
-from ...dynamics.assembly import Partition
-from ...dynamics.shaft import ShaftMotion
+from ...dynamics import Partition, ShaftMotion
 from ...errors import InputError
 from ...mechanism import Mechanism, from_sources, model_folder, need_as_written
 from ...outputs import complete_file

@@ -10,10 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import FloatArray
-from ...dynamics.assembly import Partition, partition
-from ...dynamics.constraint_set import ConstraintSet
+from ...dynamics import ConstraintSet, Partition, System, partition
 from ...dynamics.small_systems import same_sign
-from ...dynamics.system import System
 from ...errors import SingularConfigurationError
 from .panel import Panel
 

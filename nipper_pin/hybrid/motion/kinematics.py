@@ -8,14 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import FloatArray, largest, product
-from ...dynamics.assembly import (
-    Partition,
-    close_positions,
-    close_velocities,
-)
-from ...dynamics.constraint_set import ConstraintSet
+from ...dynamics import ConstraintSet, Partition, System, close_positions, close_velocities
 from ...dynamics.multipliers import multipliers
-from ...dynamics.system import System
 from ...errors import SingularConfigurationError
 from ...tolerances.hybrid import (
     CLOCK_ROUND_OFF,

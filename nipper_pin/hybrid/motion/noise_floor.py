@@ -11,8 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import FloatArray
-from ...dynamics.constraint_set import ConstraintSet
-from ...dynamics.system import System
+from ...dynamics import ConstraintSet, System
 from ...tolerances.hybrid import COORDINATE_ROUND_OFF
 
 

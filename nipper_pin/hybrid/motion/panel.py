@@ -8,11 +8,16 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import FloatArray, product
-from ...dynamics.assembly import Partition, close_positions, close_velocities, inverses
-from ...dynamics.constraint_set import ConstraintSet
+from ...dynamics import (
+    ConstraintSet,
+    Driven,
+    Partition,
+    System,
+    close_positions,
+    close_velocities,
+    inverses,
+)
 from ...dynamics.multipliers import Multipliers, multipliers
-from ...dynamics.shaft import Driven
-from ...dynamics.system import System
 from ...tolerances.hybrid import COORDINATE_ROUND_OFF, SMALLEST
 from .chebyshev import evaluate, evaluate_motion, motion_weights, nodes, value_weights
 

@@ -12,9 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
-from ...dynamics.constraint_set import ConstraintSet
-from ...dynamics.elements import Elements
-from ...dynamics.system import System
+from ...dynamics import ConstraintSet, Elements, System
 from ..case import Resolution
 from .chebyshev import nodes
 from .panel import Panel

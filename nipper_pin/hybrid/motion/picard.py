@@ -5,9 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import FloatArray
-from ...dynamics.assembly import Partition
-from ...dynamics.constraint_set import ConstraintSet
-from ...dynamics.system import System
+from ...dynamics import ConstraintSet, Partition, System
 from ...errors import SimulationError
 from ...tolerances.hybrid import ITERATION_FLOOR
 from ..case import Resolution

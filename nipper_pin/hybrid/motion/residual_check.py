@@ -14,9 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import FloatArray
-from ...dynamics.constraint_set import ConstraintSet
-from ...dynamics.elements import Elements
-from ...dynamics.system import System
+from ...dynamics import ConstraintSet, Elements, System
 from ...tolerances.hybrid import ROUND_OFF_SAFETY, SMALLEST
 from .chebyshev import nodes
 from .noise_floor import roughness

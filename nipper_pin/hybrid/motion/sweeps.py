@@ -8,8 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from ...arrays import FloatArray, largest, product
-from ...dynamics.constraint_set import ConstraintSet
-from ...dynamics.system import System
+from ...dynamics import ConstraintSet, System
 from ...tolerances.hybrid import (
     COORDINATE_ROUND_OFF,
     ITERATION_FLOOR,

@@ -9,9 +9,7 @@ from functools import cache
 import numpy as np
 
 from ...arrays import FloatArray
-from ...dynamics.constraint_set import ConstraintSet
-from ...dynamics.impact import drive_impulses
-from ...dynamics.system import System
+from ...dynamics import ConstraintSet, System, drive_impulses
 from ...tolerances.hybrid import ENERGY_AGREEMENT
 from ..event import Event, found_after
 from ..motion.panel import Panel, forces_at

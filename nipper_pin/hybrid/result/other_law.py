@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from ...dynamics import System
 from ...dynamics.strike import same_by_every_law, strike
-from ...dynamics.system import System
 from ...errors import ImpactError
 from ...mechanism import Simultaneous, Stop
 from ...tolerances.mechanics import FAINT_GAP_RATE

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...dynamics.system import System
+from ...dynamics import System
 from ...errors import SimulationError
 from ...tolerances.hybrid import DECISION_TOLERANCE, REST_BEFORE_TOUCH, SAME_ASSEMBLY
 from ..case import Resolution, Window

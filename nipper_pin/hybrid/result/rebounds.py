@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...dynamics.system import System
+from ...dynamics import System
 from ...mechanism import Stop
 from ..advance import advance
 from ..case import Case

@@ -7,8 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from ...arrays import FloatArray
-from ...dynamics.shaft import ShaftMotion
-from ...dynamics.system import System
+from ...dynamics import ShaftMotion, System
 from ...mechanism import Mechanism
 from ...mechanism.parallel import led
 from ..case import Case

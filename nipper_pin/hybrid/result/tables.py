@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from ...dynamics.system import System
+from ...dynamics import System
 from ..event import Event, EventKind
 from .rebounds import Rebounds
 

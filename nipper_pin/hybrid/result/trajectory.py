@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...arrays import FloatArray
-from ...dynamics.system import System
+from ...dynamics import System
 from ...errors import InputError
 from ...given import refuse
 from ...mechanism import Mechanism

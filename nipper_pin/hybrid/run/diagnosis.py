@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...dynamics.assembly import weakest
-from ...dynamics.system import System
+from ...dynamics import System, weakest
 from ...errors import ConvergenceError, SimulationError, SingularConfigurationError
 from ..state import State
 

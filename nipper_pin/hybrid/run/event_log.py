@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from ...arrays import FloatArray
-from ...dynamics.impact import Impact
+from ...dynamics import Impact
 from ..contact.complementarity import Closed
 from ..event import Event, EventKind
 from ..state import State

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...arrays import FloatArray
-from ...dynamics.system import System
+from ...dynamics import System
 from ...mechanism import Mechanism
 from ...tolerances.hybrid import SAME_POSITION, SAME_RATE
 from ..segment import Segment

@@ -8,9 +8,8 @@ from collections.abc import Collection, Set
 import numpy as np
 
 from ...arrays import FloatArray
-from ...dynamics.impact import Impact, no_impact
+from ...dynamics import Impact, System, no_impact
 from ...dynamics.strike import strike
-from ...dynamics.system import System
 from ...errors import SimulationError
 from ...tolerances.hybrid import TIME_ROUND_OFF
 from ..advance import advance

@@ -7,7 +7,7 @@ from math import ceil, tau
 
 import numpy as np
 
-from ...dynamics.system import System
+from ...dynamics import System
 from ...dynamics.touch import assemble, touch
 from ...errors import ConvergenceError, InputError, SimulationError, SingularConfigurationError
 from ...mechanism import Start, Stop

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import FloatArray
-from ...dynamics.system import System
+from ...dynamics import System
 from ...errors import SimulationError
 from ...hybrid.error_estimate.determined import at_start
 from ...mechanism import Mechanism, Stop

@@ -22,9 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import FloatArray
-from ...dynamics.assembly import Partition, close_positions, close_velocities
-from ...dynamics.multibody import INFINITE_INERTIA
-from ...dynamics.system import System
+from ...dynamics import INFINITE_INERTIA, Partition, System, close_positions, close_velocities
 from ...mechanism import Stop
 from .resistance import Rates, inertial_forces, mass_times, resisted
 

@@ -11,8 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import FloatArray
-from ...dynamics.multibody import INFINITE_INERTIA
-from ...dynamics.system import System
+from ...dynamics import INFINITE_INERTIA, System
 from ...mechanism import Mechanism
 from ...mechanism.cylinder import rad_s_from_rpm
 

@@ -13,9 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import FloatArray
-from ...dynamics.assembly import partition
-from ...dynamics.shaft import ShaftMotion
-from ...dynamics.system import System
+from ...dynamics import ShaftMotion, System, partition
 from ...errors import InputError, SimulationError
 from ...mechanism import Mechanism, Stop
 from ...tolerances.mechanics import EPS, KNOT_ANGLE

@@ -8,8 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...arrays import FloatArray
-from ...dynamics.shaft import ShaftMotion
-from ...dynamics.system import System
+from ...dynamics import ShaftMotion, System
 from ...errors import InputError
 from ...hybrid.run.periodicity import comes_back
 from ...hybrid.run.start import initial_state

@@ -8,7 +8,7 @@ from importlib.metadata import PackageNotFoundError, version
 
 import msgspec
 
-from ...dynamics.system import DriveMode
+from ...dynamics import DriveMode
 from ...errors import InputError
 from .axes import Axis
 

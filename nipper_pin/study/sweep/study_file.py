@@ -13,7 +13,7 @@ import msgspec
 import numpy as np
 from msgspec import Meta
 
-from ...dynamics.system import DriveMode
+from ...dynamics import DriveMode
 from ...errors import InputError, NipperError
 from ...mechanism import Mechanism, from_sources
 from ...mechanism.edit.overrides import apply_overrides

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from numpy.typing import ArrayLike
 
-from ...dynamics.system import DriveMode
+from ...dynamics import DriveMode
 from ...extras import installed
 from ...mechanism import Mechanism, need_mechanism
 from ...reduced import ReducedModel, reduced_model, unfit

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import FloatArray
-from ...dynamics.system import DriveMode
+from ...dynamics import DriveMode
 from ...errors import NipperError, SimulationError
 from ...hybrid.case import Case, Resolution
 from ...mechanism import Mechanism

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from numpy.typing import ArrayLike
 
-from ...dynamics.system import DriveMode
+from ...dynamics import DriveMode
 from ...errors import InputError
 from ...extras import installed
 from ...given import LARGEST, flag, number, whole

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ...dynamics.system import DriveMode
+from ...dynamics import DriveMode
 from ...errors import NipperError
 from ...hybrid.case import START_INDEX, Case, Resolution, Window
 from ...hybrid.result.solution import Solution

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ...dynamics.system import DriveMode
+from ...dynamics import DriveMode
 from ...hybrid.case import Window
 from ...hybrid.result.solution import Solution
 from ...hybrid.result.turns import INDICES

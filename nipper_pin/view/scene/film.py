@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import FloatArray
-from ...dynamics.assembly import close_positions, partition
+from ...dynamics import close_positions, partition
 from ...errors import ConvergenceError, InputError, SingularConfigurationError
 from ...given import number
 from ...hybrid.result.solution import Solution

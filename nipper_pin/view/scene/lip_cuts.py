@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import FloatArray
-from ...dynamics.multibody import Multibody
+from ...dynamics import Multibody
 from .meshes import mesh_of
 from .sections import section
 from .solids import FIXED, Solid

@@ -20,7 +20,7 @@ import numpy as np
 from benchmarks.stress.machines.parts import Source
 from benchmarks.stress.machines.small_machines import four_bar
 from nipper_pin import Case, SimulationError, Window, simulate
-from nipper_pin.dynamics.assembly import weakest
+from nipper_pin.dynamics import weakest
 from nipper_pin.mechanism import from_sources
 
 GROUND, CRANK = 0.10, 0.04

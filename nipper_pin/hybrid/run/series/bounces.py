@@ -9,9 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ....arrays import FloatArray
-from ....dynamics.assembly import close_positions, close_velocities
-from ....dynamics.impact import arrest
-from ....dynamics.system import System
+from ....dynamics import System, arrest, close_positions, close_velocities
 from ....errors import (
     ConvergenceError,
     ElementError,

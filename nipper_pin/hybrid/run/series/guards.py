@@ -6,7 +6,7 @@ from collections.abc import Collection
 from math import inf
 
 from ....arrays import FloatArray
-from ....dynamics.system import System
+from ....dynamics import System
 from ...state import State
 
 UNKNOWN = inf, inf

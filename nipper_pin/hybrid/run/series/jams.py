@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Sequence
 
 from ....arrays import FloatArray
-from ....dynamics.system import System
+from ....dynamics import System
 from ....errors import ImpactError
 from ....mechanism import Mechanism
 from ....tolerances.hybrid import JAM_SLOWING, SIMULTANEOUS, SLOWEST_JAM_RATE

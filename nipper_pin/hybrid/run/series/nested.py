@@ -7,7 +7,7 @@ from math import inf, isfinite
 from typing import NamedTuple
 
 from ....arrays import FloatArray
-from ....dynamics.system import System
+from ....dynamics import System
 from ....mechanism import Stop
 from ....tolerances.hybrid import DROPPED_SERIES, NESTED_AT_LAST, SIMULTANEOUS
 from ...case import Case

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ....dynamics.system import System
+from ....dynamics import System
 from ...case import Case
 from ...event import Event
 from .bounces import Bounces

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from ....dynamics.impact import arrest
-from ....dynamics.system import System
+from ....dynamics import System, arrest
 from ....errors import ImpactError, SingularConfigurationError
 from ...contact.complementarity import Closed, pressed
 from ...state import State

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import NamedTuple, Protocol, TypeVar
 
 from ....arrays import FloatArray
-from ....dynamics.impact import Impact
+from ....dynamics import Impact
 from ....mechanism import Stop
 from ...contact.bounce_series import BounceSeries
 from ...contact.complementarity import Closed

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 
 from ....arrays import FloatArray
-from ....dynamics.system import System
+from ....dynamics import System
 from ....mechanism import Stop
 from ....tolerances.hybrid import VANISHED_REBOUND
 from ...case import Case

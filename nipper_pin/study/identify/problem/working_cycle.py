@@ -14,10 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ....arrays import FloatArray
-from ....dynamics.assembly import close_positions, close_velocities, partition
+from ....dynamics import ShaftMotion, System, close_positions, close_velocities, partition
 from ....dynamics.multipliers import multipliers
-from ....dynamics.shaft import ShaftMotion
-from ....dynamics.system import System
 from ....errors import InputError, SimulationError
 from ....mechanism import Mechanism
 from ....mechanism.cylinder import rad_s_from_rpm

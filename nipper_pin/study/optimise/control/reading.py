@@ -10,8 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ....dynamics.shaft import ShaftMotion
-from ....dynamics.system import System
+from ....dynamics import ShaftMotion, System
 from ....errors import SimulationError
 from ....hybrid.case import Case, Window
 from ....hybrid.event import Event, EventKind

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ....dynamics.system import DriveMode
+from ....dynamics import DriveMode
 from ....errors import SimulationError
 from ....hybrid.case import START_INDEX
 from ....mechanism import Mechanism
