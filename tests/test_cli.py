@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import json
 import math
-import re
 import shutil
 import subprocess
 import sys
@@ -13,9 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from nipper_pin import Case, Window, load, load_solution, simulate
+from nipper_pin import Case, Window, load, load_solution, record, simulate
 from nipper_pin.cli import main
-from nipper_pin.hybrid.result.json_document import record
 
 HERE = Path(__file__).parent
 COMMAND = [sys.executable, "-c", "import sys; from nipper_pin.cli import main; sys.exit(main())"]
@@ -73,13 +71,6 @@ def test_values_reach_the_model(capsys: pytest.CaptureFixture[str]) -> None:
     assert lighter["impulse_N_s"] < first["impulse_N_s"]
 
 
-PARTS = {
-    "transition": ("Transition", "Collisions of stop jaw", "Phases", "Forces", "Checks and work"),
-    "cycle": ("Transition", "Collisions of stop steeve", "Collisions of stop jaw", "Phases",
-              "Releases", "Forces", "Checks and work"),
-}  # fmt: skip
-
-
 @pytest.mark.parametrize(
     "given", [["--window", "transition"], ["--window=transition"], ["--out", "run"], ["--out=run"]]
 )
@@ -94,49 +85,6 @@ def test_the_command_of_whole_turns_writes_over_nothing(
     last = capsys.readouterr().out.rstrip().splitlines()[-1]
     kept = "e62 --set stops.jaw.restitution=0.25"
     assert last == f"Next: nipper-pin simulate {kept} --window cycle"
-
-
-@pytest.mark.parametrize("window", PARTS)
-def test_simulate_prints_every_part(window: str, capsys: pytest.CaptureFixture[str]) -> None:
-    """From the title to the sentence how it ended: no part is missing, empty or only its heading,
-    and every collision has a row in which every column is filled."""
-    assert main(["simulate", "--speed", "650", "--window", window, "--forces"]) == 0
-    out, err = capsys.readouterr()
-    assert err == ""
-    lines = out.rstrip().splitlines()
-    mechanism = load("e62")
-    solution = simulate(mechanism, Case(speed_rpm=650.0, window=Window(window)))
-    assert lines[0] == mechanism.title
-    # The last line is the command to run next; the sentence how it ended stands above.
-    assert lines[-2] == solution.outcome.value
-    assert (
-        lines[-1]
-        == {
-            "transition": "Next: nipper-pin simulate --speed 650 --forces --window cycle",
-            "cycle": "Next: nipper-pin view e62 --speed 650.0 --html e62.html",
-        }[window]
-    )
-    places = [
-        next(row for row, line in enumerate(lines) if line.startswith(part))
-        for part in PARTS[window]
-    ]
-    assert places == sorted(places)
-    for begin, end in zip(places, [*places[1:], len(lines)], strict=True):
-        assert sum(bool(line.strip()) for line in lines[begin:end]) >= 2
-    rows = [line.split() for line in lines if re.match(r" *\d+ +\d+\.\d{3} ", line)]
-    shown = {hit.number: f"{hit.index:.3f}" for hit in solution.collisions}
-    # The smallest rebounds are counted in a line for each stop.
-    told = {int(row[0]): row[1] for row in rows}
-    counted = [int(n) for n in re.findall(r"^(\d+) more rebounds? below ", out, re.M)]
-    assert told.items() <= shown.items()
-    assert len(told) + sum(counted) == len(shown)
-    assert {len(row) for row in rows} == {9}
-    begin = places[PARTS[window].index("Phases")]
-    end = places[PARTS[window].index("Phases") + 1]
-    phases = [line for line in lines[begin:end] if re.search(r" \d+\.\d{3}$", line)]
-    assert len(phases) == len(solution.phases)
-    for line, phase in zip(phases, solution.phases, strict=True):
-        assert line.startswith((f"{phase.number} ", "jaw open, steeve bounces"))
 
 
 def test_numbers_with_shortcuts_are_in_the_document(
@@ -223,47 +171,6 @@ def test_out_writes_everything_and_the_case_repeats_the_run(tmp_path: Path) -> N
     again = run("simulate", "--case", str(folder / "case.json"), "--json", "-", cwd=tmp_path)
     times = [item["rebound_time_s"] for item in json.loads(again.stdout)["collisions"]]
     assert times == [item.rebound_time for item in solution.collisions]
-
-
-def test_motion_has_both_limits_of_a_collision(tmp_path: Path) -> None:
-    folder = tmp_path / "run"
-    assert main(["simulate", "--speed", "650", "--out", str(folder), "--json", "-"]) == 0
-    with (folder / "motion.csv").open(newline="") as stream:
-        rows = list(csv.DictReader(stream))
-    solution = load_solution(folder / "solution.npz")
-    second = solution.collisions[1]
-    left, right = (row for row in rows if float(row["t_s"]) == second.t)
-    assert (left["limit"], right["limit"]) == ("left", "right")
-    assert float(left["jaw_rate_rad_s"]) == pytest.approx(second.approach_rate, rel=1e-11)
-    assert float(right["jaw_rate_rad_s"]) == pytest.approx(second.separation_rate, rel=1e-11)
-
-
-def test_check_tells_timing_and_clearances(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["check", "e62", "--speed", "650", "--json", "-"]) == 0
-    document = json.loads(capsys.readouterr().out)
-    assert document["mobility"] == 3
-    assert document["closing_index"] == pytest.approx(34.0, abs=0.3)
-    assert 7.0 < document["opening_index"] < 9.5
-    assert [item["stop"] for item in document["releases"]] == ["steeve"]
-    assert not any(item["interferes"] for item in document["clearances"])
-    assert main(["check", "e62"]) == 0
-    text = capsys.readouterr().out
-    assert "mobility 3" in text
-    assert "closes at index 34.04" in text
-
-
-def test_a_headless_run_imports_no_viewer() -> None:
-    """A simulation to JSON pays for no plot, table or mesh library."""
-    program = (
-        "import sys; from nipper_pin.cli import main; main(['simulate', '--json', '-']); "
-        "loaded = {n.partition('.')[0] for n in sys.modules}; "
-        "sys.stderr.write(' '.join(sorted(loaded & {'matplotlib', 'rich', 'meshcat', 'yourdfpy', "
-        "'trimesh', 'pandas', 'scipy'})))"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=True
-    )
-    assert done.stderr == ""
 
 
 def test_many_turns_repeat(capsys: pytest.CaptureFixture[str]) -> None:

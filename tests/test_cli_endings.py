@@ -146,20 +146,6 @@ def test_what_contradicts_itself_is_printed_and_status_1(
     assert err.count("\n") == 1
 
 
-def test_what_check_ends_with(capsys: pytest.CaptureFixture[str]) -> None:
-    """The next steps carry the user's own words; the start stands where a turn is followed."""
-    words = "--set preload=9.25 --set stops.jaw.restitution=0.1 --stiffness 1e4 --speed 500"
-    assert main(["check", "e62", *words.split(), "--start-index", "20.5"]) == 0
-    steps = [line for line in capsys.readouterr().out.splitlines() if ": nipper-pin " in line]
-    typed = f"e62 {words.replace('1e4', '10000.0').replace('500', '500.0')}"
-    start = "--start-index 20.5"
-    assert steps == [
-        f"Run next: nipper-pin simulate {typed}",
-        f"Then: nipper-pin simulate {typed} --window cycle {start}",
-        f"Look at it: nipper-pin view {typed} {start} --html e62.html",
-    ]
-
-
 def test_control_characters_are_written_out(capsys: pytest.CaptureFixture[str]) -> None:
     """A name with a line break or an escape sequence stays one line that a terminal shows."""
     assert main(["check", "no\n\x1b[31m\tmodel é"]) == 2

@@ -97,8 +97,11 @@ def test_without_the_extras_the_numbers_are_the_same(
 
 
 def test_a_run_imports_nothing_of_the_extras(tmp_path: Path) -> None:
+    """Nor does one that writes JSON alone pay for tables."""
     code = (
         "import sys\nfrom nipper_pin.cli import main\n"
+        "assert main(['simulate', '--json', '-']) == 0\n"
+        "assert not {'rich', 'scipy'} & sys.modules.keys()\n"
         "for words in ('simulate e62', 'simulate --window cycle --json a', 'check', 'new b'):\n"
         "    assert main(words.split()) == 0\n"
         f"print(sorted(set({MODULES!r}) & sys.modules.keys()), file=sys.stderr)\n"
@@ -129,6 +132,7 @@ MISSING = [
 ]
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(
     ("extra", "module", "command"), MISSING, ids=lambda item: item if item in MODULES else item[0]
 )

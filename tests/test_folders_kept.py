@@ -110,14 +110,23 @@ ONLY_NAMED = ("a pipe", "a folder with a pipe", "a socket")
 def test_what_a_folder_holds_stays(
     name: str, how: str, target: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Links are not followed, neither to be copied nor to be written, and nothing outside moves."""
+    """Links are not followed, neither to be copied nor to be written, and nothing outside moves.
+
+    An old file that is not made anew goes; the folder has the permissions that it had.
+    """
     KEPT[name](target / name)
+    target.chmod(0o750)
     before, outside = described(target), described(target.parent / "ours")
     prepared(how, target, monkeypatch)
     with complete_folder(target, ("a", "b")) as new:
         (new / "b").write_text("new")
     del before["a"]
     assert described(target) == {**before, "b": (0o100644, "new")}
+    assert stat.S_IMODE(target.stat().st_mode) == 0o750
+    # Whoever is in the folder still is.
+    assert how != "working directory" or set(os.listdir()) == {
+        item.name for item in target.iterdir()
+    }
     assert described(target.parent / "ours") == outside
     assert (target.parent / "mine").read_text() == "mine"
     assert sorted(item.name for item in target.parent.iterdir()) == ["mine", "ours", "out"]

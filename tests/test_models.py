@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 
 from nipper_pin import Case, Mechanism, Outcome, Solution, Window, load, simulate, transition_table
-from nipper_pin.cli import main
 from nipper_pin.mechanism import known_models
 from nipper_pin.mechanism.files.schema import model_schema
 from nipper_pin.study.check import check_model
@@ -120,22 +119,6 @@ def test_reduced_engine_solves_them_too(name: str) -> None:
     np.testing.assert_allclose(table.duration[::20], direct.duration, rtol=1e-9)
 
 
-@pytest.mark.parametrize("name", OTHERS)
-def test_commands_work_on_them(
-    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    page, folder = tmp_path / "page.html", tmp_path / "run"
-    assert main(["check", name]) == 0
-    assert main(["simulate", name, "--out", str(folder)]) == 0
-    assert main(["simulate", name, "--restitution", "0.1", "--stiffness", "7000"]) == 0
-    assert main(["view", name, "--window", "cycle", "--html", str(page)]) == 0
-    assert "Run next: nipper-pin simulate" in capsys.readouterr().out
-    assert {"solution.npz", "motion.png", "collisions.csv"} <= {
-        item.name for item in folder.iterdir()
-    }
-    assert page.stat().st_size > 100_000
-
-
 def point(mechanism: Mechanism, chain: tuple[str, ...]) -> complex:
     """Place x + i z at touch of the last joint of a chain, added up from the URDF's own text."""
     place = 0j
@@ -232,17 +215,6 @@ def test_offset_guide_bar_keeps_its_distance() -> None:
     assert mechanism.cylinder.index_from_angle(mechanism.cylinder.reference_angle_rad) == (
         pytest.approx(24.0)
     )
-
-
-def test_the_offset_matters() -> None:
-    """The same machine with a bar through the axis closes and opens elsewhere."""
-    report = check_model(load("e62_offset_guide"), 350.0)
-    straight = check_model(
-        load("e62_offset_guide", {"drives.pendulum.guide_offset_mm": 0.0}), 350.0
-    )
-    assert report.opening_index is not None
-    assert straight.opening_index is not None
-    assert abs(report.opening_index - straight.opening_index) > 0.1
 
 
 @pytest.mark.parametrize("path", sorted(ROOT.glob("models/**/*.toml")), ids=lambda path: path.stem)

@@ -14,10 +14,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nipper_pin import Case, InputError, load, load_solution, simulate
+from nipper_pin import Case, InputError, load, load_solution, save, simulate
 from nipper_pin.cli import main
-from nipper_pin.hybrid.files.npz import save
-from nipper_pin.outputs import check_file, complete_file, complete_folder, file, folder
+from nipper_pin.outputs import check_file, complete_file, complete_folder, file
 
 ROOT = os.geteuid() == 0
 
@@ -183,31 +182,6 @@ def content(path: Path) -> dict[str, str]:
         for item in path.rglob("*")
         if item.is_file()
     }
-
-
-@pytest.mark.parametrize("how", ["exchanged", "no such call", "working directory"])
-def test_files_of_a_folder_are_replaced_together(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, how: str
-) -> None:
-    """What else it holds stays, folders and links too; an old file that is not made anew goes."""
-    target = tmp_path / "above" / "out"
-    fill(target, {"a": "1", "b": "1"})
-    assert content(target) == {"a": "1", "b": "1"}
-    (target / "notes").mkdir()
-    (target / "notes" / "mine").write_text("mine")
-    (target / "link").symlink_to("a")
-    target.chmod(0o750)
-    if how == "no such call":
-        monkeypatch.setattr(folder, "_swapped", lambda *_: False)
-    elif how == "working directory":
-        monkeypatch.chdir(target)
-    fill(target, {"a": "2", "c": "2"})
-    assert content(target) == {"a": "2", "c": "2", "link": "2", "notes/mine": "mine"}
-    assert (target / "link").is_symlink()
-    assert stat.S_IMODE(target.stat().st_mode) == 0o750
-    assert [item.name for item in target.parent.iterdir()] == ["out"]
-    if how == "working directory":
-        assert sorted(os.listdir()) == ["a", "c", "link", "notes"]
 
 
 def test_a_folder_that_fails_stays_as_it_was(tmp_path: Path) -> None:

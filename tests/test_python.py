@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 import inspect
+import math
 import pickle
 import subprocess
 import sys
 from html.parser import HTMLParser
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from page_words import film_of
+from PIL import Image
 
 import nipper_pin as nip
 from nipper_pin import frames
 from nipper_pin.study.check import check_model
 from nipper_pin.study.sweep import SweepReport
+from nipper_pin.view import scene
+from nipper_pin.view.scene import server
+from nipper_pin.view.scene.page import scene_page
 
 SWEEP = 'format = 1\nchunk = 2\nquantities = ["duration_s"]\n[case]\nspeed_rpm = 650.0\n'
 SWEEP += "[parameters.restitution]\nvalues = [0.1, 0.2, 0.3]\n"
@@ -146,16 +151,8 @@ def test_collisions_as_a_frame(solution: nip.Solution) -> None:
     assert str(frame.schema.field("time_s").type) == "double"
 
 
-@pytest.mark.parametrize("library", ["pandas", "polars"])
-def test_collisions_as_a_frame_of(library: str, solution: nip.Solution) -> None:
-    pytest.importorskip(library)
-    frame = solution.to_frame(library)
-    assert type(frame).__module__.startswith(library)
-    assert list(frame["time_s"]) == [item["time_s"] for item in nip.record(solution)["collisions"]]
-
-
 @pytest.mark.parametrize(
-    ("installed", "asked", "chosen"),
+    ("installed", "asked", "library"),
     [
         ({"pandas", "polars", "pyarrow"}, None, "pandas"),
         ({"polars", "pyarrow"}, None, "polars"),
@@ -163,14 +160,17 @@ def test_collisions_as_a_frame_of(library: str, solution: nip.Solution) -> None:
     ],
 )
 def test_the_library_that_is_there_makes_the_frame(
-    installed: set[str], asked: str | None, chosen: str, monkeypatch: pytest.MonkeyPatch
+    installed: set[str],
+    asked: str | None,
+    library: str,
+    solution: nip.Solution,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    def maker(name: str) -> SimpleNamespace:
-        return SimpleNamespace(DataFrame=lambda columns: (name, columns), table=None)
-
+    pytest.importorskip(library)
     monkeypatch.setattr(frames, "find_spec", lambda name: name if name in installed else None)
-    monkeypatch.setattr(frames, "import_module", maker)
-    assert frames.data_frame({"a": [1.0]}, asked) == (chosen, {"a": [1.0]})
+    frame = solution.to_frame(asked)
+    assert type(frame).__module__.startswith(library)
+    assert list(frame["time_s"]) == [item["time_s"] for item in nip.record(solution)["collisions"]]
 
 
 def test_without_a_library_the_frame_says_what_to_install(
@@ -302,11 +302,15 @@ def test_a_table_of_transitions_as_a_frame(table: nip.TransitionTable) -> None:
 
 
 def test_view_writes_what_the_name_says(solution: nip.Solution, tmp_path: Path) -> None:
-    page = nip.view(solution, tmp_path / "a.html")
+    look = {"slow": 100.0, "exaggerate": 7.0}
+    page = nip.view(solution, tmp_path / "a.html", **look)
     film = nip.view(solution, str(tmp_path / "a.gif"), slow=100.0)
     assert (page, film) == (tmp_path / "a.html", tmp_path / "a.gif")
-    assert (tmp_path / "a.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
-    assert (tmp_path / "a.gif").read_bytes()[:6] == b"GIF89a"
+    with_look = scene.film(solution, scene.Look(**look))
+    assert film_of(page.read_text(encoding="utf-8")) == film_of(scene_page(with_look))
+    with Image.open(film) as pictures:
+        length = scene.film(solution, scene.Look(slow=100.0)).pace.playback[-1]
+        assert (pictures.format, pictures.n_frames) == ("GIF", math.ceil(10.0 * length))
     with pytest.raises(nip.InputError, match=r"NAME.html or NAME.gif"):
         nip.view(solution, tmp_path / "a.png")
     with pytest.raises(nip.InputError, match="exaggerate = 99"):
@@ -314,38 +318,19 @@ def test_view_writes_what_the_name_says(solution: nip.Solution, tmp_path: Path) 
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.gif", "a.html"]
 
 
-@pytest.mark.parametrize("name", ["scene.html", "scene.gif", None])
-def test_view_passes_the_look_on(
-    name: str | None, solution: nip.Solution, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    from nipper_pin.view import scene
-    from nipper_pin.view.scene import gif, page, server
-
-    seen: list[scene.Look] = []
-    for room, call in ((page, "write_page"), (gif, "write_gif")):
-        monkeypatch.setattr(room, call, lambda _run, _file, look: seen.append(look))
-    monkeypatch.setattr(scene, "film", lambda _run, look: seen.append(look))
-    monkeypatch.setattr(page, "scene_page", lambda _film: "")
-    monkeypatch.setattr(server, "serve", lambda _page, _port, browser: None)  # noqa: ARG005
-    nip.view(solution, name, slow=50.0, exaggerate=7.0)
-    nip.view(solution, name)
-    assert seen == [scene.Look(slow=50.0, exaggerate=7.0), scene.Look()]
-
-
 def test_view_serves_where_it_is_told(
     solution: nip.Solution, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    import nipper_pin.view.scene.server
+    served: list[tuple[float, int, bool]] = []
 
-    served: list[tuple[str, int, bool]] = []
-    monkeypatch.setattr(
-        nipper_pin.view.scene.server,
-        "serve",
-        lambda page, port, *, browser: served.append((page[:15], port, browser)),
-    )
-    assert nip.view(solution, port=0, browser=False) is None
+    def serve(page: str, port: int, *, browser: bool) -> None:
+        columns = {item["label"]: item["values"] for item in film_of(page)["columns"]}
+        served.append((max(columns["slow motion 1 :"]), port, browser))
+
+    monkeypatch.setattr(server, "serve", serve)
+    assert nip.view(solution, port=0, browser=False, slow=100.0) is None
     assert nip.view(solution) is None
-    assert [item[1:] for item in served] == [(0, False), (7000, True)]
+    assert served == [(100.0, 0, False), (pytest.approx(1000.0), 7000, True)]
 
 
 def test_the_room_of_views_and_the_call_are_one() -> None:

@@ -15,7 +15,6 @@ from small_machines import SHAFT, frame, hinge, link, machine, slide
 from nipper_pin import InputError, Mechanism
 from nipper_pin.view.live.shapes import shape
 from nipper_pin.view.scene.colours import link_colour
-from nipper_pin.view.scene.framing import _reach
 from nipper_pin.view.scene.meshes import mesh_of
 from nipper_pin.view.scene.solids import FIXED, Solid, _material, solids
 
@@ -40,27 +39,6 @@ def test_corners_of_round_solids() -> None:
     assert np.linalg.norm(points, axis=1).max() == pytest.approx(0.7)
     heights = np.unique(points[:, 2].round(9))
     assert heights == pytest.approx(0.7 * np.cos(np.pi * np.arange(10, -1, -1) / 10.0), abs=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("kind", "sizes"), [("box", (0.2, 0.4, 0.6)), ("cylinder", (0.3, 0.8)), ("sphere", (0.25,))]
-)
-def test_how_far_a_solid_reaches(kind: str, sizes: tuple[float, ...]) -> None:
-    """Along the axes of the world, however it is turned: as far as points all over it."""
-    turns = np.linspace(0.0, math.tau, 721)
-    circle = np.column_stack([np.cos(turns), np.sin(turns), np.zeros(721)])
-    if kind == "box":
-        points = np.array(np.meshgrid([-0.5, 0.5], [-0.5, 0.5], [-0.5, 0.5])).reshape(3, -1).T
-        points = points * sizes
-    elif kind == "cylinder":
-        points = np.concatenate([sizes[0] * circle + [0, 0, end] for end in (-0.4, 0.4)])
-    else:
-        points = np.array([[0.25, 0, 0], [0, 0.25, 0], [0, 0, 0.25]])
-    solid = replace(block(0.0), kind=kind, sizes=sizes)
-    for seed in range(4):
-        turn = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))[0]
-        wanted = np.abs(points @ turn.T).max(axis=0) if kind != "sphere" else np.full(3, 0.25)
-        assert _reach(solid, turn) == pytest.approx(wanted, rel=1e-4)
 
 
 def test_bars_of_links_without_shapes() -> None:
@@ -121,20 +99,6 @@ def ends(mechanism: Mechanism) -> list[list[float]]:
         np.testing.assert_allclose(solid.placement[:3, 3], half, atol=1e-12)
         found.append((2.0 * half)[[0, 2]].round(9).tolist())
     return sorted(found)
-
-
-@pytest.mark.parametrize(
-    ("kind", "sizes", "wanted"),
-    [
-        ("box", (0.2, 0.4, 0.6), (0.2, 0.4, 0.6)),
-        ("sphere", (0.25,), (0.5, 0.5, 0.5)),
-        ("cylinder", (0.25, 0.8), (0.5, 0.5, 0.8)),
-    ],
-)
-def test_plain_solids_of_the_live_page(kind: str, sizes: Any, wanted: Any) -> None:
-    """Extents of a box, twice the radius of a ball, and the length of a cylinder along z."""
-    found = shape(replace(block(0.0), kind=kind, sizes=sizes))
-    assert found.extents == pytest.approx(wanted, rel=6e-3)
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,7 @@ pytest.importorskip("manifold3d", reason="manifold3d is not installed (extra `li
 import viser
 from urdf_shapes import shaped
 
-from nipper_pin import Case, InputError, Mechanism, load, simulate
+from nipper_pin import InputError, Mechanism, load
 from nipper_pin.view.live import page as pages
 from nipper_pin.view.live.curves.axes import SteadyAxis, SteadyDecades, round_above
 from nipper_pin.view.live.moment import impulses_at
@@ -342,28 +342,6 @@ def test_the_film_stands_while_sliders_move_and_goes_on_where_it_stood(
     assert t - before == pytest.approx((last - still[-1]) / page._slow.value, rel=1e-9)
 
 
-def test_the_page_shows_a_turn_that_comes_later(
-    page: Page, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Without another answer; a slider that moved meanwhile is followed."""
-    pytest.importorskip("numba", reason="numba is not installed (extra `study`)")
-    assert "its tables are being made" in page._numbers.content
-    page.turns.start()
-    assert page._came.wait(120.0)
-    before = page._answer
-    for speed in (650.0, 700.0):
-        clock = Moves(0.0, end=0.01)
-        monkeypatch.setattr(pages, "time", clock)
-        monkeypatch.setattr(page, "_wake", clock)
-        page._came.set()
-        page._set.sliders["speed"].value = speed
-        with pytest.raises(StopIteration):
-            page.run()
-        assert (page._answer is before) == (speed == 650.0)
-        assert f"speed {speed:g} r/min" in page._numbers.content
-        assert 'data-key="rest"' in page._numbers.content
-
-
 # Curves.
 
 
@@ -386,20 +364,6 @@ def test_axes_grow_in_round_steps_and_shrink_only_when_asked() -> None:
     decades.forget()
     decades.hold([0.5])
     assert decades.ends == pytest.approx((0.1, 1.0), rel=1e-12)
-
-
-def test_plots_are_there_with_the_numbers_and_only_then(page: Page) -> None:
-    """They go where a setting has no rest, and come back with the curves of the next that has."""
-    for speed, restitution, there in ((650.0, 0.2, True), (900.0, 0.7, False), (650.0, 0.2, True)):
-        page._set.sliders["speed"].value = speed
-        page._set.sliders["restitution"].value = restitution
-        found = page._follow()
-        assert bool(found.rows) is there
-        for plot in (page._plots.gap, page._plots.force, page._plots.impulse):
-            assert plot.visible is there
-    np.testing.assert_array_equal(page._plots.gap.data[3], found.gap)
-    np.testing.assert_array_equal(page._plots.impulse.data[3], found.impulse)
-    np.testing.assert_array_equal(page._plots.impulse.data[0], found.hit_time)
 
 
 def test_slider_and_field_go_together_and_a_refused_text_changes_nothing(page: Page) -> None:
@@ -427,38 +391,3 @@ def test_slider_and_field_go_together_and_a_refused_text_changes_nothing(page: P
     page._answer = page._follow()
     assert (field.value, slider.value, said.content) == ("650", 650.0, "")
     assert page._answer.setting == before.setting
-
-
-def test_ghost_and_pinned_curves_have_rows_of_their_own(page: Page, e62: Mechanism) -> None:
-    """Pinned, before, now; each is the line of its own run, between whose times it is straight."""
-    first = page._answer
-    plots = page._plots
-    assert np.isnan(plots.gap.data[1]).all()
-    assert np.isnan(plots.gap.data[2]).all()
-    page._press("pin this curve")
-    page._act()
-    assert page._set.buttons.options[1] == "unpin"
-    for speed in (700.0, 720.0):
-        page._memory.end_change()
-        page._set.sliders["speed"].value = speed
-        page._answer = page._follow()
-    x, pinned, before, now, lips = plots.gap.data
-    for row, speed in ((pinned, 650.0), (before, 700.0), (now, 720.0)):
-        run = simulate(e62, Case(speed_rpm=speed))
-        wanted = 1e3 * np.degrees(run.collisions[0].rebound_amplitude)
-        assert np.nanmax(row) == pytest.approx(wanted, rel=1e-3)
-    np.testing.assert_array_equal(pinned[np.isin(x, first.time)], first.gap)
-    lever = e62.stop("jaw").contact.lever_m
-    np.testing.assert_allclose(lips, lever * np.radians(now), rtol=1e-12)
-    legend = plots.legend.content
-    assert "before: speed 700 r/min" in legend
-    assert "pinned: speed 650 r/min" in legend
-    ends = plots.gap.scales, plots.force.scales, plots.impulse.scales
-    page._set.sliders["speed"].value = 715.0
-    page._follow()
-    assert (plots.gap.scales, plots.force.scales, plots.impulse.scales) == ends
-    page._press("unpin")
-    page._act()
-    page._follow()
-    assert np.isnan(plots.gap.data[1]).all()
-    assert "pinned" not in plots.legend.content

@@ -232,12 +232,6 @@ class Trial:
         assert place[0] == "127.0.0.1"
 
 
-def test_a_model_without_rebounds_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
-    pytest.importorskip("viser", reason=WHY)
-    assert main(["live", str(MODELS / "four_bar"), "--no-browser", "--port", "0"]) == 2
-    assert "no transition stop" in capsys.readouterr().err
-
-
 @pytest.mark.parametrize("port", ["70000", "-1", "taken"])
 @pytest.mark.parametrize("command", ["view", "live"])
 def test_a_port_that_cannot_be_used_is_one_sentence(

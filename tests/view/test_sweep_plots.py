@@ -253,24 +253,6 @@ def test_level_lines_show_the_table(folder: Path) -> None:
     assert (np.diff(field, axis=1) > 0.0).all()
 
 
-def test_quantities_in_units_for_people() -> None:
-    """Seconds as ms, rebounds in rad as mdeg and in m as um, shares in per cent: by hand."""
-    values = np.array([0.25, np.nan])
-    for name, unit, label, factor in (
-        ("duration_s", b"s", "time to rest [ms]", 1e3),
-        ("rebound_amplitude_1", b"rad", "first rebound amplitude [mdeg]", 180e3 / math.pi),
-        ("rebound_amplitude_1", b"m", "first rebound amplitude [um]", 1e6),
-        ("clamped_share", b"1", "share of the turn clamped [%]", 100.0),
-    ):
-        field = pa.field(name, pa.float64(), metadata={b"unit": unit})
-        table = pa.table([pa.array(values)], schema=pa.schema([field]))
-        sweep = SweepTable(title="", model="", axes=(), quantities=(name,), scenarios=2, stored=2,
-                           table=table)  # fmt: skip
-        found = Quantity.of(sweep, name)
-        assert found.shown.label == label
-        np.testing.assert_allclose(found.values, factor * values, rtol=1e-12)
-
-
 def test_indices_of_figures_count_on_and_are_written_on_one_scale() -> None:
     """The mean of 39.5 and 0.5 is 40, which is written 0."""
     table = pa.table({"rest_index": [39.5, 0.5, 30.0]})
