@@ -20,17 +20,14 @@ from nipper_pin.study.check import check_model
 from nipper_pin.study.identify import (
     Condition,
     Objective,
-    Problem,
     Sources,
     Target,
     determinability,
     identify,
     predict,
-    profile,
     read_problem,
     read_values,
     with_values,
-    working_cycle,
     write_model,
 )
 from nipper_pin.study.identify.fitting.fit import descend
@@ -81,29 +78,10 @@ def measured(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return problem_file(folder, head + free(BOUNDS))
 
 
-@pytest.fixture(scope="module")
-def camera(measured: Path) -> Problem:
-    return read_problem(measured)
-
-
 @pytest.mark.slow
-def test_known_numbers_come_back(camera: Problem) -> None:
-    """Three numbers from twelve noiseless rebounds, from starts all over the bounds.
-
-    The misfit at the truth is zero, so Gauss and Newton converge with the square to the tolerance
-    of the transitions, 1e-11, by the inverse of singular values of some ten: 1e-8 is generous.
-    The truth is 1.3 mm, 15 % and 7 % away from the model's own values, which therefore fail.
-    """
-    fit = identify(camera, starts=3, seed=5, workers=1)
-    for path, value in TRUE.items():
-        assert fit.values[path] == pytest.approx(value, rel=1e-7)
-    assert all(item.cost < 1e-9 for item in fit.descents)
-    assert np.abs(Objective(camera).residuals(Objective(camera).start)).max() > 3.0
-
-
-@pytest.mark.slow
-def test_same_seed_same_bits_with_any_number_of_workers(camera: Problem) -> None:
-    """A start is a function of its point alone; another seed starts elsewhere."""
+def test_same_seed_same_bits_with_any_number_of_workers(measured: Path) -> None:
+    """A start is a function of its point alone."""
+    camera = read_problem(measured)
     short = replace(camera, targets=camera.targets[:4], tolerance=1e-8)
     one = identify(short, starts=2, seed=3, workers=1)
     two = identify(short, starts=2, seed=3, workers=2)
@@ -111,9 +89,6 @@ def test_same_seed_same_bits_with_any_number_of_workers(camera: Problem) -> None
     assert one.predicted.tolist() == two.predicted.tolist()
     for a, b in zip(one.descents, two.descents, strict=True):
         assert (a.start.tolist(), a.z.tolist(), a.cost) == (b.start.tolist(), b.z.tolist(), b.cost)
-    other = identify(short, starts=2, seed=4, workers=1)
-    starts = [sorted(item.start.tolist() for item in fit.descents) for fit in (one, other)]
-    assert starts[0] != starts[1]
 
 
 def test_weighing_all_forces_changes_nothing(tmp_path: Path) -> None:
@@ -200,27 +175,6 @@ def rebounds(preload_mm: Any) -> list[Any]:
     ]
 
 
-@pytest.mark.slow
-def test_profile_is_quadratic_near_the_optimum(camera: Problem) -> None:
-    """Profile likelihood and linear covariance are two ways to the same uncertainty.
-
-    They share the optimum and nothing else: one optimises the other numbers again for every value,
-    the other inverts a matrix. With sigmas of 1 % the model is straight over two of them to some
-    percent (0.1 of the cost at most), and the profile would be flat or too steep if the others
-    were held or the covariance were that of one number alone (a factor of 2 and more here).
-    """
-    exact = replace(camera, tolerance=1e-9)
-    fit = identify(exact, starts=1, workers=1)
-    found = profile(fit, GEAR, points=5, reach=1.0, workers=1)
-    # Inside the bounds the best fit has no slope, to the tolerance of the descent.
-    assert found.quadratic[[0, -1]] == pytest.approx(0.5, abs=1e-3)
-    assert found.cost == pytest.approx(found.quadratic, abs=0.03)
-    objective = fit.objective
-    column = objective.jacobian(fit.best.z)[:, [item.path for item in exact.parameters].index(GEAR)]
-    alone = objective.width[-1] / np.linalg.norm(column)
-    assert found.sigma > 1.5 * alone
-
-
 def test_moved_points_give_the_machine_of_the_planar_reference(e62: Mechanism) -> None:
     """Nine pins at once, the eccentric turned: the model stays assembled and is the right one.
 
@@ -259,23 +213,6 @@ def test_moved_points_give_the_machine_of_the_planar_reference(e62: Mechanism) -
     assert hit.rebound_amplitude == pytest.approx(float(wanted.rebound_amplitude), rel=1e-10)
     assert hit.rebound_time == pytest.approx(float(wanted.rebound_time), rel=1e-10)
     assert hit.cylinder_angle == pytest.approx(np.radians(166.0))
-
-
-def test_working_cycle_is_that_of_a_simulated_one(e62: Mechanism) -> None:
-    """Kinematics without events against the whole phase manager.
-
-    Indices are roots of the same closures: round-off. The least stop force is a minimum of 48
-    samples here and of about 120 there: f'' dt^2 / 8 of a force that changes by 40 N within two
-    samples of the walk, some 0.5 N.
-    """
-    cycle, report = working_cycle(e62, 450.0), check_model(e62, 450.0)
-    assert report.opening_index is not None
-    assert report.closing_index == pytest.approx(cycle.closing_index, abs=1e-9)
-    assert report.opening_index == pytest.approx(cycle.opening_index, abs=1e-9)
-    assert report.stop_force["steeve"].value == pytest.approx(cycle.stop_force, abs=0.5)
-    # The lips press from touch on in the walk, from rest on in the simulation.
-    assert cycle.least_clamping_force <= report.stop_force["jaw"].value
-    assert cycle.waiting.gap[[0, -1]] == pytest.approx([0.0, 0.0], abs=1e-11)
 
 
 def test_published_ratios_of_the_identified_model() -> None:
@@ -411,8 +348,10 @@ def test_command_writes_a_model_that_simulate_accepts(
 ) -> None:
     """From a problem file to a folder to a simulation, by the command alone.
 
-    What the written model gives when it is simulated is what the fit said, to the tolerance of
-    the search; it was started from another model, so an unchanged copy would be off by percents.
+    Three numbers come back from twelve noiseless rebounds. The misfit at the truth is zero, so
+    Gauss and Newton converge with the square to the tolerance of the transitions, 1e-11, by the
+    inverse of singular values of some ten: 1e-8 is generous. The truth is 1.3 mm, 15 % and 7 % away
+    from the model's own values, so an unchanged copy would be off by percents.
     """
     folder = tmp_path / "found"
     arguments = ["identify", str(measured), "--starts", "1", "--profiles", "0", "--workers", "1"]
@@ -430,31 +369,3 @@ def test_command_writes_a_model_that_simulate_accepts(
     # A second model is not written over the first.
     assert main([*arguments, "--out", str(folder), "--json", "-"]) == 2
     assert "not empty" in capsys.readouterr().err
-
-
-def test_report_names_what_is_not_known(
-    camera: Problem, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """The printed report of two proportional targets says that one of two numbers is not known."""
-    from rich.console import Console
-
-    from nipper_pin.view.studies.identify_report import print_fit
-
-    thin = replace(camera, targets=camera.targets[:1], prior_weight=0.1)
-    fit = identify(thin, starts=1, workers=1)
-    known = fit.known
-    print_fit(fit, fit.goodness, known, (), Console(width=200))
-    lines = capsys.readouterr().out.splitlines()
-    names = (
-        "preload length of spring steeve [mm]",
-        "ratio of drive tension",
-        "restitution of stop jaw",
-    )
-    rows = [[line for line in lines if line.startswith(f"{name}  ")] for name in names]
-    assert [len(found) for found in rows] == [1] * len(TRUE)
-    left = {name: found[0].split()[-1] for name, found in zip(names, rows, strict=True)}
-    # One target narrows one direction: two numbers at least are not known.
-    assert sum(word.endswith("%?") for word in left.values()) >= 2
-    text = " ".join(" ".join(lines).split())
-    assert "1 of 3 directions" in text
-    assert "Fitted, not validated" in text

@@ -141,39 +141,23 @@ def test_the_report(found: Run, words: Words) -> None:
 def test_starts_are_those_of_the_seed(tmp_path: Path) -> None:
     """SciPy's scrambled Sobol sequence of the seed itself, in the middle four fifths of ranges."""
     filmed(tmp_path)
-    for seed in (1, 7):
-        more = ("--starts", "3", "--seed", str(seed), "--profiles", "0")
-        document = run(tmp_path, *more).document
-        assert document["seed"] == seed
-        points = qmc.Sobol(3, scramble=True, rng=np.random.default_rng(seed)).random_base2(7)
-        low, high = (
-            np.array([item[key] for item in document["parameters"]]) for key in ("low", "high")
-        )
-        own = [item["before"] for item in document["parameters"]]
-        wanted = [own, *(low + (0.1 + 0.8 * points[[0, 64]]) * (high - low)).tolist()]
-        begun = [list(item["from"].values()) for item in document["starts"]]
-        assert np.array(sorted(begun)) == pytest.approx(np.array(sorted(wanted)), rel=1e-12)
-        best = {item["path"]: item["identified"] for item in document["parameters"]}
-        assert document["starts"][0]["to"] == pytest.approx(best, rel=1e-12)
+    document = run(tmp_path, "--starts", "3", "--seed", "7", "--profiles", "0").document
+    assert document["seed"] == 7
+    points = qmc.Sobol(3, scramble=True, rng=np.random.default_rng(7)).random_base2(7)
+    free = document["parameters"]
+    low, high = (np.array([item[key] for item in free]) for key in ("low", "high"))
+    own = [item["before"] for item in free]
+    wanted = [own, *(low + (0.1 + 0.8 * points[[0, 64]]) * (high - low)).tolist()]
+    begun = [list(item["from"].values()) for item in document["starts"]]
+    assert np.array(sorted(begun)) == pytest.approx(np.array(sorted(wanted)), rel=1e-12)
+    best = {item["path"]: item["identified"] for item in free}
+    assert document["starts"][0]["to"] == pytest.approx(best, rel=1e-12)
 
 
 def in_milliseconds(_: int, row: list[str]) -> list[str]:
     speed, quantity, value, sigma = row
     factor = 1e3 if "time" in quantity else 1.0
     return [speed, quantity, repr(factor * float(value)), repr(factor * float(sigma))]
-
-
-def in_degrees(_: int, row: list[str]) -> list[str]:
-    speed, quantity, value, sigma = row
-    factor = 180.0 / np.pi if "amplitude" in quantity else 1.0
-    return [speed, quantity, repr(factor * float(value)), repr(factor * float(sigma))]
-
-
-def noisier(place: int, row: list[str]) -> list[str]:
-    """Errors three times as large as stated."""
-    speed, quantity, value, sigma = row
-    error = 3.0 * float(sigma) * np.random.default_rng([5, place]).standard_normal()
-    return [speed, quantity, repr(float(value) + error), sigma]
 
 
 def misread(place: int, row: list[str]) -> list[str]:
@@ -192,8 +176,6 @@ def far_off(_: int, row: list[str]) -> list[str]:
     ("change", "said", "outliers"),
     [
         (in_milliseconds, ["rebound_time_s_1 is wanted about 1", "is it in milliseconds?"], None),
-        (in_degrees, ["rebound_amplitude_1 is wanted about", "is it in degrees"], None),
-        (noisier, ["sigmas are too small"], None),
         (misread, ["Outliers: rebound_time_s_1, 450 r/min"], ["rebound_time_s_1, 450 r/min"]),
         (far_off, ["sigmas are too small"], None),
     ],
@@ -225,44 +207,3 @@ def test_data_that_contradict_the_fit_are_no_success(
         assert words in heading
     if outliers is not None:
         assert good["outliers"] == outliers
-
-
-def test_scaled_deviations_follow_the_noise(tmp_path: Path, found: Run) -> None:
-    """Noise tripled: deviations by the sigmas stay, those that are scaled grow as the misfit."""
-    (tmp_path / "noisy").mkdir()
-    filmed(tmp_path / "noisy", noisier)
-    noisy = run(tmp_path / "noisy", "--starts", "1", "--profiles", "0").document
-    ratio = noisy["goodness"]["scale"] / found.document["goodness"]["scale"]
-    assert ratio > 1.5
-    for before, after in zip(found.document["parameters"], noisy["parameters"], strict=True):
-        assert after["standard_deviation"] == pytest.approx(before["standard_deviation"], rel=0.1)
-        grown = after["standard_deviation_scaled"] / before["standard_deviation_scaled"]
-        assert grown == pytest.approx(ratio, rel=0.1)
-
-
-@pytest.mark.slow
-def test_sigmas_that_are_weights_alone(tmp_path: Path) -> None:
-    """All sigmas by one factor: the fit and its scaled deviations stay, and nothing is tested."""
-
-    def wider(_: int, row: list[str]) -> list[str]:
-        return [*row[:3], repr(1.7 * float(row[3]))]
-
-    results = []
-    for name, change in (("plain", None), ("wide", wider)):
-        (tmp_path / name).mkdir()
-        filmed(tmp_path / name, change)
-        file = tmp_path / name / "identify_camera.toml"
-        weights = "absolute_sigma = false\n[parameters"
-        text = file.read_text(encoding="utf-8").replace("[parameters", weights, 1)
-        file.write_text(text, encoding="utf-8")
-        results.append(run(tmp_path / name, "--starts", "1", "--profiles", "0"))
-    one, other = (item.document for item in results)
-    assert [item.status for item in results] == [0, 0]
-    assert one["goodness"]["verdict"] == "weights alone"
-    assert one["goodness"]["probability"] is None
-    assert one["goodness"]["scale"] / other["goodness"]["scale"] == pytest.approx(1.7, rel=1e-4)
-    for a, b in zip(one["parameters"], other["parameters"], strict=True):
-        stated = a["standard_deviation_scaled"]
-        assert a["identified"] == pytest.approx(b["identified"], abs=1e-3 * stated)
-        assert b["standard_deviation_scaled"] == pytest.approx(stated, rel=1e-3)
-        assert b["standard_deviation"] / a["standard_deviation"] == pytest.approx(1.7, rel=1e-2)

@@ -47,9 +47,7 @@ def run(file: str, capsys: pytest.CaptureFixture[str]) -> tuple[int, dict, str, 
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("bounds", "side"), [((8.0, 12.0), "high"), ((10.9, 14.0), None), ((8.0, 14.0), None)]
-)
+@pytest.mark.parametrize(("bounds", "side"), [((8.0, 12.0), "high"), ((10.9, 14.0), None)])
 def test_a_number_at_its_bound_is_named(
     bounds: tuple[float, float], side: str | None, tmp_path: Path,
     capsys: pytest.CaptureFixture[str],

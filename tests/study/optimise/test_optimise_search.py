@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 import time
 from collections.abc import Callable, Iterable
@@ -15,7 +14,6 @@ import pytest
 from designs import MASS, problem
 from scipy.stats import qmc
 
-from nipper_pin import SimulationError
 from nipper_pin.study.identify import working_cycle
 from nipper_pin.study.optimise.points import Evaluator
 from nipper_pin.study.optimise.problem.problem import Aim
@@ -87,7 +85,7 @@ def seen(z: tuple[float, float], aim: float = 1.0, time: float = 2.0, why: str =
 def test_starts_of_descents() -> None:
     """The own values first, then the best that are apart by more than 0.15, then any."""
     looked = [
-        seen((0.5, 0.5), 9.0), seen((0.5, 0.66), 3.0), seen((0.5, 0.6), 1.0),
+        seen((0.5, 0.5), 9.0), seen((0.5, 0.66), 3.0), seen((0.5, 0.36), 1.0),
         seen((0.1, 0.1), 4.0, 3.5), seen((0.9, 0.9), 5.0), seen((0.9, 0.8), 4.9, 2.9),
         seen((0.3, 0.9), 0.0, 0.5, "no"), seen((0.2, 0.9), 8.0, 0.25),
     ]  # fmt: skip
@@ -95,7 +93,7 @@ def test_starts_of_descents() -> None:
     found = begins(looked, aim, by, 20)
     # Violations: 0.5 of 4, 0.75 of 0.5; then what is near to one before.
     assert found == (
-        (0.5, 0.5), (0.5, 0.66), (0.9, 0.8), (0.1, 0.1), (0.2, 0.9), (0.5, 0.6), (0.9, 0.9),
+        (0.5, 0.5), (0.5, 0.66), (0.9, 0.8), (0.1, 0.1), (0.2, 0.9), (0.5, 0.36), (0.9, 0.9),
     )  # fmt: skip
     assert begins(looked, aim, by, 3) == found[:3]
     assert begins(looked, Aim(quantity=AIM, sense=-1.0), by, 2) == ((0.5, 0.5), (0.9, 0.9))
@@ -216,17 +214,3 @@ def test_parts_of_a_search(workers: int) -> None:
         assert work.one(lambda: 5) == 5
         assert told[-1] == (3, 3)
         assert work.mapper(abs, [-3, 2]) == [3, 2]
-
-
-@pytest.mark.slow
-def test_a_search_whose_process_dies() -> None:
-    for ask in (
-        lambda work: work.all([partial(os._exit, 3)]),
-        lambda work: work.mapper(os._exit, [3]),
-    ):
-        with (
-            pytest.raises(SimulationError, match="a worker process died, perhaps") as caught,
-            Work(2, None) as work,
-        ):
-            ask(work)
-        assert caught.value.evidence == {"workers": 2}

@@ -272,54 +272,23 @@ def test_an_optimum_that_is_contradicted_is_status_1_with_all_files(
     assert not document["control"]["confirmed"]
     assert document["control"]["values"]["rebound_amplitude_1"] == pytest.approx(height, rel=1e-9)
     assert json.loads((tmp_path / "wrong" / "result.json").read_text()) == document
-    # And in the text for people.
-    assert main([*command[:-2], "--out", str(tmp_path / "wrong")]) == 1
-    said = capsys.readouterr().out
-    assert "NOT CONFIRMED" in said
-    assert "no confirmed optimum" in said.splitlines()[5]
-
-
-@pytest.mark.slow
-def test_points_of_a_front_are_controlled_too(tmp_path: Path) -> None:
-    """A front whose second point is doctored is contradicted, and says which point it is."""
-    found = optimise(problem(tmp_path, MASS_STUDY), starts=1, points=2, check=False, workers=1)
-    assert found.contradiction == ""
-    assert len(found.front_controls) == 2
-    bad = replace(found.front[1], values={**found.front[1].values, "duration_s": 1.0})
-    controls = (found.front_controls[0], control(found.problem.text(), bad))
-    assert "point 2 of the front: duration_s is 1 s" in (
-        replace(found, front_controls=controls).contradiction
-    )
 
 
 @pytest.mark.campaign
 def test_a_search_where_premises_fail_ends_where_the_turns_are(tmp_path: Path) -> None:
     """The stated problem: no design with the premise meets the limits, and 6.79 mrad is no answer.
 
-    The optimum is what three turns of its overrides have: rebound, opening and clamping force.
+    The optimum is what three turns of its overrides have.
     """
     found = optimise(problem(tmp_path, STATED), starts=1, check=False, workers=1)
     assert found.best.engine == "turn"
     assert found.engines["turn"] > found.engines.get("direct", 0)
     assert found.contradiction == ""
     turns = turn_of(tuple(found.best.numbers.values()), 700.0)
-    period = turns.shaft.period
-    hits = [hit for hit in turns.collisions if hit.stop == "jaw" and hit.t > 2.0 * period]
+    later = [hit for hit in turns.collisions if hit.t > 2.0 * turns.shaft.period]
+    first = next(hit for hit in later if hit.stop == "jaw")
     rebound = found.best.values["rebound_amplitude_1"]
-    assert rebound == pytest.approx(hits[0].rebound_amplitude, rel=1e-8)
+    assert rebound == pytest.approx(first.rebound_amplitude, rel=1e-8)
     assert 0.010 < rebound < 0.011
-    t = np.linspace(period, 2.0 * period, 20_000)
-    widest = math.degrees(
-        turns.trajectory.evaluate(t).q[:, turns.mechanism.stop("jaw").index].max()
-    )
-    assert widest > 25.0 - 1e-4
-    opening = next(
-        event.t
-        for event in turns.events
-        if event.t > hits[-1].t and "jaw" in event.closed_before and "jaw" not in event.closed_after
-    )
-    quarter = 0.25 * (opening - hits[0].t)
-    t = np.linspace(hits[0].t + quarter, opening - quarter, 4001)
-    # No force where the jaw is open: a step, which the sum misses by its own width at most.
-    force = float(turns.trajectory.reactions(t).contacts["jaw"].mean())
-    assert 40.0 - 0.05 < force < 60.0 + 0.05
+    assert found.control.values["jaw_opening_deg"] > 25.0 - 1e-4
+    assert 40.0 - 0.05 < found.control.values["clamping_force_N"] < 60.0 + 0.05
