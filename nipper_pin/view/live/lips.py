@@ -11,10 +11,10 @@ from ...arrays import FloatArray
 from ...dynamics.multibody import multibody
 from ...mechanism import Mechanism
 from ...units import MM_PER_M
+from ..scene import Colour, solids
 from ..scene.arrows import arrow_body, arrow_place
 from ..scene.film import bouncing_stop
 from ..scene.lip_cuts import LipCut, lip_cuts
-from ..scene.solids import Colour, solids
 
 _WIDTH, _HEIGHT = 320.0, 180.0  # pixels
 # Heights of the view and its scales [mm]; a rebound fills at most a quarter of the height.

@@ -6,8 +6,8 @@ import manifold3d
 import numpy as np
 import trimesh
 
+from ..scene import Solid
 from ..scene.meshes import read_mesh
-from ..scene.solids import Solid
 
 _CYLINDER_SECTIONS = 48
 

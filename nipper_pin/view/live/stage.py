@@ -16,11 +16,11 @@ from ...arrays import FloatArray
 from ...dynamics.multibody import multibody
 from ...mechanism import Mechanism, Stop
 from ..phases import phase_colour
+from ..scene import CYLINDER, FIXED, Colour, Solid, cylinder_axis, solids
 from ..scene.arrows import arrow_body, arrow_place, arrow_scale, arrow_sizes, arrow_stops
 from ..scene.colours import ARROW, channels
 from ..scene.film import bouncing_stop
 from ..scene.framing import camera
-from ..scene.solids import CYLINDER, FIXED, Colour, Solid, cylinder_axis, solids
 from .shapes import coarse, shape
 
 _LINE_COLOUR = (51, 51, 51)

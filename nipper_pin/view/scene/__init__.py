@@ -5,5 +5,16 @@ and pillow; each is imported where such a file is written.
 """
 
 from .film import Film, Look, film
+from .solids import CYLINDER, FIXED, Colour, Solid, cylinder_axis, solids
 
-__all__ = ["Film", "Look", "film"]
+__all__ = [
+    "CYLINDER",
+    "FIXED",
+    "Colour",
+    "Film",
+    "Look",
+    "Solid",
+    "cylinder_axis",
+    "film",
+    "solids",
+]
