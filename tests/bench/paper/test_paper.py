@@ -449,29 +449,22 @@ def test_the_same_is_done_for_another_comber(name):
     assert changes["speed.first_rebound_amplitude_increase"] == high / low - 1.0
 
 
-def test_json_on_stdout_is_all_and_writes_no_folder(tmp_path):
+def test_json_on_stdout_is_all_and_values_of_the_model_reach_it(tmp_path):
+    """No folder is written; a larger preload moves the speed from which the steeve leaves."""
+    words = ["paper", "--set", "springs.steeve.preload_length_mm=13", "--json", "-"]
     done = subprocess.run(
-        [sys.executable, "-m", "benchmarks", "paper", "--json", "-"],
+        [sys.executable, "-m", "benchmarks", *words],
         capture_output=True, text=True, check=False, cwd=tmp_path,
     )  # fmt: skip
     assert done.returncode == 0
     assert done.stderr == ""
-    ratios = json.loads(done.stdout)["ratios"]
-    assert [item["name"] for item in ratios] == list(NAMES)
-    assert set(ratios[0]) == {"name", "published", "ours", "relative_deviation"}
+    document = json.loads(done.stdout)
+    assert [item["name"] for item in document["ratios"]] == list(NAMES)
+    assert set(document["ratios"][0]) == {"name", "published", "ours", "relative_deviation"}
+    assert document["phase_1"]["preload"] == pytest.approx(0.013)
+    assert document["phase_1"]["threshold_rpm"] > 650.0
+    assert [turn["index"] for turn in document["phase_1"]["turns"]] == [None, None, None]
     assert list(tmp_path.iterdir()) == []
-
-
-def test_values_of_the_model_reach_the_study(tmp_path, capsys):
-    """A larger preload moves the speed from which the steeve leaves its stop."""
-    target = tmp_path / "study.json"
-    arguments = ["paper", "--set", "springs.steeve.preload_length_mm=13"]
-    assert main([*arguments, "--json", str(target)]) == 0
-    assert "never the maker's data" in " ".join(capsys.readouterr().out.split())
-    record = json.loads(target.read_text(encoding="utf-8"))
-    assert record["phase_1"]["preload"] == pytest.approx(0.013)
-    assert record["phase_1"]["threshold_rpm"] > 650.0
-    assert [turn["index"] for turn in record["phase_1"]["turns"]] == [None, None, None]
 
 
 @pytest.mark.parametrize(
