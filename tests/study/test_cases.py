@@ -8,8 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nipper_pin.errors import InputError
-from nipper_pin.mechanism import Mechanism
+from nipper_pin import InputError, Mechanism
 from nipper_pin.study.cases import cases_of, spring_values
 
 

@@ -14,10 +14,9 @@ import pytest
 from small_machines import frame, hinge, link, sources
 from snapshots import Words
 
-from nipper_pin import Case, Mechanism, Solution, Window, load, simulate
+from nipper_pin import Case, InputError, Mechanism, Solution, Window, load, simulate
 from nipper_pin.dynamics.moving_mass import impact_condition
-from nipper_pin.errors import InputError
-from nipper_pin.mechanism import collision_model, from_sources
+from nipper_pin.mechanism import collision_model, find_model, from_sources
 from nipper_pin.study.check import Extreme, ModelReport, check_model
 from nipper_pin.study.interference import Clearance, clearances
 from nipper_pin.study.masses import LinkMass, link_masses
@@ -53,6 +52,9 @@ def test_the_record(report: ModelReport, e62: Mechanism, turn: Solution) -> None
     assert record["releases"] == [
         {"stop": "steeve", "index": pytest.approx(index(turn, release.t))}
     ]
+    # The stop force is zero there; it is located to round-off of some 100 N.
+    assert abs(report.stop_force["steeve"].value) < 1e-9
+    assert report.stop_force["steeve"].index == pytest.approx(report.releases[0][1], abs=1e-9)
     assert report.struck == {"jaw", "steeve"}
     assert record["outcome"] == turn.outcome.value
     assert record["masses_kg"] == {
@@ -226,6 +228,35 @@ def test_clearances_are_those_of_pinocchio(e62: Mechanism, turn: Solution) -> No
         assert item.may_touch is (key == lips)
     distances = [item.distance_m for item in clearances(turn, samples=12)]
     assert distances == sorted(distances)
+
+
+def test_lips_meet_and_a_needle_that_is_too_long_strikes(e62: Mechanism, tmp_path: Path) -> None:
+    """Lips touch to the tolerance of distances; a drum half a millimetre larger meets the lower.
+
+    Closing at index 34 and opening between 7 and 9.5, as this class of machine is set.
+    """
+    report = check_model(e62, 450.0)
+    assert report.closing_index == pytest.approx(34.0, abs=0.3)
+    assert report.opening_index is not None
+    assert 7.0 < report.opening_index < 9.5
+    assert report.releases == report.interferences == ()
+    near = {frozenset((item.shape_a, item.shape_b)): item for item in report.clearances}
+    (lips,) = (item for item in report.clearances if item.may_touch)
+    assert near[frozenset(("bottom_lip", "top_lip"))] is lips
+    assert abs(lips.distance_m) < 1e-6
+    home = find_model("e62")
+    text = (home / "e62.urdf").read_text(encoding="utf-8")
+    assert 'radius="0.0625" length="0.2"' in text
+    text = text.replace('radius="0.0625" length="0.2"', 'radius="0.063" length="0.2"')
+    (tmp_path / "longer").mkdir()
+    (tmp_path / "longer" / "longer.urdf").write_text(text, encoding="utf-8")
+    (tmp_path / "longer" / "longer.toml").write_bytes((home / "e62.toml").read_bytes())
+    worst = check_model(load(tmp_path / "longer"), 450.0).interferences[0]
+    assert {worst.link_a, worst.link_b} == {"frame", "bottom_nipper"}
+    before = near[frozenset((worst.shape_a, worst.shape_b))]
+    assert {before.shape_a, before.shape_b} == {"cylinder_drum", "bottom_lip"}
+    assert worst.distance_m == pytest.approx(before.distance_m - 0.0005, abs=2e-6)
+    assert worst.index == pytest.approx(39.7, abs=0.3)
 
 
 def test_what_interferes() -> None:

@@ -11,8 +11,7 @@ import pytest
 from small_machines import link, machine, slide
 
 import nipper_pin as nip
-from nipper_pin import Case, InputError, Mechanism, Solution
-from nipper_pin.hybrid.event import EventKind
+from nipper_pin import Case, EventKind, InputError, Mechanism, Solution
 from nipper_pin.mechanism import number_of
 from nipper_pin.study.compare import Change, Row
 

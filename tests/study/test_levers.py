@@ -11,7 +11,7 @@ import re
 import pytest
 
 from nipper_pin import Case, Mechanism, load, simulate
-from nipper_pin.study.identify.problem.working_cycle import working_cycle
+from nipper_pin.study.identify import working_cycle
 from nipper_pin.study.levers import Bounce, Lever, levers
 from nipper_pin.study.sensitivity import every_path, sensitivities
 

@@ -29,15 +29,6 @@ def nothing() -> None:
     """What a process imports while the others go on."""
 
 
-def test_every_process_computes_in_one_thread(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Whatever this one does, which goes on as it was."""
-    for name, value in zip(THREADS, ("3", "2", "4"), strict=True):
-        monkeypatch.setenv(name, value)
-    with fresh_processes(1, nothing) as pool:
-        assert list(pool.map(os.getenv, THREADS)) == ["1", "1", "1"]
-    assert [os.environ[name] for name in THREADS] == ["3", "2", "4"]
-
-
 def test_results_in_order_and_as_they_come() -> None:
     """Of the same processes, which compute elsewhere."""
     with Workers(2, nothing) as pool:
@@ -55,12 +46,16 @@ def deaf(_: int) -> tuple[bool, bool]:
     return signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, ()), bool(MARKS)
 
 
-def test_processes_begin_afresh() -> None:
-    """Spawned, and deaf to the keyboard, which this process hears again."""
+def test_processes_begin_afresh(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Spawned, deaf to the keyboard and in one thread, whatever this one does and goes on to do."""
     MARKS.append("here")
+    for name, value in zip(THREADS, ("3", "2", "4"), strict=True):
+        monkeypatch.setenv(name, value)
     with fresh_processes(1, nothing) as pool:
+        assert list(pool.map(os.getenv, THREADS)) == ["1", "1", "1"]
         assert list(pool.map(deaf, [0])) == [(True, False)]
         assert deaf(0) == (False, True)
+    assert [os.environ[name] for name in THREADS] == ["3", "2", "4"]
     MARKS.clear()
 
 
@@ -211,7 +206,7 @@ def test_an_interrupt_ends_what_waits(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_nothing_runs_after_a_failure() -> None:
     """Otherwise a process that ends at once complains of what still runs."""
     before = set(active_children())
-    tasks = [(pause, partial(time.sleep, pause)) for pause in (0.0, 1.0, 1.1)]
+    tasks = [(pause, partial(time.sleep, pause)) for pause in (0.0, 0.4, 0.5)]
 
     def failing() -> None:
         with Workers(2, nothing, apart=True) as pool:

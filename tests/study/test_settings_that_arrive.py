@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nipper_pin import Case, Mechanism, transition_table, turn_table
-from nipper_pin.dynamics.system import DriveMode
+from nipper_pin import Case, DriveMode, Mechanism, transition_table, turn_table
 from nipper_pin.hybrid import simulate as simulate_module
 from nipper_pin.study import identify, optimise
 from nipper_pin.study.optimise.points import Evaluator

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from snapshots import Words
 
 from nipper_pin import Case, EventKind, InputError, Mechanism, simulate, turn_table
 from nipper_pin.cli import main
@@ -97,47 +98,37 @@ def test_a_machine_that_rests_from_a_speed_on() -> None:
 
 
 def test_the_command_says_what_it_found(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    words: Words,
 ) -> None:
-    """The sentence, the table, the figure and the document agree."""
+    """The reviewed text has the numbers of the document."""
     monkeypatch.setenv("COLUMNS", "80")
     given = ["speed-limit", "--from", "1500", "--to", "1600", "--speeds", "5",
              "--turns", "20"]  # fmt: skip
     figure = tmp_path / "limit.svg"
     figure.write_text("of before", encoding="utf-8")
     assert main([*given, "--plot", str(figure)]) == 0
-    lines = capsys.readouterr().out.splitlines()
-    text = " ".join(" ".join(lines).split())
-    # The last line of the headings has a word for each of the seven columns.
-    rule = next(place for place, line in enumerate(lines) if line.startswith("─"))
-    heads = lines[rule - 1].split()
-    assert heads == ["r/min", "touches", "rests", "opens", "margin", "%", "after"]
-    assert lines[rule - 2].split() == ["speed", "clamped", "repeats"]
+    said = capsys.readouterr().out
+    words(said.replace(str(figure), "FIGURE"))
     assert main([*given, "--json", "-"]) == 0
     document = json.loads(capsys.readouterr().out)
     limit = document["settles_rpm"]
     assert document["at_rest"] == [{"from_rpm": 1500.0, "to_rpm": limit}]
     assert document["not_at_rest"] == [{"from_rpm": limit, "to_rpm": 1600.0}]
     assert document["repeats"] == [{"from_rpm": 1500.0, "to_rpm": 1600.0}]
-    assert document["not_known"] == []
-    assert f"comes to rest before it opens from 1500 to {limit:.5g} r/min." in text
-    assert "Every turn repeats the one before at every speed." in text
-    # What was found is said once more at the end, then a turn at the limit.
-    assert text.rindex("Found: The jaw") > text.rindex("repeats after: turns")
-    speed = f"--speed {limit:.5g} --window cycle"
-    assert lines[-1] == f"Next: nipper-pin simulate e62 {speed}"
-    assert document["repeats_rpm"] is None
-    assert [row["speed_rpm"] for row in document["speeds"]] == [1500, 1525, 1550, 1575, 1600]
-    for row in document["speeds"]:
-        if row["speed_rpm"] < limit:
-            assert f"{row['rest_index']:.2f}" in text
-            cells = [f"{row['speed_rpm']:g}", f"{100.0 * row['clamped_share']:.1f}"]
-            rows = [line.split() for line in lines[rule:]]
-            line = next(row for row in rows if row[:1] == cells[:1])
-            assert line[heads.index("%")] == cells[1]
-        else:
-            assert row["rest_index"] is None
-            assert row["clamped_share"] == 0.0
+    assert (document["not_known"], document["repeats_rpm"]) == ([], None)
+    assert said.endswith(f"--speed {limit:.5g} --window cycle\n")
+    rows = {line.split()[0]: line.split() for line in said.splitlines() if line[:2] == " 1"}
+    assert [*rows] == ["1500", "1525", "1550", "1575", "1600"]
+    for row, shown in zip(document["speeds"], rows.values(), strict=True):
+        assert float(shown[0]) == row["speed_rpm"]
+        settled = row["speed_rpm"] < limit
+        assert (row["rest_index"] is not None) == (row["clamped_share"] > 0.0) == settled
+        if settled:
+            assert f"{row['rest_index']:.2f}" in shown
+            assert f"{100.0 * row['clamped_share']:.1f}" in shown
     drawn = figure.read_text(encoding="utf-8")
     assert drawn.startswith("<?xml")
     assert len(drawn) > 10_000

@@ -10,29 +10,6 @@ from nipper_pin.study.steps import step_of
 RESTITUTION = "stops.jaw.restitution"
 
 
-@pytest.mark.parametrize(
-    ("path", "value", "unit", "amount"),
-    [
-        ("springs.steeve.preload_length_mm", 0.0, "mm", 1.0),
-        ("points.eccentric_pin.angle_deg", -30.0, "deg", 1.0),
-        ("springs.steeve.stiffness_N_per_m", 9000.0, "%", 90.0),
-        ("drives.tension.ratio", -2.0, "%", -0.02),
-        (RESTITUTION, 0.2, "%", 0.002),
-        (RESTITUTION, 0.0, "0.01", 0.01),
-        ("springs.steeve.stiffness_N_per_m", 0.0, "10 N/m", 10.0),
-        ("dampers.steeve.damping_N_s_per_m", 0.0, "0.1 N s/m", 0.1),
-        ("dampers.jaw.damping_N_m_s_per_rad", 0.0, "0.001 N m s/rad", 0.001),
-        ("links.rocker.mass_kg", 0.0, "0.1 g", 1e-4),
-        ("drives.tension.ratio", 0.0, "0.01", 0.01),
-    ],
-)
-def test_one_unit_more(path: str, value: float, unit: str, amount: float) -> None:
-    """A percentage where there is something to take it of; an amount of its kind near zero."""
-    step = step_of(path, value)
-    assert (step.unit, step.amount) == (unit, pytest.approx(amount))
-    assert step.half_width > 0.0
-
-
 @pytest.mark.parametrize("value", [0.0, 1e-5, 3e-4, 0.2, 0.9985, 0.9999, 1.0])
 def test_restitution_stays_between_0_and_1(value: float) -> None:
     """exp(3 x), refused outside as a model refuses it; slopes to the order of the differences.
@@ -107,7 +84,10 @@ def test_what_may_not_be_negative_is_not(path: str, value: float) -> None:
 def test_units_widths_and_senses(
     path: str, value: float, unit: str, amount: float, width: float, sense: int
 ) -> None:
-    """Half widths: 0.05 mm or degrees, else 0.2 % of the value and at least 2 % of the amount."""
+    """A percentage where there is something to take it of; an amount of its kind near zero.
+
+    Half widths: 0.05 mm or degrees, else 0.2 % of the value and at least 2 % of the amount.
+    """
     step = step_of(path, value)
     assert (step.unit, step.sense) == (unit, sense)
     assert step.amount == pytest.approx(amount)

@@ -6,7 +6,6 @@ the other evaluates tables in compiled code. Where both state their errors, each
 
 from __future__ import annotations
 
-import dataclasses
 import gc
 import json
 import sys
@@ -17,28 +16,29 @@ from typing import Any
 
 import numpy as np
 import pytest
+from two_engines import STATED, agree
 
-from nipper_pin import Case, DriveMode, InputError, Resolution, load, simulate
-from nipper_pin.mechanism import Mechanism, from_sources
+from nipper_pin import (
+    Case,
+    DriveMode,
+    InputError,
+    Mechanism,
+    Resolution,
+    load,
+    simulate,
+    transition_table,
+)
+from nipper_pin.mechanism import from_sources
 from nipper_pin.reduced import ReducedModel, build, model_cache, reduced_model, transitions
 from nipper_pin.reduced.kernels import layout
 from nipper_pin.study.transitions import (
     REDUCED_PAYS_FROM,
     TURNS_PAY_FROM,
-    TransitionTable,
-    transition_table,
 )
 from nipper_pin.study.transitions.rows import collision_rows
 from nipper_pin.study.true_transition import assumed_transition
 
 TESTS = Path(__file__).parents[1]
-STATED = {
-    "time": "time_error",
-    "approach_rate": "rate_error",
-    "impulse": "impulse_error",
-    "rebound_amplitude": "amplitude_error",
-    "rebound_time": "rebound_error",
-}
 
 
 def random_cases(count: int, seed: int) -> dict[str, Any]:
@@ -51,34 +51,13 @@ def random_cases(count: int, seed: int) -> dict[str, Any]:
     }
 
 
-def compared(one: TransitionTable, other: TransitionTable) -> float:
-    """Largest difference of two tables by the errors that both state."""
-    both = min(one.time.shape[1], other.time.shape[1])
-    worst = 0.0
-    for key, error in STATED.items():
-        values = [getattr(table, key)[:, :both] for table in (one, other)]
-        stated = getattr(one, error)[:, :both] + getattr(other, error)[:, :both]
-        known = np.isfinite(values[0]) & np.isfinite(values[1]) & (stated > 0.0)
-        assert known[:, 0].all() or key == "time", key
-        worst = max(worst, float((np.abs(values[0] - values[1])[known] / stated[known]).max()))
-    known = np.isfinite(one.duration)
-    np.testing.assert_array_equal(known, np.isfinite(other.duration))
-    stated = (one.duration_error + other.duration_error)[known]
-    late = np.abs(one.duration - other.duration)[known] / stated
-    np.testing.assert_allclose(one.first_two_share, other.first_two_share, rtol=1e-7)
-    turns = (one.cylinder_angle[:, 0] - other.cylinder_angle[:, 0]) / (2.0 * np.pi)
-    np.testing.assert_allclose(turns, np.rint(turns), atol=1e-9)
-    return max(worst, float(late.max(initial=0.0)))
-
-
-@pytest.mark.slow
 def test_engines_agree(e62: Mechanism) -> None:
     """In random cases both engines agree within the sum of the errors that they state.
 
     The stated errors are below 1e-7 of their quantities, so that agreement says something: a wrong
     parameter, row or unit of one engine differs in the first digits.
     """
-    cases = random_cases(25, 8)
+    cases = random_cases(12, 8)
     direct, reduced = (
         transition_table(e62, engine=engine, **cases)  # type: ignore[arg-type]
         for engine in ("direct", "reduced")
@@ -93,12 +72,12 @@ def test_engines_agree(e62: Mechanism) -> None:
             first = 1 if key == "time" else 0
             stated, values = getattr(table, error)[:, first], getattr(table, key)[:, first]
             assert (stated < 1e-7 * np.abs(values)).all(), key
-    assert compared(direct, reduced) <= 1.0
+    agree(direct, reduced, slice(None), slice(None))
     both = min(direct.time.shape[1], reduced.time.shape[1])
     for key, rel in (("cylinder_angle", 1e-9), ("energy_lost", 1e-7)):
         one, other = (getattr(table, key)[:, :both] for table in (direct, reduced))
         known = np.isfinite(one) & np.isfinite(other)
-        assert known.sum() >= 25 * 5
+        assert known.sum() >= 12 * 5
         np.testing.assert_allclose(one[known], other[known], rtol=rel, atol=0.0, err_msg=key)
 
 
@@ -114,14 +93,13 @@ def test_turns_of_the_reduced_engine(e62: Mechanism) -> None:
              "rest_rate": 1e-3}  # fmt: skip
     for settings in ({}, other):
         found = transition_table(e62, speed_rpm=speeds, **settings)  # type: ignore[arg-type]
-        assert found.engine.tolist() == ["reduced_turn"] * TURNS_PAY_FROM
-        assert found.premise_holds.tolist() == [False] * TURNS_PAY_FROM
-        assert set(found.message) == {"This is the transition of the turn."}
         few = transition_table(e62, speed_rpm=speeds[:2], **settings)  # type: ignore[arg-type]
-        assert few.engine.tolist() == ["turn"] * 2
-        assert few.premise_holds.tolist() == [False] * 2
+        assert {*found.engine} == {"reduced_turn"}
+        assert {*few.engine} == {"turn"}
+        assert {*found.premise_holds, *few.premise_holds} == {False}
+        assert set(found.message) == {"This is the transition of the turn."}
         np.testing.assert_array_equal(found.collisions[:2], few.collisions)
-        assert compared(only(found, [0, 1]), few) <= 1.0
+        agree(few, found, slice(2), slice(2))
     usual = transition_table(e62, speed_rpm=speeds[:2])
     assumed = transition_table(e62, speed_rpm=speeds[:2], engine="direct")
     changed = assumed.rebound_amplitude[:, 0] / usual.rebound_amplitude[:, 0]
@@ -156,20 +134,10 @@ def test_turns_of_both_engines_in_random_cases(e62: Mechanism) -> None:
     for part in np.array_split(np.arange(200), 200 // (TURNS_PAY_FROM - 1) + 1):
         judge = transition_table(e62, **{key: values[part] for key, values in cases.items()})
         assert found.premise_holds[part].tolist() == judge.premise_holds.tolist()
-        assert found.outcome[part].tolist() == judge.outcome.tolist()
         chosen = by_tables[part]
         assert (judge.engine[chosen] == "turn").all()
-        if chosen.any():
-            assert compared(only(found, part[chosen]), only(judge, chosen)) <= 1.0
-
-
-def only(table: TransitionTable, chosen: Any) -> TransitionTable:
-    """The chosen rows of a table."""
-    rows = {
-        name: getattr(table, name)[chosen]
-        for name in ("duration", "duration_error", "first_two_share", "table")
-    }
-    return dataclasses.replace(table, **rows)
+        agree(judge, found, chosen, part[chosen])
+        assert found.outcome[part].tolist() == judge.outcome.tolist()
 
 
 def test_certified_reference(e62: Mechanism) -> None:
@@ -252,9 +220,7 @@ def test_automatic_choice(e62: Mechanism) -> None:
     assert many.premise_holds.tolist() == [True] * REDUCED_PAYS_FROM
     assert few.premise_holds.tolist() == [True] * 2
     # The reason is the engine's own, and comes before anything is computed.
-    inertial = transition_table(
-        e62, speed_rpm=np.full(2, 500.0), drive=DriveMode.INERTIAL, engine="auto"
-    )
+    inertial = transition_table(e62, speed_rpm=np.full(2, 500.0), drive=DriveMode.INERTIAL)
     assert (inertial.engine == "direct").all()
     assert "held drives" in inertial.why
     held = transition_table(e62, speed_rpm=500.0)
@@ -276,6 +242,7 @@ def test_outside_the_tables(e62: Mechanism) -> None:
     """A case that leaves the tables is computed by the direct engine, bit for bit, and says so.
 
     A run of the direct engine by its own door is the truth; the other cases stay with the tables.
+    Cases in another order give the same bits.
     """
     speeds = np.linspace(450.0, 600.0, REDUCED_PAYS_FROM)
     restitution = np.full(REDUCED_PAYS_FROM, 0.2)
@@ -288,8 +255,7 @@ def test_outside_the_tables(e62: Mechanism) -> None:
     assert [text for text in table.message if text] == [table.message[20]]
     mechanism = load("e62", {"stops.jaw.restitution": 0.7})
     case = Case(speed_rpm=600.0, resolution=Resolution(tolerance=1e-10))
-    direct = simulate(mechanism, case)
-    hits = [hit for hit in direct.collisions if hit.stop == "jaw"]
+    hits = [hit for hit in simulate(mechanism, case).collisions if hit.stop == "jaw"]
     assert table.outcome[20] == "no_rest"
     assert np.isnan(table.duration[20])
     assert table.time[20, 3] == hits[3].t
@@ -298,17 +264,9 @@ def test_outside_the_tables(e62: Mechanism) -> None:
     forced = transition_table(e62, speed_rpm=speeds, restitution=restitution, engine="reduced")
     assert forced.outcome[20] == "left_travel"
     assert np.isnan(forced.duration[20])
-
-
-def test_order_does_not_matter(e62: Mechanism) -> None:
-    """Cases in another order give the same bits, with both engines in one table."""
-    cases = random_cases(REDUCED_PAYS_FROM, 9)
-    cases["speed_rpm"][[3, 20]], cases["restitution"][[3, 20]] = (560.0, 640.0), 0.6
     order = np.random.default_rng(10).permutation(REDUCED_PAYS_FROM)
-    table = transition_table(e62, **cases)
-    mixed = transition_table(e62, **{key: values[order] for key, values in cases.items()})
-    assert set(table.engine) == {"direct", "reduced"}
-    for key in ("engine", "outcome", "collisions", "stiffness"):
+    mixed = transition_table(e62, speed_rpm=speeds[order], restitution=restitution[order])
+    for key in ("engine", "outcome", "collisions"):
         assert np.array_equal(getattr(table, key)[order], getattr(mixed, key)), key
     for key in ("duration", "duration_error", "first_two_share", "table"):
         one, other = getattr(table, key)[order], getattr(mixed, key)
@@ -332,22 +290,14 @@ def test_failed_case_is_a_row() -> None:
     assert "not closing in the touch configuration" in table.why
 
 
-def test_without_numba(e62: Mechanism, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_numba_and_without_cases(e62: Mechanism, monkeypatch: pytest.MonkeyPatch) -> None:
     """Without the compiler of the reduced engine the direct one does all, and says why."""
     monkeypatch.setitem(sys.modules, "numba", None)
     table = transition_table(e62, speed_rpm=np.linspace(450.0, 500.0, REDUCED_PAYS_FROM))
     assert "numba" in table.why
     assert (table.engine == "direct").all()
     assert (table.outcome == "at_rest").all()
-
-
-def test_no_rest(e62: Mechanism) -> None:
-    """Runs that do not come to rest keep their collisions and have no duration."""
-    table = transition_table(e62, speed_rpm=[450.0, 460.0], restitution=0.6, max_collisions=3)
-    assert (table.outcome == "too_many_collisions").all()
-    assert (table.collisions == 3).all()
-    assert np.isnan(table.duration).all()
-    assert np.isfinite(table.time).all()
+    assert len(transition_table(e62, speed_rpm=[])) == 0
 
 
 @pytest.mark.parametrize("engine", ["direct", "reduced"])
@@ -373,13 +323,6 @@ def test_long_series(e62: Mechanism) -> None:
     assert count == table.collisions[1]
     assert np.array_equal(table.time[1, :count], single.time[0, :count])
     assert np.isnan(table.time[0, int(table.collisions[0]) :]).all()
-
-
-def test_empty_table(e62: Mechanism) -> None:
-    """No case gives a table without rows."""
-    table = transition_table(e62, speed_rpm=[])
-    assert isinstance(table, TransitionTable)
-    assert len(table) == 0
 
 
 KNOWN = (

@@ -37,7 +37,7 @@ from nipper_pin.hybrid.result.turns import (
 )
 from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.gallery import GALLERY
-from nipper_pin.mechanism.restitution.falling import Falling
+from nipper_pin.mechanism.restitution import Falling
 from nipper_pin.study.turns import TURNS_PAY_FROM
 
 TESTS = Path(__file__).parents[1]
@@ -140,20 +140,6 @@ def test_engines_agree(name: str, e62: Mechanism) -> None:
         assert np.isfinite(direct.loss_index).all()
     else:
         assert np.isnan(direct.loss_index).all() == (name != "wiper")
-
-
-@pytest.mark.slow
-def test_turns_that_repeat_after_two(e62: Mechanism) -> None:
-    """Both engines find the same period, and a turn of it, though not at the same turn."""
-    found = [turn_table(e62, speed_rpm=1900.0, turns=40, engine=engine)
-             for engine in ("direct", "reduced")]  # type: ignore[arg-type] # fmt: skip
-    for table in found:
-        assert table.repeats_after.tolist() == [2]
-        assert 10 < table.turns[0] < 40
-    one, other = (table.energy_lost[0] for table in found)
-    # Turns of the period differ in 2e-3; those of one parity of the two engines do not.
-    even = (found[0].turns[0] - found[1].turns[0]) % 2 == 0
-    assert (abs(one / other - 1.0) < 1e-8) == even
 
 
 def test_which_engine_it_is(e62: Mechanism, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -18,6 +18,7 @@ from nipper_pin import Case, Mechanism, load, simulate
 from nipper_pin.cli import main
 from nipper_pin.mechanism import from_sources, known_models
 from nipper_pin.mechanism.drawing import drawn_mechanism
+from nipper_pin.mechanism.files.toml_writing import toml
 from nipper_pin.mechanism.gallery import GALLERY
 from nipper_pin.study.check import check_model
 from nipper_pin.study.urdf_advice import UrdfAdvice
@@ -62,18 +63,30 @@ def test_limits_become_stops_that_enforce_them() -> None:
     assert advised(mended) == UrdfAdvice((), "")
 
 
-def test_text_of_stops_can_be_pasted_below_others(tmp_path: Path) -> None:
+@pytest.fixture
+def hoist(tmp_path: Path) -> Path:
+    """The file of a machine with limits and without stops."""
     urdf, description = sources([link("hoist"), LIMITED], 1, gravity=9.81)
-    folder = tmp_path / "hoist"
-    folder.mkdir()
-    (folder / "hoist.urdf").write_text(urdf, encoding="utf-8")
-    from nipper_pin.mechanism.files.toml_writing import toml
-
     del description["transition_stop"]
-    (folder / "hoist.toml").write_text(toml(description), encoding="utf-8")
-    head, _, tail = advised(load(folder)).stops.partition("# At the end:\n")
-    (folder / "hoist.toml").write_text(f"{head}{toml(description)}{tail}", encoding="utf-8")
-    assert [stop.name for stop in load(folder).stops] == ["trolley_lower", "trolley_upper"]
+    (tmp_path / "hoist").mkdir()
+    (tmp_path / "hoist" / "hoist.urdf").write_text(urdf, encoding="utf-8")
+    file = tmp_path / "hoist" / "hoist.toml"
+    file.write_text(toml(description), encoding="utf-8")
+    return file
+
+
+def test_stops_can_be_pasted_below_others(hoist: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """As the command prints them, and as its document has them."""
+    assert main(["check", str(hoist.parent)]) == 0
+    shown = capsys.readouterr().out
+    assert "To look at" in shown
+    assert '[stops.trolley_upper]\njoint = "trolley"\nside = "upper"\nat_mm = 200.0' in shown
+    assert main(["check", str(hoist.parent), "--json", "-"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["advice"][0].startswith("limits of joint trolley")
+    head, _, tail = document["stops_to_paste"].partition("# At the end:\n")
+    hoist.write_text(head + hoist.read_text(encoding="utf-8") + tail, encoding="utf-8")
+    assert [stop.name for stop in load(hoist.parent).stops] == ["trolley_lower", "trolley_upper"]
 
 
 def slide(lower: float) -> Mechanism:
@@ -193,20 +206,3 @@ def test_what_is_called_ignored_is_not_named() -> None:
     for word in ("gazebo", "transmission", "texture", "calibration", "safety_controller", "effort",
                  "velocity", "version"):  # fmt: skip
         assert f"`{word}`" in page or f"`<{word}>`" in page, word
-
-
-def test_the_command_prints_advice(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    urdf, description = sources([link("hoist"), LIMITED], 1, gravity=9.81)
-    from nipper_pin.mechanism.files.toml_writing import toml
-
-    del description["transition_stop"]
-    (tmp_path / "hoist.urdf").write_text(urdf, encoding="utf-8")
-    (tmp_path / "hoist.toml").write_text(toml(description), encoding="utf-8")
-    assert main(["check", str(tmp_path)]) == 0
-    shown = capsys.readouterr().out
-    assert "To look at" in shown
-    assert '[stops.trolley_upper]\njoint = "trolley"\nside = "upper"\nat_mm = 200.0' in shown
-    assert main(["check", str(tmp_path), "--json", "-"]) == 0
-    document = json.loads(capsys.readouterr().out)
-    assert document["advice"][0].startswith("limits of joint trolley")
-    assert document["stops_to_paste"].count("[stops.") == 2

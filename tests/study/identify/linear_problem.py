@@ -8,14 +8,18 @@ from typing import Any
 
 import numpy as np
 
-from nipper_pin.errors import SimulationError
+from nipper_pin import Mechanism, SimulationError, load
 from nipper_pin.hybrid.result.premise import Premise
-from nipper_pin.mechanism import Mechanism, load
-from nipper_pin.study.identify.fitting.fit import Descent, Fit
-from nipper_pin.study.identify.fitting.objective import Objective
-from nipper_pin.study.identify.problem.geometry import Sources
-from nipper_pin.study.identify.problem.problem import Parameter, Problem
-from nipper_pin.study.identify.problem.targets import Condition, Target
+from nipper_pin.study.identify import (
+    Condition,
+    Descent,
+    Fit,
+    Objective,
+    Parameter,
+    Problem,
+    Sources,
+    Target,
+)
 
 PATHS = ("springs.steeve.preload_length_mm", "stops.jaw.restitution",
          "springs.steeve.stiffness_N_per_m")  # fmt: skip

@@ -13,10 +13,10 @@ import pytest
 from linear_problem import AT, PATHS, RANGES, STARTS, Linear, fitted, problem
 from rich.console import Console
 
-from nipper_pin.errors import MisfitError, SimulationError
+from nipper_pin import SimulationError
+from nipper_pin.errors import MisfitError
 from nipper_pin.hybrid.result.premise import Premise
-from nipper_pin.study.identify import Limits, Target, WorkingCycle, profile, record
-from nipper_pin.study.identify.fitting.determine import determinability
+from nipper_pin.study.identify import Limits, Target, WorkingCycle, determinability, profile, record
 from nipper_pin.study.identify.fitting.differences import jacobian, slopes
 from nipper_pin.study.identify.fitting.fit import descend
 from nipper_pin.study.identify.fitting.limits import excesses, limit_rows

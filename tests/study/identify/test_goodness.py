@@ -12,9 +12,9 @@ from linear_problem import Linear, fitted, problem
 from scipy.stats import chi2, norm, t
 from snapshots import Words
 
-from nipper_pin.errors import MisfitError, SimulationError
-from nipper_pin.study.identify import Objective, read_problem
-from nipper_pin.study.identify.fitting.goodness import Goodness, Verdict
+from nipper_pin import SimulationError
+from nipper_pin.errors import MisfitError
+from nipper_pin.study.identify import Goodness, Objective, Verdict, read_problem
 from nipper_pin.study.identify.fitting.outliers import outliers
 from nipper_pin.study.identify.fitting.suspects import suspected_units
 

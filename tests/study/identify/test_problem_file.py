@@ -9,13 +9,10 @@ from pathlib import Path
 import pytest
 from snapshots import Words
 
-from nipper_pin.mechanism import Mechanism
+from nipper_pin import Mechanism
 from nipper_pin.study import identify
-from nipper_pin.study.identify.problem.targets import (
-    Condition,
-    conditions,
-    with_settings,
-)
+from nipper_pin.study.identify import Condition
+from nipper_pin.study.identify.problem.targets import conditions, with_settings
 from tests.refusals.studies import FIT, SEEN
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from snapshots import Words
 
-from nipper_pin.mechanism import Mechanism
+from nipper_pin import Mechanism
 from nipper_pin.study.optimise import read_problem
 from nipper_pin.study.optimise.problem.problem import read_text
 from tests.refusals.studies import DESIGN

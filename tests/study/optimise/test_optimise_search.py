@@ -15,8 +15,8 @@ from designs import MASS, problem
 from scipy.stats import qmc
 
 from nipper_pin.study.identify import working_cycle
+from nipper_pin.study.optimise import Aim
 from nipper_pin.study.optimise.points import Evaluator
-from nipper_pin.study.optimise.problem.problem import Aim
 from nipper_pin.study.optimise.problem.quantities import cycle_values, thinned
 from nipper_pin.study.optimise.search.samples import (
     SHARE,

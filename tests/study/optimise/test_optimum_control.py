@@ -14,9 +14,8 @@ from designs import MASS, design, problem
 
 from nipper_pin import Case, Solution, Window, load, simulate
 from nipper_pin.cli import main
-from nipper_pin.study.optimise import optimise
-from nipper_pin.study.optimise.control import Control, control
-from nipper_pin.study.optimise.control.compare import Row
+from nipper_pin.study.optimise import Control, optimise
+from nipper_pin.study.optimise.control import Row, control
 
 STATED = """
 format = 1

@@ -12,9 +12,8 @@ import pytest
 from snapshots import Words
 
 from nipper_pin import Case, Window
-from nipper_pin.study.optimise import Design, Optimum, read_problem
-from nipper_pin.study.optimise.control import Control
-from nipper_pin.study.optimise.control.compare import Row
+from nipper_pin.study.optimise import Control, Design, Optimum, read_problem
+from nipper_pin.study.optimise.control import Row
 from nipper_pin.study.optimise.search.binding import Account, Binding
 from nipper_pin.study.optimise.search.descend import Descent
 from nipper_pin.study.optimise.search.samples import Found

@@ -11,7 +11,7 @@ import pytest
 from designs import design, problem
 
 from nipper_pin.study.optimise import optimise
-from nipper_pin.study.optimise.control.compare import control
+from nipper_pin.study.optimise.control import control
 from nipper_pin.study.optimise.points import Evaluator
 from nipper_pin.study.optimise.problem import quantities
 

@@ -13,17 +13,11 @@ import pytest
 from designs import MASS
 from small_machines import SLED, link, machine, slide
 
-from nipper_pin import Mechanism, Window, load
-from nipper_pin.errors import InputError, SimulationError
-from nipper_pin.hybrid.event import EventKind
+from nipper_pin import EventKind, InputError, Mechanism, SimulationError, Window, load
 from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.gallery import GALLERY, drawn
-from nipper_pin.study.identify.problem.working_cycle import (
-    Phase,
-    WorkingCycle,
-    unfit,
-    working_cycle,
-)
+from nipper_pin.study.identify import WorkingCycle, working_cycle
+from nipper_pin.study.identify.problem.working_cycle import Phase, unfit
 from nipper_pin.study.optimise.control.reading import MOST_TURNS, ControlTurn, control_turn, read
 from nipper_pin.study.optimise.points.turn import differs
 from nipper_pin.study.optimise.problem.quantities import (

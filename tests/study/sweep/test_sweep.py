@@ -24,10 +24,10 @@ from sweep_studies import (
     wait_for,
 )
 
-from nipper_pin import Case, InputError, load, simulate
+from nipper_pin import Case, InputError, load, read_sweep, simulate
 from nipper_pin.cli import main, sweep
 from nipper_pin.study.folders import alone_in
-from nipper_pin.study.sweep import read_sweep, run_sweep
+from nipper_pin.study.sweep import run_sweep
 from nipper_pin.study.sweep.plan import Chunk
 from nipper_pin.study.sweep.results import Store
 

@@ -15,10 +15,10 @@ import distributed
 import pytest
 from sweep_studies import COMMAND, GEOMETRY, chunk_files, stored, study, wait_for
 
-from nipper_pin import SimulationError
+from nipper_pin import SimulationError, read_sweep
 from nipper_pin.cli import main
 from nipper_pin.study.sweep import cluster as cluster_module
-from nipper_pin.study.sweep import read_plan, read_sweep
+from nipper_pin.study.sweep import read_plan
 from nipper_pin.study.sweep.chunks import DefectError
 from nipper_pin.study.sweep.cluster import on_scheduler
 from nipper_pin.study.sweep.plan import Chunk

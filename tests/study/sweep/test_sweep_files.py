@@ -12,9 +12,9 @@ import pyarrow.parquet as pq
 import pytest
 from sweep_studies import chunk_files, plan, stored
 
-from nipper_pin import InputError, load
+from nipper_pin import InputError, load, read_sweep
 from nipper_pin.cli import main
-from nipper_pin.study.sweep import read_plan, read_sweep, run_sweep
+from nipper_pin.study.sweep import read_plan, run_sweep
 from nipper_pin.study.sweep.results import Store, chunk_file
 from nipper_pin.study.sweep.results.chunk_file import DamageError, encode, read
 

@@ -15,9 +15,9 @@ from msgspec.structs import replace
 from snapshots import Words
 from sweep_studies import GEOMETRY, TABLE, plan, stored, study
 
-from nipper_pin import InputError, SimulationError, load, transition_table
+from nipper_pin import InputError, SimulationError, load, read_sweep, transition_table
 from nipper_pin.cli import main
-from nipper_pin.study.sweep import chunks, read_sweep, run_sweep
+from nipper_pin.study.sweep import chunks, run_sweep
 from nipper_pin.study.sweep.chunks import NO_MODEL, DefectError, run_chunk
 from nipper_pin.study.sweep.estimate import Estimate, estimate
 from nipper_pin.study.sweep.job import Job, versions
