@@ -67,17 +67,17 @@ def _jump_rpm(mechanism: nip.Mechanism, k: float) -> float:
     """Speed at which the least force of the cam is zero [r/min]."""
     law = mechanism.drives[0].law
 
-    def square(psi: float) -> float:
-        lift, _, bend = (float(value) for value in law.evaluate(np.asarray(psi)))
+    def square(psi: FloatArray | float) -> FloatArray:
+        lift, _, bend = law.evaluate(np.asarray(psi))
         force = GRAVITY + k / MASS * (PRELOAD + lift)
-        return -force / bend if bend < 0.0 else math.inf
+        return np.divide(-force, bend, out=np.full_like(bend, math.inf), where=bend < 0.0)
 
     grid = np.linspace(0.0, math.tau, 20_001)
-    place = grid[int(np.argmin([square(psi) for psi in grid]))]
+    place = grid[int(np.argmin(square(grid)))]
     bounds = place - 4e-4, place + 4e-4
     found = minimize_scalar(square, bounds=bounds, method="bounded", options={"xatol": 1e-14})
     # The least may lie where two pieces meet.
-    least = min(float(found.fun), *(square(knot) for knot in law.knots_rad), math.inf)
+    least = min(float(found.fun), *square(np.array(law.knots_rad)))
     return math.sqrt(least) * 60.0 / math.tau
 
 
