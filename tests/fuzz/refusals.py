@@ -10,7 +10,7 @@ from typing import TypeVar
 
 from programs import main
 
-from nipper_pin import InputError
+from nipper_pin import NipperError
 
 _T = TypeVar("_T")
 
@@ -40,15 +40,20 @@ def assert_clear(arguments: Sequence[str], *allowed: int) -> int:
     return status
 
 
-def one_line(read: Callable[..., _T], *arguments: object) -> _T | InputError:
+def one_line(read: Callable[..., _T], *arguments: object) -> _T | NipperError:
     """What a reader gives, or its refusal, which has to be one line; other errors come through."""
     try:
         return read(*arguments)
-    except InputError as error:
+    except NipperError as error:
         refusal = error
-    assert refusal.message
-    assert "\n" not in refusal.message
+    assert refusal.message.strip()
+    assert len(refusal.message.splitlines()) == 1
     return refusal
+
+
+def taken(use: Callable[[], object]) -> bool:
+    """Whether an input was taken; refused it may be by one line alone."""
+    return not isinstance(one_line(use), NipperError)
 
 
 def files(folder: Path) -> dict[str, bytes]:

@@ -7,20 +7,19 @@ arguments reach the commands shows in the statuses, of which more than one kind 
 from __future__ import annotations
 
 import os
-import signal
-import subprocess
-import sys
 import tempfile
-import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from refusals import answer, assert_clear, files, one_line
+from refusals import assert_clear, files, one_line
 
-from nipper_pin import load_case, load_solution
+from nipper_pin.study import identify, optimise
 from nipper_pin.study.identify.problem.problem import BUILT_IN
+from nipper_pin.study.sweep import read_plan
+from tests.refusals import studies
 
 _wrong = st.sampled_from(
     ["0", "-0.0", "1e400", "nan", "-inf", "1_000", "0x10", "", " ", "½", "\uff11"]
@@ -90,26 +89,6 @@ def test_what_is_right_is_done_and_what_is_wrong_is_not() -> None:
     assert assert_clear(["simulate", "--speed", "-1"]) == 2
 
 
-SWEEP = """format = 1
-title = "fuzz"
-model = "e62"
-chunk = 4
-quantities = ["duration_s"]
-[case]
-speed_rpm = 650.0
-drive = "held"
-tolerance = 1e-10
-max_collisions = 256
-[samples]
-method = "sobol"
-count = 16
-seed = 7
-[parameters.restitution]
-low = 0.05
-high = 0.25
-[parameters.stiffness]
-values = [7000.0, 9000.0]
-"""
 _tokens = st.one_of(
     st.sampled_from(
         ["0", "-1", "nan", "inf", "1e400", "true", '""', '"jaw"', "[]", "{}", "[1, 2]", '["x"]',
@@ -136,111 +115,21 @@ def _edited(text: str, data: st.DataObject) -> str:
     return "\n".join(lines)
 
 
-@pytest.mark.campaign
-@settings(max_examples=50)
-@given(st.data())
-def test_any_study_of_a_sweep(data: st.DataObject) -> None:
-    pytest.importorskip("pyarrow")
+@pytest.mark.parametrize(
+    ("text", "read"),
+    [(studies.SWEEP, lambda path: read_plan(str(path)).chunks()),
+     (BUILT_IN.read_text(encoding="utf-8"), identify.read_problem),
+     (studies.FIT.replace('measured = "seen.csv"\n', ""), identify.read_problem),
+     (studies.DESIGN, optimise.read_problem)],
+    ids=["sweep", "built-in fit", "fit", "design"],
+)  # fmt: skip
+@settings(max_examples=40)
+@given(data=st.data())
+def test_any_study(text: str, read: Callable[[Path], object], data: st.DataObject) -> None:
+    """Read only: what is right would be computed, and that takes long."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "study.toml"
-        path.write_text(_edited(SWEEP, data), encoding="utf-8")
+        path.write_text(_edited(text, data), encoding="utf-8")
         before = files(Path(folder))
-        assert_clear(["sweep", str(path), "--dry-run", "--json", "-"], 0, 2)
+        one_line(read, path)
         assert files(Path(folder)) == before
-
-
-@settings(max_examples=40)
-@given(st.data())
-def test_any_problem_of_an_identification(data: st.DataObject) -> None:
-    """Read only: what is right would be solved, and that takes minutes."""
-    from nipper_pin.study.identify import read_problem
-
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "problem.toml"
-        path.write_text(_edited(BUILT_IN.read_text(encoding="utf-8"), data), encoding="utf-8")
-        one_line(read_problem, path)
-
-
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        ["paper", "no-such-model"],
-        ["paper", "--set", "x"],
-        ["paper", "--out", "{file}"],
-        ["study", "lunch"],
-        ["identify", "{missing}"],
-        ["identify", "{file}"],
-        ["sweep", "{missing}"],
-        ["sweep", "{file}"],
-        ["plot", "{missing}"],
-        ["plot", "{folder}"],
-        ["view", "--solution", "{missing}", "--html", "{folder}/x.html"],
-        ["view", "--slow", "nan", "--html", "{folder}/x.html"],
-        ["view", "--exaggerate", "1e9", "--html", "{folder}/x.html"],
-        ["compare", "{missing}.npz", "e62"],
-        ["compare", "e62", "{file}"],
-        ["compare", "e62", "--set-b", "speed=nan"],
-        ["compare", "e62", "--slow", "nan", "--html", "{folder}/x.html"],
-        ["compare", "e62", "--html", "{folder}"],
-        ["simulate", "--case", "{folder}"],
-        ["simulate", "--out", "{file}"],
-        ["simulate", "--json", "{folder}"],
-        ["check", "{folder}"],
-    ],
-)
-def test_files_that_are_not_what_they_should_be(tmp_path: Path, arguments: list[str]) -> None:
-    """Status 2, and nothing is written or changed."""
-    places = {
-        "missing": str(tmp_path / "missing"),
-        "file": str(tmp_path / "file"),
-        "folder": str(tmp_path / "folder"),
-    }
-    (tmp_path / "folder").mkdir()
-    (tmp_path / "file").write_bytes(b"\x00\xff no file of ours")
-    before = files(tmp_path)
-    assert_clear([item.format(**places) for item in arguments], 2)
-    assert files(tmp_path) == before
-
-
-_SAVING = """
-import sys
-from nipper_pin import Case, load, save, save_case, simulate
-mechanism = load("e62")
-case = Case(speed_rpm=650.0, window="cycle")
-solution = simulate(mechanism, case)
-print("ready", flush=True)
-while True:
-    save(solution, sys.argv[1] + "/run.npz")
-    save_case(mechanism, case, sys.argv[1] + "/case.json")
-"""
-
-
-@pytest.mark.campaign
-@pytest.mark.parametrize("pause", [0.05, 0.1, 0.17, 0.26])
-def test_a_killed_process_leaves_whole_files(tmp_path: Path, pause: float) -> None:
-    """However a writer dies, a name holds a whole file: it is given when the file is complete.
-
-    The writer does nothing but write, so the kill falls into a write nearly always.
-    """
-    with subprocess.Popen(
-        [sys.executable, "-c", _SAVING, str(tmp_path)], stdout=subprocess.PIPE, text=True
-    ) as writer:
-        assert writer.stdout is not None
-        assert writer.stdout.readline() == "ready\n"
-        end = time.monotonic() + 20.0
-        while not (tmp_path / "case.json").exists() and time.monotonic() < end:
-            time.sleep(0.01)
-        time.sleep(pause)
-        writer.send_signal(signal.SIGKILL)
-    solution = load_solution(tmp_path / "run.npz")
-    assert solution.collisions
-    assert load_case(tmp_path / "case.json")[1] == solution.case
-    others = {path.name for path in tmp_path.iterdir()} - {"run.npz", "case.json"}
-    assert all(name.startswith(".") and name.endswith(".partial") for name in others)
-
-
-def test_messages_are_one_line_whatever_the_names() -> None:
-    status, out, err = answer(["simulate", "--set", "a\nb\x1b[31m=1\n2"])
-    assert (status, out) == (2, "")
-    assert err.count("\n") == 1
-    assert "\x1b" not in err

@@ -5,16 +5,15 @@ An exception that is not an error of the package comes through and fails the tes
 
 from __future__ import annotations
 
-import copy
 import io
 import json
 import tempfile
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from documents import GONE, VALUES, changed, places
 from hypothesis import given
 from hypothesis import strategies as st
 from refusals import assert_clear, files, one_line
@@ -52,41 +51,10 @@ def stored_case(home: Path) -> dict[str, Any]:
     return document
 
 
-_scalars = st.one_of(
-    st.none(), st.booleans(), st.floats(), st.integers(-(10**25), 10**25), st.text(max_size=6)
-)
-_values = st.recursive(
-    _scalars,
-    lambda inner: st.one_of(
-        st.lists(inner, max_size=3), st.dictionaries(st.text(max_size=5), inner, max_size=3)
-    ),
-    max_leaves=4,
-)
-
-
-def _places(value: object, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
-    if path:
-        yield path
-    if isinstance(value, dict):
-        for key, item in value.items():
-            yield from _places(item, (*path, key))
-    elif isinstance(value, list):
-        for place, item in enumerate(value):
-            yield from _places(item, (*path, place))
-
-
-def _changed(document: Any, data: st.DataObject) -> Any:
+def _edited(document: Any, data: st.DataObject) -> Any:
     """The document with one thing in it replaced or removed."""
-    document = copy.deepcopy(document)
-    path = data.draw(st.sampled_from(list(_places(document))))
-    holder = document
-    for step in path[:-1]:
-        holder = holder[step]
-    if data.draw(st.booleans()):
-        holder[path[-1]] = data.draw(_values)
-    else:
-        del holder[path[-1]]
-    return document
+    path = data.draw(st.sampled_from(list(places(document))))
+    return changed(document, path, data.draw(VALUES) if data.draw(st.booleans()) else GONE)
 
 
 def _packed(document: Any, arrays: dict[str, np.ndarray]) -> bytes:
@@ -114,7 +82,7 @@ def _read_and_asked(content: bytes) -> None:
 @given(st.data())
 def test_an_edited_run(archive: dict[str, np.ndarray], data: st.DataObject) -> None:
     arrays = {name: value for name, value in archive.items() if name != "document"}
-    _read_and_asked(_packed(_changed(json.loads(str(archive["document"])), data), arrays))
+    _read_and_asked(_packed(_edited(json.loads(str(archive["document"])), data), arrays))
 
 
 @pytest.mark.parametrize(
@@ -136,11 +104,7 @@ def test_wrong_types_are_refused_when_they_are_read(
     archive: dict[str, np.ndarray], home: Path, path: tuple[Any, ...], value: object
 ) -> None:
     """Found by the test above: such runs were read, and failed with a traceback when asked."""
-    document = json.loads(str(archive["document"]))
-    holder = document
-    for step in path[:-1]:
-        holder = holder[step]
-    holder[path[-1]] = value
+    document = changed(json.loads(str(archive["document"])), path, value)
     arrays = {name: item for name, item in archive.items() if name != "document"}
     file = home / "wrong.npz"
     file.write_bytes(_packed(document, arrays))
@@ -179,7 +143,7 @@ def test_a_run_that_was_cut_off(archive: dict[str, np.ndarray], part: float, jun
 def test_an_edited_case(stored_case: dict[str, Any], data: st.DataObject) -> None:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "case.json"
-        path.write_text(json.dumps(_changed(stored_case, data)), encoding="utf-8")
+        path.write_text(json.dumps(_edited(stored_case, data)), encoding="utf-8")
         one_line(load_case, path)
 
 

@@ -11,11 +11,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from snapshots import Words
 
 from nipper_pin import (
     Case,
     InputError,
     ModelError,
+    NipperError,
     load,
     load_case,
     load_solution,
@@ -23,25 +25,85 @@ from nipper_pin import (
     simulate,
     texts,
 )
-from nipper_pin.errors import NipperError
-from nipper_pin.hybrid.files import archive
-from nipper_pin.mechanism import elements, find_model, from_sources
-from nipper_pin.mechanism.build import contact, stops
+from nipper_pin.mechanism import Characteristic, find_model, from_sources
 from nipper_pin.mechanism.drives import Table
-from nipper_pin.mechanism.elements import Characteristic
-from nipper_pin.mechanism.files import describe, urdf
-from nipper_pin.study.identify.problem import measured
-from nipper_pin.study.sweep import plan, read_plan
+from nipper_pin.study.identify.problem.measured import read_measured
+from nipper_pin.study.sweep import read_plan
+from nipper_pin.view.scene.meshes import read_mesh
 
 HERE = Path(__file__).parent
 PARTS, CORPUS = HERE / "bases" / "parts", HERE / "corpus"
 SWEEP = (HERE / "bases" / "sweep.toml").read_text(encoding="utf-8")
+RUN = CORPUS / "npz" / "bouncing_ball.npz"
+MESHES = [PARTS / "meshes" / f"tetrahedron.{kind}" for kind in ("stl", "obj")]
 
 
 def parts(text: str | None = None, **changed: object) -> None:
     document = tomllib.loads((PARTS / "parts.toml").read_text(encoding="utf-8"))
     tree = (PARTS / "parts.urdf").read_text(encoding="utf-8") if text is None else text
     from_sources("parts", tree, {**document, **changed}, PARTS)
+
+
+def touching_meshes(_: Path) -> None:
+    """Both meshes in shapes that touch."""
+    text = (PARTS / "parts.urdf").read_text(encoding="utf-8")
+    link, mesh = '<link name="lh8">', '<mesh filename="meshes/tetrahedron.obj"/>'
+    parts(text.replace(link, f"{link}<collision><geometry>{mesh}</geometry></collision>"))
+
+
+def rows(count: int) -> tuple[float, ...]:
+    return tuple(np.linspace(0.0, 2.0 * np.pi, count).tolist())
+
+
+def measured(folder: Path) -> None:
+    file = folder / "m.csv"
+    file.write_text("speed_rpm,quantity,value,sigma\n" + "450,rebound_time_s_1,1,1\n" * 3)
+    assert len(read_measured(file)) == 3
+
+
+def chunks(folder: Path) -> None:
+    file = folder / "sweep.toml"
+    file.write_text(SWEEP.replace("chunk = 4", "chunk = 1"), encoding="utf-8")
+    assert len(read_plan(str(file)).chunks()) == 4
+
+
+BOTH = sum(mesh.stat().st_size for mesh in MESHES)
+# Where a limit stands, as many as there are, and what reads them.
+LIMITS: list[tuple[str, int, Callable[[Path], object]]] = [
+    ("mechanism.files.urdf._MOST_LINKS", 25, lambda _: parts()),
+    ("mechanism.files.urdf._MOST_MOVING", 18, lambda _: parts()),
+    ("mechanism.files.urdf._MOST_SHAPES", 3, lambda _: parts()),
+    ("mechanism.files.describe._MOST_ENTRIES", 7, lambda _: parts()),
+    ("mechanism.files.describe._MOST_PHASES", 2, lambda _: parts()),
+    ("mechanism.build.contact._MOST_PAIRS", 1, lambda _: parts()),
+    ("mechanism.build.stops._MOST_CONTACTS", 1, lambda _: parts()),
+    # Meshes that touch are counted together, those that are drawn one by one.
+    ("mechanism.files.meshes.MOST_MESH", BOTH, touching_meshes),
+    ("mechanism.files.meshes.MOST_MESH", MESHES[1].stat().st_size, lambda _: read_mesh(MESHES[1])),
+    ("mechanism.elements.MOST_ROWS", 4,
+     lambda _: Characteristic(coordinate=rows(4), force=(0.0,) * 4)),
+    ("mechanism.drives.table.MOST_ROWS", 8,
+     lambda _: Table(cylinder_angle_rad=rows(8), coordinate=(0.0,) * 8)),
+    ("study.identify.problem.measured._MOST_LINES", 3, measured),
+    ("study.sweep.plan._MOST_CHUNKS", 4, chunks),
+    ("hybrid.files.archive.MOST_ARRAYS", 9, lambda _: load_solution(RUN)),
+    ("hybrid.files.archive.MOST_TEXT", 25972, lambda _: load_solution(RUN)),
+]  # fmt: skip
+
+
+def test_one_more_than_the_most_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, words: Words
+) -> None:
+    text = ""
+    for name, count, use in LIMITS:
+        with monkeypatch.context() as limited:
+            limited.setattr(f"nipper_pin.{name}", count)
+            use(tmp_path)
+            limited.setattr(f"nipper_pin.{name}", count - 1)
+            with pytest.raises(InputError) as caught:
+                use(tmp_path)
+        text += f"{name} = {count - 1}\n    {caught.value.message}\n"
+    words(text.replace(str(CORPUS), "CORPUS"))
 
 
 def test_texts_have_a_largest_size(tmp_path: Path) -> None:
@@ -57,177 +119,60 @@ def test_texts_have_a_largest_size(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("limit", "read"),
+    ("limit", "name", "read"),
     [
-        ("MOST_TEXT", lambda folder: load(folder / "e62")),
-        ("MOST_TEXT", lambda folder: read_plan(str(folder / "sweep.toml"))),
-        ("MOST_JSON", lambda folder: load_case(folder / "case.json")),
-        ("MOST_TABLE", lambda folder: measured.read_measured(folder / "rebounds.csv")),
+        ("MOST_TEXT", "e62/e62.toml", lambda path: load(path.parent)),
+        ("MOST_TEXT", "e62/e62.urdf", lambda path: load(path.parent)),
+        ("MOST_TEXT", "sweep.toml", lambda path: read_plan(str(path))),
+        ("MOST_JSON", "case.json", load_case),
+        ("MOST_TABLE", "rebounds.csv", read_measured),
     ],
 )
 def test_every_reader_has_the_limit(
-    limit: str, read: Callable[[Path], Any], tmp_path: Path
+    limit: str, name: str, read: Callable[[Path], Any], tmp_path: Path
 ) -> None:
     """One byte more than is read is enough."""
-    home = tmp_path / "e62"
-    home.mkdir()
-    for suffix in ("urdf", "toml"):
-        text = (find_model("e62") / f"e62.{suffix}").read_text(encoding="utf-8")
-        (home / f"e62.{suffix}").write_text(text, encoding="utf-8")
-    (tmp_path / "sweep.toml").write_text(SWEEP, encoding="utf-8")
-    (tmp_path / "case.json").write_bytes((CORPUS / "case" / "bouncing_ball.json").read_bytes())
-    (tmp_path / "rebounds.csv").write_bytes((HERE / "bases" / "rebounds.csv").read_bytes())
-    read(tmp_path)
-    for file in (*home.iterdir(), *(item for item in tmp_path.iterdir() if item.is_file())):
-        file.write_bytes(file.read_bytes() + b"\n" * getattr(texts, limit))
+    (tmp_path / "e62").mkdir()
+    bases = [*find_model("e62").glob("e62.*"), HERE / "bases" / "sweep.toml",
+             HERE / "bases" / "rebounds.csv", CORPUS / "case" / "bouncing_ball.json"]  # fmt: skip
+    for base in bases:
+        called = {"e62": f"e62/{base.name}", "bouncing_ball": "case.json"}.get(base.stem, base.name)
+        (tmp_path / called).write_bytes(base.read_bytes())
+    file = tmp_path / name
+    read(file)
+    file.write_bytes(file.read_bytes().ljust(getattr(texts, limit) + 1, b"\n"))
     with pytest.raises(InputError, match=r"larger than .* MiB"):
-        read(tmp_path)
+        read(file)
 
 
-@pytest.mark.parametrize(("most", "key"), [
-    ("_MOST_LINKS", "links = 25"), ("_MOST_MOVING", "joints that move = 18"),
-    ("_MOST_SHAPES", "collision shapes = 3"),
-])  # fmt: skip
-def test_trees_have_a_largest_size(most: str, key: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    count = int(key.rpartition(" ")[2])
-    monkeypatch.setattr(urdf, most, count)
-    parts()
-    monkeypatch.setattr(urdf, most, count - 1)
-    with pytest.raises(ModelError, match=f"{key} cannot be used: at most {count - 1}"):
-        parts()
-
-
-def test_sections_have_a_most_of_entries(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(describe, "_MOST_ENTRIES", 7)
-    parts()
-    monkeypatch.setattr(describe, "_MOST_ENTRIES", 6)
-    with pytest.raises(ModelError, match="drives = '7 entries' cannot be used: at most 6"):
-        parts()
-    monkeypatch.setattr(describe, "_MOST_ENTRIES", 7)
-    monkeypatch.setattr(describe, "_MOST_PHASES", 1)
-    with pytest.raises(ModelError, match="phases = '2 entries' cannot be used: at most 1"):
-        parts()
-
-
-def test_contacts_have_a_most_of_shapes(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(stops, "_MOST_CONTACTS", 1)
-    monkeypatch.setattr(contact, "_MOST_PAIRS", 1)
-    parts()
-    monkeypatch.setattr(contact, "_MOST_PAIRS", 0)
-    with pytest.raises(ModelError, match="'1 and 1 shapes' cannot be used: at most 0 pairs"):
-        parts()
-    monkeypatch.setattr(stops, "_MOST_CONTACTS", 0)
-    with pytest.raises(ModelError, match="'1 contacts' cannot be used: at most 0 stops"):
-        parts()
-
-
-@pytest.mark.parametrize("value", [1.1e15, -1.1e15, 10**16, 1e308])
-def test_numbers_have_a_largest_size(value: float) -> None:
-    with pytest.raises(ModelError, match=r"gravity_m_s2 = .*at most 1e\+15"):
-        parts(gravity_m_s2=value)
-    text = (PARTS / "parts.urdf").read_text(encoding="utf-8")
-    with pytest.raises(ModelError, match=r"joint h1 origin xyz.*of at most 1e\+15"):
-        parts(text.replace('xyz="1 0 1"', f'xyz="{value:g} 0 1"'))
-
-
-def test_joints_of_other_elements_are_left_alone() -> None:
-    """Programs keep notes of their own in a URDF, with joints of fewer numbers."""
-    text = (PARTS / "parts.urdf").read_text(encoding="utf-8")
-    note = '<gazebo><joint name="x" type="revolute"><axis xyz="1"/></joint></gazebo></robot>'
-    parts(text.replace("</robot>", note))
-
-
-def test_tables_have_a_most_of_rows(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(elements, "MOST_ROWS", 3)
-    Characteristic(coordinate=(0.0, 1.0, 2.0), force=(0.0, 0.0, 0.0))
-    with pytest.raises(InputError, match="at most 3 rows; found 4"):
-        Characteristic(coordinate=(0.0, 1.0, 2.0, 3.0), force=(0.0,) * 4)
-    monkeypatch.setattr("nipper_pin.mechanism.drives.table.MOST_ROWS", 7)
-    turn = tuple(np.linspace(0.0, 2.0 * np.pi, 8).tolist())
-    with pytest.raises(InputError, match="at most 7 rows; found 8"):
-        Table(cylinder_angle_rad=turn, coordinate=(0.0,) * 8)
-
-
-def test_rows_that_make_no_curve_are_refused() -> None:
-    turn = np.linspace(0.0, 2.0 * np.pi, 8)
-    near = turn.copy()
-    near[2] = near[1] + 1e-13
-    with pytest.raises(InputError, match="rows 2 and 3 of the drive table are too near"):
-        Table(cylinder_angle_rad=tuple(near.tolist()), coordinate=(0.0,) * 8)
-    with pytest.raises(InputError, match=r"row 4 .* of at most 1e\+15"):
-        Table(cylinder_angle_rad=tuple(turn.tolist()), coordinate=(0.0,) * 3 + (1e16,) + (0.0,) * 4)
-
-
-@pytest.mark.parametrize("key", ["rise_deg", "return_deg"])
-def test_cams_that_rise_in_no_time_are_refused(key: str) -> None:
-    text = (PARTS / "parts.toml").read_text(encoding="utf-8")
-    lift = tomllib.loads(text)["drives"]["lift"]
-    parts(drives={"lift": {**lift, key: 1.0}}, degrees_of_freedom=15)
-    with pytest.raises(ModelError, match=r"rise and return take at least 5\.7e-08 deg each"):
-        parts(drives={"lift": {**lift, key: 5e-324}})
-
-
-def test_measurements_have_a_largest_number(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    file = tmp_path / "m.csv"
-    file.write_text("speed_rpm,quantity,value,sigma\n" + "450,rebound_time_s_1,1,1\n" * 3)
-    monkeypatch.setattr(measured, "_MOST_LINES", 3)
-    assert len(measured.read_measured(file)) == 3
-    monkeypatch.setattr(measured, "_MOST_LINES", 2)
-    with pytest.raises(InputError, match="more measurements than the 2 that are read"):
-        measured.read_measured(file)
-
-
-def test_sweeps_have_a_largest_number_of_chunks(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    file = tmp_path / "sweep.toml"
-    file.write_text(SWEEP.replace("chunk = 4", "chunk = 1"), encoding="utf-8")
-    monkeypatch.setattr(plan, "_MOST_CHUNKS", 4)
-    assert len(read_plan(str(file)).chunks()) == 4
-    monkeypatch.setattr(plan, "_MOST_CHUNKS", 3)
-    with pytest.raises(InputError, match="4 chunks of the scenarios, and at most 3 are stored"):
-        read_plan(str(file)).chunks()
-
-
-def run(document: dict[str, Any] | None = None, **arrays: Any) -> bytes:
-    """A saved run with another document or more arrays."""
-    with np.load(CORPUS / "npz" / "bouncing_ball.npz") as stored:
+def run(document: dict[str, Any]) -> bytes:
+    """A saved run with another document."""
+    with np.load(RUN) as stored:
         found = {name: stored[name] for name in stored.files}
-    whole = {**json.loads(str(found.pop("document"))), **(document or {})}
+    whole = {**json.loads(str(found.pop("document"))), **document}
     stream = io.BytesIO()
-    np.savez(stream, document=np.array(json.dumps(whole)), **found, **arrays)
+    np.savez(stream, document=np.array(json.dumps(whole)), **found)
     return stream.getvalue()
 
 
-def test_runs_have_a_most_of_arrays_and_letters(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def document_of_the_run() -> dict[str, Any]:
+    with np.load(RUN) as stored:
+        found: dict[str, Any] = json.loads(str(stored["document"]))
+    return found
+
+
+@pytest.mark.parametrize(
+    ("table", "place", "key", "value"),
+    [("events", 1, "number", 7), ("events", 1, "t", -1e3), ("segments", 0, "t_end", 1e3),
+     ("events", 0, "energy_lost", 1e31)],
+)  # fmt: skip
+def test_runs_out_of_order_are_refused(
+    table: str, place: int, key: str, value: float, tmp_path: Path
 ) -> None:
-    file = tmp_path / "run.npz"
-    file.write_bytes(run())
-    load_solution(file)
-    monkeypatch.setattr(archive, "MOST_ARRAYS", 3)
-    with pytest.raises(InputError, match=r"holds \d+ arrays; at most 3 are read"):
-        load_solution(file)
-    monkeypatch.undo()
-    monkeypatch.setattr(archive, "MOST_TEXT", 1000)
-    with pytest.raises(InputError, match=r"document.npy is longer than 1e\+03 bytes"):
-        load_solution(file)
-
-
-@pytest.mark.parametrize("change", ["number", "t", "t_end", "large"])
-def test_runs_out_of_order_are_refused(change: str, tmp_path: Path) -> None:
     """Found by the fuzzer: errors of events divided by a time that went backwards."""
+    document = document_of_the_run()
+    document[table][place][key] = value
     file = tmp_path / "run.npz"
-    with np.load(CORPUS / "npz" / "bouncing_ball.npz") as stored:
-        document = json.loads(str(stored["document"]))
-    if change == "t_end":
-        document["segments"][0]["t_end"] = 1e3
-    elif change == "large":
-        document["events"][0]["energy_lost"] = 1e31
-    else:
-        document["events"][1][change] = -1e3 if change == "t" else 7
     file.write_bytes(run(document))
     with pytest.raises(InputError, match=r"not in order|<= 1e\+30"):
         load_solution(file)
@@ -236,8 +181,7 @@ def test_runs_out_of_order_are_refused(change: str, tmp_path: Path) -> None:
 def test_copies_of_a_turn_may_overlap_by_round_off(tmp_path: Path) -> None:
     """Turns that are copies begin at a sum of turns, which is rounded."""
     file = tmp_path / "run.npz"
-    with np.load(CORPUS / "npz" / "bouncing_ball.npz") as stored:
-        document = json.loads(str(stored["document"]))
+    document = document_of_the_run()
     first, second = document["segments"][:2]
     assert first["t_end"] == second["t_start"] > 0.0
     first["t_end"] *= 1.0 + 4e-16
@@ -300,11 +244,9 @@ def test_messages_are_short_lines_whatever_they_quote() -> None:
     assert str(error) == error.message
 
 
-LONG = ["x" * 300, "x/" * 1200, "a\0b"]
-
-
-@pytest.mark.parametrize("name", LONG)
-def test_files_of_a_model_have_paths(name: str) -> None:
+@pytest.mark.parametrize("name", ["x" * 300, "x/" * 1200, "a\0b"])
+def test_names_that_no_file_can_have(name: str, tmp_path: Path) -> None:
+    """Of a mesh, a table, measurements, a model, and the model of a sweep."""
     text = (PARTS / "parts.urdf").read_text(encoding="utf-8")
     for mesh in ("meshes/tetrahedron.stl", "package://parts/meshes/tetrahedron.obj"):
         if "\0" not in name:
@@ -313,11 +255,7 @@ def test_files_of_a_model_have_paths(name: str) -> None:
     with pytest.raises(ModelError, match="a CSV file in the model folder"):
         parts(springs={"rows": {"joint": "s2", "file": name}})
     with pytest.raises(InputError, match="no path of a file"):
-        measured.read_measured(name)
-
-
-@pytest.mark.parametrize("name", LONG)
-def test_names_that_no_file_can_have_are_unknown_models(name: str, tmp_path: Path) -> None:
+        read_measured(name)
     with pytest.raises(InputError, match="there is no model"):
         load(name)
     file = tmp_path / "sweep.toml"

@@ -7,7 +7,6 @@ import json
 import re
 import shutil
 import sys
-import zipfile
 from collections.abc import Callable
 from pathlib import Path
 from unicodedata import category
@@ -45,11 +44,8 @@ def in_case(folder: Path) -> None:
 
 
 def in_run(folder: Path) -> None:
-    with zipfile.ZipFile(folder / "run.npz") as archive:
-        stored = {
-            name.removesuffix(".npy"): np.load(io.BytesIO(archive.read(name)))
-            for name in archive.namelist()
-        }
+    with np.load(folder / "run.npz") as archive:
+        stored = {name: archive[name] for name in archive.files}
     document = json.loads(str(stored["document"]))
     stored["document"] = np.array(json.dumps({**document, "format": CODES}))
     np.savez(folder / "run.npz", **stored)
@@ -77,6 +73,19 @@ def in_path(folder: Path) -> None:
         shutil.copy(folder / file, folder / CODES)
 
 
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A model, a case and a run without codes."""
+    home = tmp_path_factory.mktemp("whole")
+    shutil.copytree(find_model("hanging_pendulum"), home / "pend")
+    for kind in ("urdf", "toml"):
+        (home / f"pend/hanging_pendulum.{kind}").rename(home / f"pend/pend.{kind}")
+    machine, case = load("hanging_pendulum"), Case(speed_rpm=60.0, max_collisions=1)
+    save_case(machine, case, home / "case.json")
+    save(simulate(machine, case), home / "run.npz")
+    return home
+
+
 @pytest.mark.parametrize(("change", "words"), [
     (in_case, ["simulate", "--case", "case.json"]), (in_plan, ["plot", "."]),
     (in_run, ["view", "--solution", "run.npz"]),
@@ -92,15 +101,10 @@ def in_path(folder: Path) -> None:
     (in_path, ["check", "e62", "--drawing", f"{CODES}/m.svg"]),
 ])  # fmt: skip
 def test_no_code_of_a_file_reaches_the_terminal(
-    change: Callable[[Path], None], words: list[str], tmp_path: Path,
+    change: Callable[[Path], None], words: list[str], whole: Path, tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:  # fmt: skip
-    shutil.copytree(find_model("hanging_pendulum"), tmp_path / "pend")
-    for kind in ("urdf", "toml"):
-        (tmp_path / f"pend/hanging_pendulum.{kind}").rename(tmp_path / f"pend/pend.{kind}")
-    machine, case = load("hanging_pendulum"), Case(speed_rpm=60.0, max_collisions=1)
-    save_case(machine, case, tmp_path / "case.json")
-    save(simulate(machine, case), tmp_path / "run.npz")
+    shutil.copytree(whole, tmp_path, dirs_exist_ok=True)
     change(tmp_path)
     monkeypatch.chdir(tmp_path)
     _, out, err = answer(words)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import os
 import stat
@@ -24,7 +23,7 @@ from nipper_pin.study.speed_limit import SpeedLimit, SpeedRange, Verdict, speed_
 from nipper_pin.view.studies.speed_limit_plot import plot_speed_limit
 from nipper_pin.view.studies.speed_limit_report import _sentence
 
-BYTES, SECONDS = 10**9, 10.0
+BYTES = 10**9
 STUDY = ["speed-limit"]
 FEW = [*STUDY, "--from", "600", "--to", "700", "--speeds", "2", "--turns", "2"]
 
@@ -77,32 +76,23 @@ def test_numbers_of_turns(e62: Mechanism, count: Any) -> None:
 
 
 LARGEST = """
-import json, resource
 from pathlib import Path
 import numpy as np
 from nipper_pin import load
-from nipper_pin.reduced.turns import TurnStatus, turn_quantities, turns
-from nipper_pin.study import speed_limit as speed_limit_module
+from nipper_pin.reduced.turns import turn_quantities, turns
 e62 = load("e62")
-turn_quantities(e62, speed_rpm=450.0)
-turns(e62, speed_rpm=450.0)
-begin = resource.getrusage(resource.RUSAGE_SELF).ru_utime
 turns(e62, speed_rpm=450.0, cycles=10_000)
 turn_quantities(e62, speed_rpm=np.linspace(300.0, 600.0, 100), turns=10_000, last=8_600)
 turn_quantities(e62, speed_rpm=np.linspace(300.0, 600.0, 100), max_collisions=1_000_000)
-used = resource.getrusage(resource.RUSAGE_SELF).ru_utime - begin
 status = Path("/proc/self/status").read_text().splitlines()
-memory = next(int(line.split()[1]) for line in status if line.startswith("VmHWM"))
-print(json.dumps([1024 * memory, used]))
+print(1024 * next(int(line.split()[1]) for line in status if line.startswith("VmHWM")))
 """
 
 
 @pytest.mark.slow
 def test_the_most_turns() -> None:
     done = subprocess.run([sys.executable, "-c", LARGEST], capture_output=True, check=True)
-    memory, used = json.loads(done.stdout)
-    assert memory <= BYTES
-    assert used <= SECONDS
+    assert int(done.stdout) <= BYTES
 
 
 def test_outputs_that_are_no_files(tmp_path: Path) -> None:
@@ -150,7 +140,7 @@ def test_speeds_that_cannot_be_followed_are_told_of(
         return replace(found, status=np.where(away, TurnStatus.LEFT_GAP, found.status))
 
     monkeypatch.setattr(speed_limit_module, "turn_quantities", lost)
-    found = speed_limit(e62, low_rpm=600.0, high_rpm=1e9, speeds=2)
+    found = speed_limit(e62, low_rpm=600.0, high_rpm=1e9, speeds=2, turns=30)
     assert found.status == ("followed", "left_gap")
     assert found.settles_rpm is None
     assert found.repeats_rpm is None

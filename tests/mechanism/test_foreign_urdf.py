@@ -70,7 +70,11 @@ READ_ALIKE = {
         CRANK[:-7] + BOX.format('<material><color rgba="255 0 0 255"/></material>'),
     ),
     "unknown material": (CRANK, CRANK[:-7] + BOX.format('<material name="rust"/>')),
-    "other programs": ("</robot>", '<gazebo><color/></gazebo><transmission name="t"/></robot>'),
+    "other programs": (
+        "</robot>",
+        '<gazebo><color/><joint name="x" type="revolute"><axis xyz="1"/></joint></gazebo>'
+        '<transmission name="t"/></robot>',
+    ),
     "namespace": (ROBOT, '<robot name="bar" xmlns="http://example.org/x">'),
     "a frame with a mass": (
         '<link name="coupler_end"/>',

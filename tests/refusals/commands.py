@@ -6,6 +6,9 @@ STUDIES = """
 identify fit.toml --profiles -1
 identify fit.toml --starts 1 --seed 3
 identify missing.toml
+identify file
+sweep missing.toml
+sweep file
 sweep sweep.toml --chunks a-2
 sweep sweep.toml --workers 0 --dry-run
 sweep sweep.toml --dry-run --out here
@@ -21,6 +24,9 @@ plot full
 plot nowhere
 study speed-limit e62 --plot x.svg
 study paper --out here
+paper no-such-model
+paper --set x
+paper --out file
 study --help
 run --repeats 0
 """
@@ -49,10 +55,16 @@ simulate --set restitution=0.1 --set restitution=0.2
 simulate --restitution 0.1 --set stops.jaw.restitution=0.2
 simulate --out file
 simulate --json missing/x.json
+simulate --json full
+simulate --case full
+check full
 check no-such-model
 check loop
 check --json - --provenance
 view --json -
+view --solution missing.npz --html page.html
+view --slow nan --html page.html
+view --exaggerate 1e9 --html page.html
 view --html page.html --port 0
 view --gif film.gif --no-browser
 view --window transition --start-index 0
@@ -77,6 +89,10 @@ compare e62 --exaggerate 5
 compare e62 --browser --json -
 compare e62 nowhere
 compare missing.npz e62
+compare e62 file
+compare e62 --set-b speed=nan
+compare e62 --slow nan --html page.html
+compare e62 --html full
 compare before.npz cycle.npz
 compare e62 other/mine.toml
 compare e62 broken.npz

@@ -113,6 +113,9 @@ URDFS = {
     "expression": Row((FOOT, FOOT.replace("rocker_foot", "${side}_foot")), "xacro", "${side}_foot"),
     "name that no message can show": Row(
         ('link name="cylinder_axis"', 'link name="a&#10;b"'), ..., ...),
+    **{f"place of {text}": Row(
+        (JAW, JAW.replace("0.1226", text)), "joint jaw origin xyz", ...)
+       for text in ("1.1e15", "-1.1e15", "1e308")},
     "mass of a frame": Row((FOOT, frame('<mass value="-1e-9"/>', 0)), f"{EYE} mass", -1e-9),
     "frame that turns without mass": Row((FOOT, frame('<mass value="0"/>', 1)), f"{EYE} mass", 0.0),
 }  # fmt: skip
