@@ -14,11 +14,19 @@ from nipper_pin.study.optimise.points import Evaluator
 MASS = Path(__file__).resolve().parents[2] / "verification" / "models" / "bouncing_mass"
 
 
-def problem(folder: Path, text: str) -> Problem:
-    """The problem of a text."""
+def study(folder: Path, text: str) -> Path:
+    """The file of a problem."""
     file = folder / "study.toml"
-    file.write_text(text, encoding="utf-8")
-    return read_problem(file)
+    file.write_text(f"format = 1\n{text}", encoding="utf-8")
+    return file
+
+
+def problem(folder: Path, text: str) -> Problem:
+    return read_problem(study(folder, text))
+
+
+def parameter(path: str, low: float, high: float) -> str:
+    return f'[parameters."{path}"]\nlow = {low}\nhigh = {high}\n'
 
 
 def design(found: Problem, numbers: Any, **changes: Any) -> Design:

@@ -8,25 +8,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from designs import parameter, problem
 from snapshots import Words
 
 from nipper_pin import Mechanism
-from nipper_pin.study.optimise import read_problem
 from nipper_pin.study.optimise.problem.problem import read_text
 from tests.refusals.studies import DESIGN
 
 
-def written(folder: Path, text: str) -> Path:
-    file = folder / "study.toml"
-    file.write_text(text, encoding="utf-8")
-    return file
-
-
 def test_the_file_of_a_design(tmp_path: Path, e62: Mechanism, words: Words) -> None:
     """All keys, and what stands there where a file says nothing; the text of it is the same."""
-    found = read_problem(written(tmp_path, DESIGN))
-    plain = read_problem(written(tmp_path, 'format = 1\nminimise = "duration_s"\n[parameters.'
-                                           "restitution]\nlow = 0.1\nhigh = 0.3\n"))  # fmt: skip
+    found = problem(tmp_path, DESIGN.replace("format = 1\n", ""))
+    plain = problem(tmp_path, 'minimise = "duration_s"\n' + parameter("restitution", 0.1, 0.3))
     said = []
     for item in (found, plain):
         record = {key: value for key, value in asdict(item).items() if key != "sources"}

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from designs import parameter, problem
 
 from nipper_pin import Mechanism, load
-from nipper_pin.study.optimise import read_problem
 from nipper_pin.study.optimise.points import Evaluator
 
 # Bounds of what may be free: numbers of the drives, links and points are another machine each.
@@ -47,16 +47,13 @@ def numbers(mechanism: Mechanism) -> np.ndarray:
 @pytest.mark.parametrize("names", PROBLEMS.values(), ids=PROBLEMS)
 def test_the_machine_is_that_of_its_numbers(names: list[str], tmp_path: Path) -> None:
     """Each number moved alone, the first design again, and again after more than are kept."""
-    file = tmp_path / "study.toml"
-    bounds = "".join(f'[parameters."{name}"]\nlow = {FREE[name][0]}\nhigh = {FREE[name][1]}\n'
-                     for name in names)  # fmt: skip
-    file.write_text(f'format = 1\nminimise = "duration_s"\n{bounds}', encoding="utf-8")
-    problem = read_problem(file)
-    source, count = Evaluator(problem), len(names)
+    bounds = "".join(parameter(name, *FREE[name]) for name in names)
+    asked = problem(tmp_path, f'minimise = "duration_s"\n{bounds}')
+    source, count = Evaluator(asked), len(names)
     middle = np.full(count, 0.5)
     alone = [middle + 0.25 * unit for unit in np.eye(count)]
     others = list(np.random.default_rng(4).uniform(size=(20, count)))
     for z in (middle, *alone, middle, *others, middle):
-        wanted = load(problem.model, problem.overrides(z))
+        wanted = load(asked.model, asked.overrides(z))
         np.testing.assert_allclose(numbers(source.mechanism(z)), numbers(wanted), atol=1e-15)
-        assert problem.speed(z) == problem.numbers(z).get("speed_rpm", problem.speed_rpm)
+        assert asked.speed(z) == asked.numbers(z).get("speed_rpm", asked.speed_rpm)

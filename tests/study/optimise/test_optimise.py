@@ -21,12 +21,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import designs
 import numpy as np
 import pytest
+from designs import MASS, parameter
 
 from nipper_pin import Case, InfeasibleError, Window, load, simulate
 from nipper_pin.cli import main
-from nipper_pin.study.optimise import Limit, Optimum, Problem, optimise, read_problem
+from nipper_pin.study.optimise import Limit, Optimum, Problem, optimise
 from nipper_pin.study.optimise.design import design
 from nipper_pin.study.optimise.points import Evaluator
 from nipper_pin.study.optimise.problem.quantities import QUANTITIES
@@ -34,30 +36,22 @@ from nipper_pin.study.optimise.search import descend as descending
 from nipper_pin.study.optimise.search.binding import account
 from nipper_pin.study.optimise.search.trace import Scales
 
-MASS = Path(__file__).resolve().parents[2] / "verification" / "models" / "bouncing_mass"
 GRAVITY = 9.81
 E_N, LEAD = "stops.table.restitution", "drives.table.lead_mm_per_turn"
 PRELOAD, RATIO = "springs.steeve.preload_length_mm", "drives.tension.ratio"
 
 
-def parameter(path: str, low: float, high: float) -> str:
-    return f'[parameters."{path}"]\nlow = {low}\nhigh = {high}\n'
-
-
 BOUNCES = parameter(E_N, 0.05, 0.5) + parameter(LEAD, 20.0, 100.0)
 
 
-def study(folder: Path, body: str, model: str | Path = MASS, name: str = "study") -> Path:
-    """A file of a problem; with a cylinder at 60 r/min a lead of v metres is v m/s."""
+def asked(body: str, model: str | Path = MASS) -> str:
+    """The text of a problem; with a cylinder at 60 r/min a lead of v metres is v m/s."""
     speed = 60.0 if model == MASS else 650.0
-    file = folder / f"{name}.toml"
-    head = f'format = 1\nmodel = "{model}"\ncase = {{ speed_rpm = {speed} }}\n'
-    file.write_text(head + body, encoding="utf-8")
-    return file
+    return f'model = "{model}"\ncase = {{ speed_rpm = {speed} }}\n{body}'
 
 
 def problem(folder: Path, body: str, model: str | Path = MASS) -> Problem:
-    return read_problem(study(folder, body, model))
+    return designs.problem(folder, asked(body, model))
 
 
 def quick(found: Problem, **settings: Any) -> Optimum:
@@ -361,7 +355,7 @@ class CtrlC(io.StringIO):
 def test_an_interrupt_leaves_what_was_there(tmp_path: Path) -> None:
     """No folder, or the one that was there; a search after it is a new one, and takes nothing."""
     body = 'minimise = "duration_s"\n' + parameter(E_N, 0.05, 0.5)
-    out, file = tmp_path / "out", study(tmp_path, body)
+    out, file = tmp_path / "out", designs.study(tmp_path, asked(body))
     words = ["optimise", str(file), "--out", str(out), "--workers", "1", "--starts", "1"]
     with contextlib.redirect_stderr(CtrlC()):
         assert main(words) == 130

@@ -33,7 +33,6 @@ from nipper_pin.study.optimise.work import Work
 from nipper_pin.tolerances.study import QUANTITY_ROUND_OFF
 
 HEAD = f"""
-format = 1
 model = "{MASS}"
 minimise = "duration_s"
 case = {{ speed_rpm = 60.0 }}
@@ -47,7 +46,6 @@ low = -100.0
 high = 100.0
 """
 E62 = """
-format = 1
 model = "e62"
 minimise = "rebound_amplitude_1"
 case = { speed_rpm = 650.0 }

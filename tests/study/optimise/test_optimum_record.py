@@ -9,10 +9,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from designs import problem
 from snapshots import Words
 
 from nipper_pin import Case, Window
-from nipper_pin.study.optimise import Control, Design, Optimum, read_problem
+from nipper_pin.study.optimise import Control, Design, Optimum
 from nipper_pin.study.optimise.control import Row
 from nipper_pin.study.optimise.search.binding import Account, Binding
 from nipper_pin.study.optimise.search.descend import Descent
@@ -21,7 +22,6 @@ from nipper_pin.study.optimise.search.samples import Found
 AIM, TIME = "rebound_amplitude_1", "duration_s"
 PRELOAD, RATIO = "springs.steeve.preload_length_mm", "drives.tension.ratio"
 PROBLEM = f"""
-format = 1
 title = "mine"
 model = "e62"
 minimise = "{AIM}"
@@ -47,12 +47,11 @@ def control(turn: float = 1.0, turns: int = 3) -> Control:
 
 @pytest.fixture(name="found")
 def made_up(tmp_path: Path) -> Optimum:
-    (tmp_path / "study.toml").write_text(PROBLEM, encoding="utf-8")
     descent = Descent(start=(0.5, 0.5), z=(0.25, 0.75), aim=1.0, violation=0.0, evaluations=7,
                       failures=1, engines={"direct": 6}, converged=True)  # fmt: skip
     binding = Binding(name="b", kind="bound", value=1.0, slack=2.0, active=True, price=3.0)
     return Optimum(
-        problem=read_problem(tmp_path / "study.toml"), seed=5, before=design(4.0), best=design(3.0),
+        problem=problem(tmp_path, PROBLEM), seed=5, before=design(4.0), best=design(3.0),
         account=Account(bindings=(binding,), residual=0.125), descents=(descent,), screened=65,
         no_machine=("why",), check=Found(z=(0.25, 0.75), feasible=True, evaluations=40,
                                          engines={"direct": 39}),

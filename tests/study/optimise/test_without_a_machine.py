@@ -5,24 +5,20 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from designs import MASS, parameter, problem, study
 
 from nipper_pin import InfeasibleError, SimulationError
 from nipper_pin.cli import main
 from nipper_pin.study.optimise import optimise, read_problem
 
-TESTS = Path(__file__).resolve().parents[2]
-MASS = TESTS / "verification" / "models" / "bouncing_mass"
-FALLING = TESTS / "strangers" / "ball_e05"
+FALLING = Path(__file__).resolve().parents[2] / "strangers" / "ball_e05"
 E_N, WEIGHT = "stops.table.restitution", "links.mass.mass_kg"
 
 
-def study(folder: Path, model: Path, body: str, **bounds: tuple[float, float]) -> Path:
-    text = f'format = 1\nmodel = "{model}"\n{body}\n'
-    for name, (low, high) in bounds.items():
-        text += f'[parameters."{name}"]\nlow = {low}\nhigh = {high}\n'
-    file = folder / "study.toml"
-    file.write_text(text, encoding="utf-8")
-    return file
+def text(model: Path, body: str, **bounds: tuple[float, float]) -> str:
+    return f'model = "{model}"\n{body}\n' + "".join(
+        parameter(path, *ends) for path, ends in bounds.items()
+    )
 
 
 @pytest.mark.parametrize(
@@ -37,18 +33,16 @@ def study(folder: Path, model: Path, body: str, **bounds: tuple[float, float]) -
 def test_advice_where_no_sample_is_a_machine(
     model: Path, bounds: dict[str, tuple[float, float]], advice: str, tmp_path: Path
 ) -> None:
-    file = study(tmp_path, model, 'minimise = "duration_s"', **bounds)
+    found = problem(tmp_path, text(model, 'minimise = "duration_s"', **bounds))
     with pytest.raises(SimulationError, match=advice) as caught:
-        optimise(read_problem(file), starts=1, check=False, workers=1)
+        optimise(found, starts=1, check=False, workers=1)
     assert "narrow" not in caught.value.message
 
 
 def test_reasons_that_differ_in_numbers_are_told_once(tmp_path: Path) -> None:
     """Each sample below zero has another mass, and all of them the same reason."""
-    file = study(
-        tmp_path, MASS, 'minimise = "duration_s"', **{E_N: (0.1, 0.5), WEIGHT: (-1.0, 1.0)}
-    )
-    found = optimise(read_problem(file), starts=1, check=False, workers=1)
+    body = text(MASS, 'minimise = "duration_s"', **{E_N: (0.1, 0.5), WEIGHT: (-1.0, 1.0)})
+    found = optimise(problem(tmp_path, body), starts=1, check=False, workers=1)
     (reason,) = found.no_machine
     assert "mass" in reason
 
@@ -64,7 +58,7 @@ def test_the_bound_that_is_in_the_way_is_named(
         'minimise = "duration_s"\n'
         "limits = { rebound_amplitude_1 = { low = 1.0 }, duration_s = { high = 10.0 } }"
     )
-    file = study(tmp_path, MASS, body, **{E_N: (0.1, 0.5)})
+    file = study(tmp_path, text(MASS, body, **{E_N: (0.1, 0.5)}))
     with pytest.raises(InfeasibleError) as caught:
         optimise(read_problem(file), starts=1, check=False, workers=1)
     (broken,) = caught.value.evidence["limits"]  # type: ignore[misc]
