@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from small_machines import SLED, link, machine, slide
 
-from nipper_pin.mechanism import Mechanism
+from nipper_pin import Mechanism
 
 GRAVITY, HEIGHT, SPEED = 9.81, 0.2, 5.0
 FLOOR, CEILING = 0.75, 0.6

@@ -8,7 +8,7 @@ from typing import Any
 
 from small_machines import SHAFT, SLED, frame, hinge, link, machine, slide
 
-from nipper_pin.mechanism import Mechanism
+from nipper_pin import Mechanism
 
 GRAVITY = 9.81
 Law = dict[str, Any]

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from typing import Any
 from xml.etree import ElementTree
 
-from nipper_pin.mechanism import Mechanism, from_sources
+from nipper_pin import Mechanism
+from nipper_pin.mechanism import from_sources
 
 # Powers of the length in the units of keys; masses, times and angles stay.
 _POWERS = {

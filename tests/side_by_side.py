@@ -11,9 +11,9 @@ import numpy as np
 
 from benchmarks.stress.machines.mirror import mirrored
 from benchmarks.stress.machines.parts import Source
-from nipper_pin import EventKind, Solution
+from nipper_pin import EventKind, Mechanism, Solution
 from nipper_pin.arrays import FloatArray
-from nipper_pin.mechanism import Mechanism, from_sources
+from nipper_pin.mechanism import from_sources
 
 _TABLES = ("drives", "springs", "dampers", "forces", "stops", "closures", "initial")
 # Keys of their entries that name other parts.

@@ -19,6 +19,7 @@ def _advised(capsys: pytest.CaptureFixture[str], *words: str) -> list[list[str]]
     return [shlex.split(command) for command in commands if command]
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("name", "transition"),
     [("press", True), ("sieve", False), ("klann", False)],

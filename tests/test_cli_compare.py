@@ -53,6 +53,7 @@ PRELOAD = "springs.steeve.preload_length_mm"
         ("e62 --set-b preload=9.25", (450.0, 450.0), {PRELOAD: (11.0, 9.25)}),
         ("e62 --restitution 0.1 0.3 --set preload=9", (450.0, 450.0), {JAW: (0.1, 0.3)}),
         ("e62 --stiffness 9000 11000", (450.0, 450.0), {SPRING: (9000.0, 11000.0)}),
+        ("e62 --drive held inertial e62", (450.0, 450.0), {"drive": ("held", "inertial")}),
     ],
 )
 def test_settings_of_one_model(
@@ -67,35 +68,7 @@ def test_settings_of_one_model(
     assert restitutions(found) == changes
 
 
-@pytest.mark.parametrize(
-    ("line", "drives", "cycles"),
-    [
-        ("--cycles 2", ("held", "held"), 2),
-        ("--drive inertial", ("inertial", "inertial"), 1),
-        ("e62 --drive held inertial e62", ("held", "inertial"), 1),
-    ],
-)
-def test_turns_and_drives_of_models(
-    line: str, drives: tuple[str, str], cycles: int, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Each side is the run that has these turns and this drive, to the last digit."""
-    found = document(f"{line} --set-b preload=10", capsys)
-    rows = {row["name"]: (row["a"], row["b"]) for row in found["rows"]}
-    machines = (load("e62"), load("e62", {"preload": 10}))
-    for place, (drive, machine) in enumerate(zip(drives, machines, strict=True)):
-        case = Case(speed_rpm=450.0, window="cycle", cycles=cycles, drive=drive)
-        run = simulate(machine, case)
-        assert (found["ab"[place]]["drive"], found["ab"[place]]["cycles"]) == (drive, cycles)
-        assert rows["duration_s"][place] == run.transitions[0].duration
-    changed = {"drive": drives} if drives[0] != drives[1] else {}
-    assert restitutions(found) == {PRELOAD: (11.0, 10.0), **changed}
-
-
-def test_turns_and_drives_are_in_the_next_command(capsys: pytest.CaptureFixture[str]) -> None:
-    text = told("e62 --cycles 2 --drive inertial", capsys)
-    assert text.splitlines()[0] == "A: e62, 450 r/min, 2 turns from index 24, inertial drive"
-    following = text.splitlines()[-1].removeprefix("Next: nipper-pin ")
-    assert following == "compare e62 --cycles 2 --drive inertial --speed 450 495"
+def test_turns_and_drives_of_a_side(capsys: pytest.CaptureFixture[str]) -> None:
     assert told_settings(Source("e62", "", (), "", "inertial"), ["--cycles", "2"]) == [
         "simulate", "e62", "--cycles", "2", "--drive", "inertial",
     ]  # fmt: skip

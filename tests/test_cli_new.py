@@ -12,8 +12,6 @@ import pytest
 from nipper_pin import Case, InputError, Mechanism, Outcome, Window, load, simulate
 from nipper_pin.cli import main
 from nipper_pin.mechanism.skeleton import skeleton, write_skeleton
-from nipper_pin.study.check import check_model
-from nipper_pin.study.next_steps import next_steps
 
 ROOT = Path(__file__).resolve().parents[1]
 TUTORIAL = (ROOT / "docs" / "tutorial.md").read_text(encoding="utf-8")
@@ -219,22 +217,3 @@ def test_every_table_of_the_skeleton_is_explained() -> None:
     for table in tables:
         above = text[: text.index(table)].rstrip().splitlines()[-1]
         assert above.startswith("#") or table == "[stops.buffer]", table
-
-
-def test_check_says_what_is_missing(tmp_path: Path) -> None:
-    """A model on the way: without stops, without drives, with a stop that nothing strikes."""
-    steps = next_steps(check_model(load(first_step(tmp_path)), 120.0), "slider")
-    assert any("nothing can collide" in step for step in steps.missing)
-    assert any("[provenance]" in step for step in steps.missing)
-    assert steps.commands == (
-        "Then: nipper-pin simulate slider --window cycle",
-        "Look at it: nipper-pin view slider --html slider.html",
-    )
-
-
-def test_check_says_what_overlaps(press: Mechanism) -> None:
-    """A crank web of 0.4 m sweeps through everything, and the advice says so."""
-    path = "urdf.link.crank_arm.collision.crank_arm.geometry.box.size.x"
-    large = load(press.mesh_folder, {path: 0.4})
-    steps = next_steps(check_model(large, 120.0), "press")
-    assert any(step.startswith("Missing: links overlap: ") for step in steps.missing)

@@ -104,14 +104,14 @@ def test_bars_on_a_terminal(words: str, bars: list[str], monkeypatch: pytest.Mon
         assert re.search(bar, shown, re.MULTILINE), shown
 
 
-@pytest.mark.parametrize("words", [f"{TURNS} 4", FOUND])
-def test_no_bars_elsewhere(words: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert run(words, Stream(terminal=False), monkeypatch) == ""
-
-
-@pytest.mark.parametrize("words", [f"{TURNS} 2", "simulate --json -"])
-def test_what_is_done_in_a_moment_has_no_bar(words: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert run(words, Stream(terminal=True), monkeypatch) == ""
+@pytest.mark.parametrize(
+    ("words", "terminal"),
+    [(f"{TURNS} 4", False), (FOUND, False), (f"{TURNS} 2", True), ("simulate --json -", True)],
+)
+def test_no_bars_elsewhere_or_of_what_is_done_in_a_moment(
+    words: str, terminal: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert run(words, Stream(terminal=terminal), monkeypatch) == ""
 
 
 def test_bar_of_a_sweep(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 
 import nipper_pin as nip
+from nipper_pin import InputError, ModelError
 from nipper_pin.cli import main
-from nipper_pin.errors import InputError, ModelError
 from nipper_pin.hybrid.error_estimate.saltation import impact_map
 from nipper_pin.mechanism import from_sources, with_numbers
 from nipper_pin.mechanism.drawing import (
@@ -35,7 +35,7 @@ from nipper_pin.mechanism.files import register as registers
 from nipper_pin.mechanism.files.register import DRIVES, FORCES, RESTITUTIONS, STOPS
 from nipper_pin.mechanism.restitution import Falling
 from nipper_pin.mechanism.stops.screw import ScrewStop
-from nipper_pin.reduced.sampling import unfit
+from nipper_pin.reduced import unfit
 
 PROGRAMS = Path(__file__).parents[1] / "scripts/extend"
 EPS = float(np.finfo(float).eps)

@@ -53,6 +53,7 @@ def test_modules_come_with_the_packages_that_are_named() -> None:
         assert distribution(name) in {canonicalize_name(owner) for owner in owners[name]}
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     "command",
     [

@@ -126,6 +126,7 @@ def test_a_sweep_that_cannot_be_finished_goes_on(end: str, tmp_path: Path) -> No
     assert not [name for name in content(tmp_path / "out") if ".partial" in name]
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("words", ["simulate e62", "simulate e62 --json -", "new press"])
 def test_an_output_that_is_full(words: str, tmp_path: Path) -> None:
     """A table or a document on a full disk: one sentence and status 2, and no traceback.

@@ -2,15 +2,8 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
-from pathlib import Path
-
 import not_tested
 import pytest
-
-HERE = Path(__file__).parent
 
 
 def report(node: str, reason: str) -> pytest.TestReport:
@@ -18,24 +11,6 @@ def report(node: str, reason: str) -> pytest.TestReport:
         nodeid=node, location=(node, 0, node), keywords={}, outcome="skipped",
         longrepr=("file", 1, f"Skipped: {reason}"), when="setup",
     )  # fmt: skip
-
-
-@pytest.mark.slow
-def test_a_run_without_browser_ends_with_what_it_did_not_test() -> None:
-    """As `make test` where there is no Chromium: the last lines but one name claims and remedy."""
-    done = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-k", "scrubs",
-         str(HERE / "browser" / "test_view.py")],
-        capture_output=True, text=True, check=False, env={**os.environ, "PATH": "/nowhere"},
-    )  # fmt: skip
-    *_, heading, remedy, claim, closing = done.stdout.splitlines()
-    assert done.returncode == 0, done.stdout
-    assert "not tested on this machine" in heading
-    assert remedy == "1 test left out without Chromium: install it (Debian, Ubuntu: " + (
-        "apt install chromium)"
-    )
-    assert claim == "  test_view.py: the line scrubs"
-    assert closing.startswith("1 skipped, ")
 
 
 def test_missing_packages_are_gathered_by_what_installs_them() -> None:

@@ -18,10 +18,6 @@ from scipy.optimize import brentq
 
 import nipper_pin as nip
 
-sys.path.append(str(Path(__file__).parents[1] / "scripts/maintain/measure"))
-
-import measure_premise
-
 SCRIPTS = Path(__file__).resolve().parents[1] / "scripts"
 CERTIFIED = json.loads((SCRIPTS.parent / "tests/reference/e62_transition.json").read_text())[
     "cases"
@@ -255,23 +251,3 @@ def test_every_program_that_a_page_names_is_there() -> None:
     }
     assert len(named) > 20
     assert [path for path in sorted(named) if not (root / path).is_file()] == []
-
-
-def test_how_many_random_machines_are_plain(monkeypatch: pytest.MonkeyPatch) -> None:
-    """One in four has the numbers of its file but for the other restitution, of any of three."""
-    seen: list[tuple[str, set[str]]] = []
-
-    def load(model: str, overrides: dict[str, float]) -> Any:
-        seen.append((model, set(overrides)))
-        return model
-
-    monkeypatch.setattr(measure_premise, "load", load)
-    machines = 1200
-    groups = list(measure_premise.draw(machines * measure_premise.GROUP, 5))
-    assert len(groups) == len(seen) == machines
-    plain = sum(names == {"stops.steeve.restitution"} for _, names in seen)
-    # Six standard deviations of a binomial count.
-    assert abs(plain - machines / 4) < 6.0 * (machines * 3 / 16) ** 0.5 < machines / 12
-    for model in measure_premise.MODELS:
-        share = sum(name == model for name, _ in seen) / machines
-        assert share == pytest.approx(1 / 3, abs=0.09)

@@ -29,6 +29,7 @@ def started(
     )  # fmt: skip
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("words", [
     "simulate", "simulate --json -", "check e62", "new press", "--help", "simulate --help",
 ])  # fmt: skip

@@ -1,5 +1,8 @@
 """Solutions that the tests of this folder look at."""
 
+from collections.abc import Iterator
+from typing import Any
+
 import pytest
 from runs_shown import run_of, turn
 
@@ -19,3 +22,12 @@ def cycle() -> Solution:
 @pytest.fixture(scope="session")
 def many_turns() -> Solution:
     return turn(load("e62"), 650.0, 24.0, turns=20)
+
+
+@pytest.fixture
+def server() -> Iterator[Any]:
+    """A server of viser, as the live page has one."""
+    viser = pytest.importorskip("viser", reason="viser is not installed (extra `live`)")
+    found = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+    yield found
+    found.stop()

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -52,23 +51,29 @@ def test_bars_of_links_without_shapes() -> None:
         3,
         drives={"arm": {"joint": "arm_pin", "law": "constant_speed", "ratio": 1.0, **SHAFT}},
     )  # fmt: skip
-    thick = 0.02 * made.reach_m
-    ends: dict[str, list[Any]] = {}
-    for solid in solids(made):
-        name = made.joints[solid.body].child
-        if solid.kind == "sphere":
-            assert (solid.name, solid.sizes) == ("joint", (pytest.approx(1.6 * thick),))
-            assert (solid.placement == np.eye(4)).all()
-            continue
-        radius, length = solid.sizes
-        assert radius == pytest.approx(thick)
-        half = 0.5 * length * solid.placement[:3, 2]
-        np.testing.assert_allclose(solid.placement[:3, 3], half, atol=1e-12)
-        assert np.linalg.det(solid.placement[:3, :3]) == pytest.approx(1.0)
-        ends.setdefault(name, []).append((2.0 * half)[[0, 2]].round(9).tolist())
-    assert {name: sorted(items) for name, items in ends.items()} == {
+    balls = [solid for solid in solids(made) if solid.kind == "sphere"]
+    for ball in balls:
+        assert (ball.name, ball.sizes) == ("joint", (pytest.approx(0.032 * made.reach_m),))
+        assert (ball.placement == np.eye(4)).all()
+    assert [made.joints[ball.body].child for ball in balls] == ["arm", "finger", "hand"]
+    assert ends(made) == {
         "arm": [[0.0, 0.5], [0.4, 0.0]], "hand": [[0.0, 0.25]], "finger": [[0.05, 0.0]],
     }  # fmt: skip
+
+
+def ends(mechanism: Mechanism) -> dict[str, list[list[float]]]:
+    """Far ends of the bars of each link, by middle and length (x, z) [m]."""
+    found: dict[str, list[list[float]]] = {}
+    for solid in solids(mechanism):
+        if solid.kind == "cylinder":
+            radius, length = solid.sizes
+            assert radius == pytest.approx(0.02 * mechanism.reach_m)
+            half = 0.5 * length * solid.placement[:3, 2]
+            np.testing.assert_allclose(solid.placement[:3, 3], half, atol=1e-12)
+            assert np.linalg.det(solid.placement[:3, :3]) == pytest.approx(1.0)
+            own = found.setdefault(mechanism.joints[solid.body].child, [])
+            own.append((2.0 * half)[[0, 2]].round(9).tolist())
+    return {name: sorted(items) for name, items in found.items()}
 
 
 def test_bars_reach_the_ends_of_springs_and_dampers() -> None:
@@ -86,19 +91,8 @@ def test_bars_reach_the_ends_of_springs_and_dampers() -> None:
         dampers={"stay": {"frame_a": "wall", "frame_b": "eye", "damping_N_s_per_m": 2.0}},
     )  # fmt: skip
     assert {item.name for item in made.struts} == {"coil", "stay"}
-    assert ends(made) == [[0.0, 0.5], [0.4, 0.0]]
-    assert ends(machine(parts, 1)) == [[0.3, 0.1]]
-
-
-def ends(mechanism: Mechanism) -> list[list[float]]:
-    """Far ends of the bars of the only link, by middle and length (x, z) [m]."""
-    bars = [solid for solid in solids(mechanism) if solid.kind == "cylinder"]
-    found = []
-    for solid in bars:
-        half = 0.5 * solid.sizes[1] * solid.placement[:3, 2]
-        np.testing.assert_allclose(solid.placement[:3, 3], half, atol=1e-12)
-        found.append((2.0 * half)[[0, 2]].round(9).tolist())
-    return sorted(found)
+    assert ends(made) == {"arm": [[0.0, 0.5], [0.4, 0.0]]}
+    assert ends(machine(parts, 1)) == {"arm": [[0.3, 0.1]]}
 
 
 @pytest.mark.parametrize(

@@ -8,17 +8,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 from page_words import film_of, said
-from small_machines import SHAFT, hinge, link, machine
 from snapshots import Words
 from three_js import Scene
 
 import nipper_pin as nip
 from nipper_pin import Case, Comparison, InputError, Mechanism, compare, load, simulate
 from nipper_pin.study.compare import Row
-from nipper_pin.view.compare.files import curves_figure
 from nipper_pin.view.compare.page import comparison_page
 from nipper_pin.view.compare.pair import COLOUR_A, COLOUR_B, Pair, clock_text, lanes, pair
-from nipper_pin.view.compare.words import difference_text, finding
+from nipper_pin.view.compare.words import difference_text
 from nipper_pin.view.scene import Look
 
 
@@ -140,23 +138,6 @@ def test_machines_of_other_parts_have_lanes_of_their_own(turns: Comparison) -> N
     alone = {item["label"]: item["values"] is None for item in film["columns"]}
     assert alone["rod stroke"]
     assert not alone["steeve stroke"]
-
-
-@pytest.mark.slow
-def test_machines_without_stops_have_no_curves() -> None:
-    """Nothing can be compared but the film; the figure is refused in a sentence."""
-    crank = {"joint": "axis", "law": "constant_speed", "ratio": 1.0, **SHAFT}
-    parts = [link("crank"), hinge("axis", "frame", "crank"), link("bob"),
-             hinge("swing", "crank", "bob", (0.1, 0.0))]  # fmt: skip
-    swing = machine(parts, 2, drives={"crank": crank})
-    found = compare(*(simulate(swing, Case(speed_rpm=rpm, window="cycle")) for rpm in (60.0, 66.0)))
-    assert found.rows == ()
-    assert "read off A: it has no stop whose bouncing is the transition." in found.notes[0]
-    assert finding(found) == "A and B have no quantity in common."
-    film = film_of(comparison_page(found, Look()))
-    assert (film["curves"], film["lips"], film["other_lips"]) == ([], None, None)
-    with pytest.raises(InputError, match="no curves to draw"):
-        curves_figure(found)
 
 
 def test_the_view_of_python_writes_a_comparison(transitions: Comparison, tmp_path: Path) -> None:

@@ -12,8 +12,15 @@ import pytest
 from runs_shown import run_of, turn
 from small_machines import SHAFT, hinge, link, machine, slide
 
-from nipper_pin import Case, InputError, Solution, Window, load, simulate
-from nipper_pin.errors import SingularConfigurationError
+from nipper_pin import (
+    Case,
+    InputError,
+    SingularConfigurationError,
+    Solution,
+    Window,
+    load,
+    simulate,
+)
 from nipper_pin.view.scene import Film, Look, film
 from nipper_pin.view.scene.pace import _profile, pace
 from nipper_pin.view.scene.readings import readings

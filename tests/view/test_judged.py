@@ -14,8 +14,7 @@ import pytest
 from judge import Judge
 from runs_shown import run_of
 
-from nipper_pin import record
-from nipper_pin.hybrid.event import Event
+from nipper_pin import Event, record
 from nipper_pin.hybrid.result.quantities import COLLISION, TRANSITION
 
 # A cut pin's rate has a round-off of 1e-15 rad/s, which is 1e-9 of the slowest bounces here.

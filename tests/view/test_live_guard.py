@@ -177,20 +177,6 @@ class Browser:
         await self.socket.send(msgspec.msgpack.encode(message))
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("origin", FOREIGN)
-def test_a_foreign_page_cannot_connect(
-    served: tuple[int, subprocess.Popen[str]], origin: str
-) -> None:
-    async def ask() -> None:
-        async with page(served[0], origin):
-            pass
-
-    with pytest.raises(InvalidStatus) as caught:
-        finished(ask())
-    assert caught.value.response.status_code == 403
-
-
 def random_message(rng: random.Random, controls: list[str]) -> bytes | str:
     """Something that a page may send, or should not, or cannot be read at all."""
     values = [0, -1e9, 1e300, math.nan, math.inf, "x", None, [], {}, True, 2**70 % 2**63, b"\0"]

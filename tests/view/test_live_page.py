@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -31,13 +30,6 @@ from nipper_pin.view.live.shapes import coarse
 from nipper_pin.view.live.stage import Stage
 from nipper_pin.view.phases import phase_colour
 from nipper_pin.view.scene.solids import solids
-
-
-@pytest.fixture
-def server() -> Iterator[viser.ViserServer]:
-    found = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
-    yield found
-    found.stop()
 
 
 @pytest.fixture

@@ -19,13 +19,17 @@ from typing import Any
 
 import pytest
 
-from nipper_pin import InputError
 from nipper_pin.cli import main
 from nipper_pin.view.scene.server import serve
 
 COMMAND = [sys.executable, "-c", "import sys; from nipper_pin.cli import main; sys.exit(main())"]
 MODELS = Path(__file__).parents[1] / "verification" / "models"
 WHY = "viser is not installed (extra `live`): the page cannot be built"
+# What a browser asks a server that it connects to.
+CONNECTS = {
+    "Connection": "Upgrade", "Upgrade": "websocket", "Sec-WebSocket-Version": "13",
+    "Sec-WebSocket-Key": "bmlwcGVyLXBpbiB0ZXN0cw==",
+}  # fmt: skip
 PAGE = "<!DOCTYPE html>\n<p>\N{GREEK SMALL LETTER PSI}</p>"
 
 
@@ -153,7 +157,10 @@ def test_the_live_page(
     beside: Any,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Announced, opened if asked, and stopped at the end: the port is free again."""
+    """Announced, opened if asked, and stopped at the end: the port is free again.
+
+    A page of another site cannot connect to it.
+    """
     pytest.importorskip("viser", reason=WHY)
 
     def ask() -> Any:
@@ -161,15 +168,15 @@ def test_the_live_page(
         until = time.monotonic() + 60.0
         while not output.getvalue() and time.monotonic() < until:
             time.sleep(0.02)
-        return get(port, "/")
+        return get(port, "/"), get(port, "/", **CONNECTS, Origin="http://evil.example")
 
     answers = beside(ask)
     with monkeypatch.context() as patch:
         patch.setattr(sys, "stdout", output)
         words = ["live", "e62", "--speed", "432", "--port", str(port)]
         assert main([*words, *([] if browser else ["--no-browser"])]) == 0
-    ((status, _, content),) = answers
-    assert status == 200
+    (((status, _, content), foreign),) = answers
+    assert (status, foreign[0]) == (200, 403)
     assert b"viser" in content.lower()
     address = f"http://127.0.0.1:{port}/"
     assert output.getvalue() == f"the page is at {address} ; Ctrl-C ends\n\n"
@@ -180,56 +187,25 @@ def test_the_live_page(
         trial.bind(("127.0.0.1", port))
 
 
-class Viser:
-    """A server that takes another port than it is asked for."""
-
-    def __init__(self, port: int) -> None:
-        self.port, self.stopped = port, 0
-
-    def get_port(self) -> int:
-        return self.port
-
-    def stop(self) -> None:
-        self.stopped += 1
-        # It announces that on stdout, which belongs to the command.
-        print("viser stops")
-
-
-@pytest.mark.parametrize(("asked", "given"), [(8123, 8124), (8123, 8123), (0, 8124)])
-def test_ports_of_the_live_page(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], asked: int, given: int
+def test_another_port_than_the_one_that_is_named_is_refused(
+    port: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Another port than the one that is named is refused, and its server ended."""
-    from nipper_pin.view.live import serve as module
+    """Where somebody takes it in between, viser goes to the next one; its server is ended."""
+    viser = pytest.importorskip("viser", reason=WHY)
+    real, made = viser.ViserServer, []
 
-    made = Viser(given)
-    monkeypatch.setattr("viser.ViserServer", lambda **_: made)
-    monkeypatch.setattr("socket.socket", lambda: Trial())
-    if asked in (0, given):
-        assert module._server(asked) is made
-        assert made.stopped == 0
-        return
-    with pytest.raises(InputError, match=r"port 8123 cannot be used \(another") as caught:
-        module._server(asked)
-    assert caught.value.evidence == {"port": 8123}
-    assert made.stopped == 1
-    assert capsys.readouterr().out == ""
+    def elsewhere(**given: Any) -> Any:
+        made.append(real(**{**given, "port": 0}))
+        return made[-1]
 
-
-class Trial:
-    """A socket that can be bound to any port."""
-
-    def __enter__(self) -> Trial:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        """Nothing is held."""
-
-    def setsockopt(self, *_: object) -> None:
-        """Nothing is set."""
-
-    def bind(self, place: tuple[str, int]) -> None:
-        assert place[0] == "127.0.0.1"
+    monkeypatch.setattr("viser.ViserServer", elsewhere)
+    monkeypatch.setattr("nipper_pin.view.live.page.Page.run", lambda _: pytest.fail("it serves"))
+    assert main(["live", "--no-browser", "--port", str(port)]) == 2
+    out, err = capsys.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert f"port {port} cannot be used (another" in err
+    with pytest.raises(ConnectionRefusedError), socket.socket() as trial:
+        trial.connect(("127.0.0.1", made[0].get_port()))
 
 
 @pytest.mark.parametrize("port", ["70000", "-1", "taken"])

@@ -20,9 +20,9 @@ from matplotlib.collections import PolyCollection
 from matplotlib.contour import QuadContourSet
 from snapshots import Words
 
-from nipper_pin import InputError, UnknownNameError
+from nipper_pin import InputError, UnknownNameError, read_sweep
 from nipper_pin.cli import main
-from nipper_pin.study.sweep import SweepTable, read_plan, read_sweep, run_sweep
+from nipper_pin.study.sweep import SweepTable, read_plan, run_sweep
 from nipper_pin.study.sweep.results.chunk_file import about, encode
 from nipper_pin.view.studies.sweep_figures import (
     Parameter,
@@ -107,24 +107,17 @@ def y_of(table: SweepTable) -> Quantity:
 
 
 def test_cell_means_against_a_loop() -> None:
-    """Written out in plain Python; empty cells and values that are not finite are told apart."""
+    """Empty cells have none; values that are not finite are left out."""
     random = np.random.default_rng(3)
     across, upwards = random.integers(0, 4, 50), random.integers(0, 5, 50)
     y = random.normal(size=50)
     y[::7] = np.nan
     across[across == 2] = 3
     found = cell_means(across, upwards, (4, 5), y)
-    for i in range(4):
-        for j in range(5):
-            inside = [
-                value
-                for value, a, b in zip(y, across, upwards, strict=True)
-                if (a, b) == (i, j) and np.isfinite(value)
-            ]
-            if inside:
-                assert found[i, j] == pytest.approx(sum(inside) / len(inside), rel=1e-12)
-            else:
-                assert np.isnan(found[i, j])
+    for i, j in np.ndindex(4, 5):
+        inside = y[(across == i) & (upwards == j) & np.isfinite(y)].tolist()
+        mean = sum(inside) / len(inside) if inside else math.nan
+        assert found[i, j] == pytest.approx(mean, rel=1e-12, nan_ok=True)
     assert np.isnan(found[2]).all()
 
 
