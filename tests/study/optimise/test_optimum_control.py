@@ -10,12 +10,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from designs import MASS, design, problem, study
+from designs import MASS, design, parameter, problem, study
 
 from nipper_pin import Case, Solution, Window, load, simulate
 from nipper_pin.cli import main
 from nipper_pin.study.optimise import Control, optimise
 from nipper_pin.study.optimise.control import Row, control
+from nipper_pin.study.optimise.points import Evaluator
 from nipper_pin.study.optimise.problem.quantities import QUANTITIES
 
 STATED = """
@@ -53,16 +54,17 @@ speed_rpm = { high = 1e4 }
 """
 )
 # Every quantity of a whole turn.
-WHOLE = """
-model = "e62"
-maximise = "clamped_share"
-case = { speed_rpm = 700.0 }
-[parameters.preload]
-low = 7.0
-high = 16.0
-[limits]
-""" + "".join(f"{name} = {{ low = 0.0 }}\n" for name, item in QUANTITIES.items()
-              if item.source == "turn")  # fmt: skip
+LIMITS = "[limits]\n" + "".join(
+    f"{name} = {{ low = 0.0 }}\n" for name, item in QUANTITIES.items() if item.source == "turn"
+)
+
+
+def whole(path: str, low: float, high: float, limits: str = LIMITS) -> str:
+    head = 'model = "e62"\nmaximise = "clamped_share"\ncase = { speed_rpm = 700.0 }\n'
+    return head + parameter(path, low, high) + limits
+
+
+WHOLE = whole("preload", 7.0, 16.0)
 
 
 def turn_of(numbers: tuple[float, ...], speed: float) -> Solution:
@@ -315,3 +317,43 @@ def test_a_search_where_premises_fail_ends_where_the_turns_are(tmp_path: Path) -
     assert 0.010 < rebound < 0.011
     assert found.control.values["jaw_opening_deg"] > 25.0 - 1e-4
     assert 40.0 - 0.05 < found.control.values["clamping_force_N"] < 60.0 + 0.05
+
+
+# --- quantities of whole turns -------------------------------------------------------------------
+
+
+def test_a_machine_that_changes_takes_the_direct_engine(tmp_path: Path) -> None:
+    """And has the same turn at the same numbers, within what both state."""
+    free = whole("drives.tension.ratio", 2.1, 2.3)
+    one = design(problem(tmp_path, WHOLE), [11.0])
+    other = design(problem(tmp_path, free), [2.2])
+    assert (one.engine, other.engine) == ("reduced_turn", "turn")
+    assert len(one.values) > 8
+    for name, value in one.values.items():
+        allowed = one.errors[name] + other.errors[name]
+        assert abs(value - other.values[name]) <= allowed, name
+
+
+@pytest.mark.slow
+def test_turns_without_a_quantity_or_a_period_are_no_usable_machine(tmp_path: Path) -> None:
+    """Above 1,545 r/min the jaw has no rest; at 1,900 r/min every second turn is the same."""
+    source = Evaluator(problem(tmp_path, whole("speed_rpm", 300.0, 2000.0)))
+    at = {speed: source.at(np.array([(speed - 300.0) / 1700.0])) for speed in (600, 1600, 1900)}
+    assert at[600].usable
+    assert "the turn has no rest_index, rest_margin" in at[1600].why
+    assert "turns differ from one another" in at[1900].why
+
+
+@pytest.mark.slow
+def test_a_search_for_the_longest_clamping(tmp_path: Path) -> None:
+    """More preload shortens the bounces, so the limit on the force binds, and the turn confirms."""
+    limits = (
+        "[limits]\nlargest_clamping_force_N = { high = 120.0 }\nclosing_index = { low = 30.0 }\n"
+    )
+    asked = problem(tmp_path, whole("preload", 7.0, 16.0, limits))
+    found = optimise(asked, starts=1, check=False, workers=1)
+    assert found.contradiction == ""
+    assert found.best.engine == "reduced_turn"
+    assert set(found.engines) == {"reduced_turn"}
+    assert found.best.values["largest_clamping_force_N"] == pytest.approx(120.0, abs=1e-3)
+    assert found.case.window.value == "cycle"
