@@ -172,8 +172,10 @@ def _off(event: Event, **new: object) -> Event:
 def test_an_event_that_is_a_little_off_is_seen(
     change: Callable[[Event], Event | None], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Three times what is allowed, of the second collision: the stated errors are far smaller."""
-    pair = both(press())
+    """Three times what is allowed, of the second collision: the stated errors are far smaller.
+
+    Without that the two agree, see the sled above.
+    """
     right = judged_runs.nip.simulate
 
     def wrong(mechanism: Mechanism, case: Case) -> Solution:
@@ -185,9 +187,8 @@ def test_an_event_that_is_a_little_off_is_seen(
             solution, events=tuple(replace(e, number=n) for n, e in enumerate(left, start=1))
         )
 
-    agree(compare(pair, 150.0), 10)
     monkeypatch.setattr(judged_runs.nip, "simulate", wrong)
-    assert compare(pair, 150.0).verdict == "DIFFER"
+    assert compare(both(press()), 150.0).verdict == "DIFFER"
 
 
 @pytest.mark.parametrize("seed", [0, 1, campaign(2), campaign(3)])

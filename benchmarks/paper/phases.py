@@ -19,8 +19,7 @@ from nipper_pin.dynamics.multipliers import multipliers
 from nipper_pin.hybrid.case import Case, Window
 from nipper_pin.hybrid.event import EventKind
 from nipper_pin.hybrid.simulate import simulate
-from nipper_pin.mechanism import INDEX_PER_TURN, Mechanism, rad_s_from_rpm
-from nipper_pin.mechanism.cylinder import within_turn
+from nipper_pin.mechanism import INDEX_PER_TURN, Mechanism, rad_s_from_rpm, within_turn
 from nipper_pin.units import S_PER_MIN
 
 from ..tolerances import PRELOAD_STEP

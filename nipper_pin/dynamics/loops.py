@@ -16,7 +16,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from ..arrays import FloatArray, product
-from ..mechanism.build.placements import joint_axis, joint_placements, supports
+from ..mechanism import joint_axis, joint_placements, supports
 
 _X, _Y, _Z = range(3)
 

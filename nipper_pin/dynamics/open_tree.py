@@ -8,8 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from ..arrays import FloatArray
-from ..mechanism import Mechanism
-from ..mechanism.build.placements import joint_placements
+from ..mechanism import Mechanism, joint_placements
 
 PLANAR_ROWS_OF_A_POINT = (0, 2)
 _PLANAR_ROWS_OF_A_TWIST = (0, 2, 4)

@@ -14,8 +14,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from ..mechanism import Mechanism
-from ..mechanism.build.placements import supports
+from ..mechanism import Mechanism, supports
 
 
 class Parts(NamedTuple):

@@ -7,8 +7,7 @@ from collections.abc import Callable
 
 from ..dynamics import ShaftMotion, System
 from ..errors import InputError
-from ..mechanism import Mechanism, need_mechanism
-from ..mechanism.cylinder import rad_s_from_rpm
+from ..mechanism import Mechanism, need_mechanism, rad_s_from_rpm
 from ..mechanism.parallel import led
 from .case import Case, Window
 from .parallel import for_all

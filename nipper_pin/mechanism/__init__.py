@@ -1,6 +1,14 @@
 """Model files to one immutable, validated mechanism."""
 
-from .cylinder import INDEX_PER_TURN, Cylinder, rad_s_from_rpm
+from .build.placements import joint_axis, joint_placements, own_frame, supports
+from .cylinder import (
+    INDEX_PER_TURN,
+    Cylinder,
+    counted_from,
+    index_difference,
+    rad_s_from_rpm,
+    within_turn,
+)
 from .drives.law import DriveLaw
 from .elements import Characteristic, Damper, Strut, TabulatedSpring
 from .load import (
@@ -45,14 +53,21 @@ __all__ = [
     "Strut",
     "TabulatedSpring",
     "collision_model",
+    "counted_from",
     "find_model",
     "from_sources",
+    "index_difference",
+    "joint_axis",
+    "joint_placements",
     "known_models",
     "load",
     "model_folder",
     "need_as_written",
     "need_mechanism",
     "number_of",
+    "own_frame",
     "rad_s_from_rpm",
+    "supports",
     "with_numbers",
+    "within_turn",
 ]

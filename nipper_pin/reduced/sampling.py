@@ -13,8 +13,7 @@ from ..errors import InputError, NipperError
 from ..given import LARGEST, flag, number
 from ..hybrid.error_estimate.determined import at_start
 from ..hybrid.run.periodicity import comes_back
-from ..mechanism import Mechanism, Stop
-from ..mechanism.cylinder import rad_s_from_rpm
+from ..mechanism import Mechanism, Stop, rad_s_from_rpm
 from ..tolerances.reduced import ARRIVAL_TABLES, NO_ACCELERATION
 from .inputs import check_tolerance
 from .model import (

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from xml.etree import ElementTree
 
 from ..mechanism import Mechanism
-from ..mechanism.files.urdf import parse_xml
+from ..mechanism.files import parse_xml
 
 # No machine of this kind has such a link. Shapes may be thinner than the part that they stand for:
 # 20 times denser than any metal is left for them, and grams are 1,000 times too many.

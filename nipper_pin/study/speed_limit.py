@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from ..arrays import FloatArray
 from ..errors import InputError, SimulationError, with_words
 from ..given import number, whole
-from ..mechanism import Mechanism
-from ..mechanism.cylinder import INDEX_PER_TURN, within_turn
+from ..mechanism import INDEX_PER_TURN, Mechanism, within_turn
 from ..reduced.turns import (
     START_INDEX,
     TURN_REASONS,

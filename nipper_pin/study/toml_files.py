@@ -11,9 +11,8 @@ import msgspec
 
 from ..errors import InputError, ModelError
 from ..mechanism import Mechanism, find_model, load
+from ..mechanism.files import Refusal, first_refusal, may_be_table, need_plain_text, read_toml
 from ..mechanism.files.describe import allowed_values
-from ..mechanism.files.refusal import Refusal, first_refusal, may_be_table
-from ..mechanism.files.toml_text import need_plain_text, read_toml
 from ..texts import MOST_TEXT, read_text
 
 TableT = TypeVar("TableT", bound=msgspec.Struct)

@@ -11,8 +11,7 @@ import numpy as np
 
 from ..hybrid.result.solution import Solution
 from ..mechanism import Joint, Mechanism
-from ..mechanism.files.toml_writing import toml
-from ..mechanism.files.urdf import parse_xml
+from ..mechanism.files import parse_xml, toml
 from ..units import DEG_PER_RAD, MM_PER_M, coordinate_text
 from .masses import link_masses
 from .urdf_unread import unread

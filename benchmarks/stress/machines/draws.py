@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from nipper_pin.mechanism.edit.overrides import apply_overrides
+from nipper_pin.mechanism.edit import apply_overrides
 
 from .parts import Source
 from .small_machines import e62

@@ -11,9 +11,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from ...errors import InputError, ModelError
+from ...mechanism.files import mesh_path, parse_xml, path_inside
 from ...mechanism.files.csv_tables import has_file
-from ...mechanism.files.urdf import parse_xml
-from ...mechanism.files.urdf_shapes import mesh_path, path_inside
 from ...texts import opened
 
 

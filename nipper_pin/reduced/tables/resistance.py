@@ -12,8 +12,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...dynamics import INFINITE_INERTIA, System
-from ...mechanism import Mechanism
-from ...mechanism.cylinder import rad_s_from_rpm
+from ...mechanism import Mechanism, rad_s_from_rpm
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,8 +10,7 @@ import numpy as np
 from ...arrays import FloatArray
 from ...errors import SimulationError
 from ...hybrid.error_estimate.determined import of_rates
-from ...mechanism import Mechanism
-from ...mechanism.cylinder import rad_s_from_rpm
+from ...mechanism import Mechanism, rad_s_from_rpm
 from ...tolerances.reduced import CORNER_ROUND_OFF, GAP_SHARE
 from ..kernels.turn_layout import Charts
 from ..model import BY_GRAVITY, BY_RATE, BY_SPEED, BY_SPEED_AND_RATE, BY_SPRINGS

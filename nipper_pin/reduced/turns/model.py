@@ -12,8 +12,7 @@ from ...dynamics import ShaftMotion, System
 from ...errors import InputError
 from ...hybrid.run.periodicity import comes_back
 from ...hybrid.run.start import initial_state
-from ...mechanism import Mechanism, Stop
-from ...mechanism.cylinder import rad_s_from_rpm
+from ...mechanism import Mechanism, Stop, rad_s_from_rpm
 from ..kernels.turn_layout import Charts
 from .arcs import Arc, Walk, system_at
 from .charts import _FAST, _LIVELY, _ROOM, Surroundings, chart_of, stacked

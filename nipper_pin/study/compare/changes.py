@@ -10,9 +10,8 @@ from xml.etree import ElementTree
 from ...errors import NipperError
 from ...hybrid.result.solution import Solution
 from ...mechanism import Mechanism
-from ...mechanism.edit.dimensions import read_dimension
-from ...mechanism.edit.layout import Layout, read_layout
-from ...mechanism.files.urdf import parse_xml
+from ...mechanism.edit import Layout, read_dimension, read_layout
+from ...mechanism.files import parse_xml
 from ...tolerances.study import SAME_DIMENSION
 
 # Texts about a model, and settings of a run that change none of its numbers.

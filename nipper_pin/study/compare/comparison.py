@@ -11,8 +11,7 @@ from ...hybrid.case import Window
 from ...hybrid.result.self_check import need_sound
 from ...hybrid.result.solution import Solution
 from ...hybrid.result.turns import INDICES
-from ...mechanism import Mechanism
-from ...mechanism.cylinder import index_difference
+from ...mechanism import Mechanism, index_difference
 from .changes import Change, changes
 from .readings import Reading, reading
 

@@ -10,9 +10,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 from ...mechanism import Mechanism, load
-from ...mechanism.files.toml_writing import toml
-from ...mechanism.files.urdf import parse_xml
-from ...mechanism.files.urdf_shapes import path_inside
+from ...mechanism.files import parse_xml, path_inside, toml
 from ...mechanism.new_folder import new_folder
 from ...texts import followed
 from .fitting.fit import Fit

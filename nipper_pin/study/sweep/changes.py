@@ -5,11 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from ...mechanism import Mechanism, from_sources, model_folder
-from ...mechanism.edit.dimensions import HEADS, read_dimension
-from ...mechanism.edit.layout import read_layout
-from ...mechanism.edit.overrides import apply_overrides
-from ...mechanism.edit.toml_paths import number_at
-from ...mechanism.files.urdf import parse_xml
+from ...mechanism.edit import HEADS, apply_overrides, number_at, read_dimension, read_layout
+from ...mechanism.files import parse_xml
 from .job import Job
 
 

@@ -16,9 +16,8 @@ from msgspec import Meta
 from ...dynamics import DriveMode
 from ...errors import InputError, NipperError
 from ...mechanism import Mechanism, from_sources
-from ...mechanism.edit.overrides import apply_overrides
-from ...mechanism.files.toml_types import Positive
-from ...mechanism.files.urdf import parse_xml
+from ...mechanism.edit import apply_overrides
+from ...mechanism.files import Positive, parse_xml
 from ...texts import MOST_TEXT, read_text
 from ..toml_files import Table, at_key, base_mechanism, read_table, refuse
 from ..turns import MOST_TURNS, TURNS

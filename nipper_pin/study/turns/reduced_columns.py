@@ -8,7 +8,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...hybrid.case import START_INDEX
-from ...mechanism.cylinder import INDEX_PER_TURN, within_turn
+from ...mechanism import INDEX_PER_TURN, within_turn
 from ...reduced.turns import TurnQuantities, TurnTorques
 
 _SAME = {

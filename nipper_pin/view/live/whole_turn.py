@@ -15,8 +15,7 @@ import numpy as np
 
 from ...errors import NipperError
 from ...extras import installed
-from ...mechanism import INDEX_PER_TURN, Mechanism
-from ...mechanism.cylinder import within_turn
+from ...mechanism import INDEX_PER_TURN, Mechanism, within_turn
 from ...reduced.turns import TurnModel, TurnQuantities, TurnStatus, turn_model, turn_quantities
 from ...reduced.turns.results import TURN_REASONS
 from ...reduced.turns.turn import ROOMS

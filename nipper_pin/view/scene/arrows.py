@@ -8,8 +8,7 @@ from ...arrays import FloatArray
 from ...hybrid.result.quantities import force_unit
 from ...hybrid.result.solution import Solution
 from ...hybrid.result.tables import Collision
-from ...mechanism import Mechanism, Stop
-from ...mechanism.build.placements import joint_axis, joint_placements
+from ...mechanism import Mechanism, Stop, joint_axis, joint_placements
 from .solids import FIXED
 
 HELD = 0.6  # seconds of playback that the arrow of an impulse is shown in full

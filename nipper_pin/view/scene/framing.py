@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import FloatArray
-from ...mechanism import Mechanism
-from ...mechanism.build.placements import joint_placements
+from ...mechanism import Mechanism, joint_placements
 from .solids import Solid, plain_solids
 
 OBLIQUE, ALONG = (0.38, -1.0, 0.34), (0.0, -1.0, 0.0)

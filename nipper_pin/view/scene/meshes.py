@@ -12,7 +12,7 @@ from scipy.spatial import ConvexHull
 
 from ...arrays import FloatArray
 from ...errors import InputError
-from ...mechanism.files.meshes import check_corners, check_size
+from ...mechanism.files import check_corners, check_size
 from .solids import Solid
 
 _CORNERS = 32  # of a circle

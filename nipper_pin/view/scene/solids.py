@@ -17,12 +17,9 @@ import numpy as np
 import pinocchio as pin
 
 from ...arrays import FloatArray
-from ...mechanism import Mechanism
-from ...mechanism.build.placements import own_frame
+from ...mechanism import Mechanism, own_frame
 from ...mechanism.drives import OscillatingGuide
-from ...mechanism.files.urdf import parse_xml
-from ...mechanism.files.urdf_shapes import mesh_path, path_inside
-from ...mechanism.files.urdf_values import numbers, origin, rotation_from_rpy
+from ...mechanism.files import mesh_path, numbers, origin, parse_xml, path_inside, rotation_from_rpy
 from .colours import link_colour
 
 Colour = tuple[float, float, float]

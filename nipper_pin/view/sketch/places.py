@@ -8,8 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from ...arrays import FloatArray
-from ...mechanism import Mechanism
-from ...mechanism.build.placements import joint_axis, joint_placements
+from ...mechanism import Mechanism, joint_axis, joint_placements
 from ...mechanism.drives import OscillatingGuide
 from ..scene.arrows import arrow_body
 

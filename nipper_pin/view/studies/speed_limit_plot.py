@@ -9,8 +9,7 @@ import numpy as np
 
 from ...errors import InputError
 from ...hybrid.case import START_INDEX
-from ...mechanism import INDEX_PER_TURN
-from ...mechanism.cylinder import counted_from
+from ...mechanism import INDEX_PER_TURN, counted_from
 from ...outputs import check_file, complete_file
 from ...study.speed_limit import SpeedLimit, Verdict, where
 from ...terms import TERMS

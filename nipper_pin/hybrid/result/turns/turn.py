@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from ....errors import InputError
-from ....mechanism.cylinder import INDEX_PER_TURN, within_turn
+from ....mechanism import INDEX_PER_TURN, within_turn
 from ...case import Window
 from ...event import Event, EventKind
 from ...run.outcome import Outcome

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ....arrays import FloatArray
-from ....mechanism.cylinder import index_difference
+from ....mechanism import index_difference
 from ..problem.problem import Limits
 from ..problem.working_cycle import SAMPLES, WorkingCycle
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ....mechanism import Mechanism, from_sources
-from ....mechanism.edit.layout import Layout, read_layout
-from ....mechanism.files.urdf import parse_xml
+from ....mechanism.edit import Layout, read_layout
+from ....mechanism.files import parse_xml
 
 
 @dataclass(frozen=True, kw_only=True)

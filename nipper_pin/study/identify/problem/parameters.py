@@ -8,10 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from ....errors import SimulationError
-from ....mechanism.edit.dimensions import HEADS, read_dimension
-from ....mechanism.edit.layout import Layout
-from ....mechanism.edit.overrides import apply_overrides
-from ....mechanism.edit.toml_paths import number_at
+from ....mechanism.edit import HEADS, Layout, apply_overrides, number_at, read_dimension
 from .geometry import Sources, layout
 
 

@@ -14,7 +14,7 @@ from msgspec import Meta
 from ....errors import InputError, ModelError
 from ....hybrid.result.quantities import refuse_unknown
 from ....mechanism import Mechanism
-from ....mechanism.files.toml_types import Positive, Restitution
+from ....mechanism.files import Positive, Restitution
 from ....tolerances.reduced import FINEST_TOLERANCE
 from ....tolerances.study import COARSEST_FIT
 from ...toml_files import Bounds, Table, base_mechanism, read_table, refuse

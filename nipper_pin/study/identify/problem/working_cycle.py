@@ -17,8 +17,7 @@ from ....arrays import FloatArray
 from ....dynamics import ShaftMotion, System, close_positions, close_velocities, partition
 from ....dynamics.multipliers import multipliers
 from ....errors import InputError, SimulationError
-from ....mechanism import Mechanism
-from ....mechanism.cylinder import rad_s_from_rpm
+from ....mechanism import Mechanism, rad_s_from_rpm
 from ....tolerances.study import CYCLE_ROOT
 
 _STEP_RAD = math.tau / 30.0

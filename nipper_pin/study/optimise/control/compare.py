@@ -14,8 +14,7 @@ import numpy as np
 
 from ....errors import NipperError
 from ....hybrid.result.turns import INDICES
-from ....mechanism import load
-from ....mechanism.cylinder import index_difference
+from ....mechanism import index_difference, load
 from ..design import Design
 from ..problem.problem import Limit, Problem, read_text
 from .reading import ControlTurn, control_turn, read

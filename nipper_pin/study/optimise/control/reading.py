@@ -19,8 +19,7 @@ from ....hybrid.result.turns import Turn, of_turn
 from ....hybrid.result.turns.held import held
 from ....hybrid.run.periodicity import comes_back
 from ....hybrid.simulate import simulate
-from ....mechanism import INDEX_PER_TURN, Mechanism
-from ....mechanism.cylinder import counted_from, rad_s_from_rpm
+from ....mechanism import INDEX_PER_TURN, Mechanism, counted_from, rad_s_from_rpm
 from ....tolerances.study import CONTROL_ROUND_OFF
 from ....units import S_PER_MIN
 from ...true_transition import TrueTransition, first_transition

@@ -16,8 +16,7 @@ import numpy as np
 from ....dynamics import DriveMode
 from ....errors import SimulationError
 from ....hybrid.case import START_INDEX
-from ....mechanism import Mechanism
-from ....mechanism.cylinder import counted_from
+from ....mechanism import Mechanism, counted_from
 from ....tolerances.study import COARSEST_TURN, QUANTITY_ROUND_OFF
 from ...cases import cases_of
 from ...turns.engine_choice import turns_of

@@ -13,7 +13,7 @@ from msgspec import Meta
 
 from ....hybrid.result.quantities import refuse_unknown
 from ....mechanism import Mechanism
-from ....mechanism.files.toml_types import Positive
+from ....mechanism.files import Positive
 from ....tolerances.reduced import FINEST_TOLERANCE
 from ....tolerances.study import COARSEST_DESIGN
 from ...identify.problem.geometry import Sources

@@ -17,8 +17,7 @@ import numpy as np
 from ....arrays import FloatArray
 from ....errors import InputError
 from ....hybrid.result.quantities import coordinate_unit, force_unit
-from ....mechanism import Mechanism
-from ....mechanism.cylinder import index_difference
+from ....mechanism import Mechanism, index_difference
 from ....terms import term_of
 from ....units import MM_PER_M
 from ...identify.problem.working_cycle import Phase, WorkingCycle, unfit

@@ -10,7 +10,7 @@ import numpy as np
 
 from ....hybrid.case import START_INDEX
 from ....hybrid.result.turns import INDICES
-from ....mechanism.cylinder import counted_from
+from ....mechanism import counted_from
 from ....terms import named
 from ..job import Job
 from .tally import SUMMARY

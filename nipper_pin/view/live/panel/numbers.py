@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from html import escape
 from typing import NamedTuple
 
-from ....mechanism.cylinder import index_difference
+from ....mechanism import index_difference
 
 
 class Number(NamedTuple):

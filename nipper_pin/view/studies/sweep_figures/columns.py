@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ....arrays import FloatArray
 from ....hybrid.case import START_INDEX
 from ....hybrid.result.turns import INDICES
-from ....mechanism.cylinder import counted_from, within_turn
+from ....mechanism import counted_from, within_turn
 from ....study.sweep import SweepTable
 from ....terms import NONE, Shown, named
 

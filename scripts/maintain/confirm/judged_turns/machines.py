@@ -12,7 +12,7 @@ import numpy as np
 
 from nipper_pin import Mechanism, NipperError, load
 from nipper_pin.mechanism.drawing import write_drawing
-from nipper_pin.mechanism.edit.layout import read_layout
+from nipper_pin.mechanism.edit import read_layout
 from nipper_pin.mechanism.gallery import GALLERY
 
 MODELS = Path(__file__).resolve().parents[4] / "models"
