@@ -21,6 +21,7 @@ from nipper_pin.mechanism.edit.dimensions import read_dimension
 from nipper_pin.mechanism.edit.layout import Layout, read_layout
 from nipper_pin.mechanism.edit.urdf_paths import find_value
 from nipper_pin.mechanism.files.urdf import parse_xml
+from tests.refusals.bases import model
 
 MODELS = ["e62", "e62_offset_guide", "hanging_pendulum"]
 
@@ -65,11 +66,11 @@ def test_every_point_moves_alone_and_nothing_comes_apart(name: str) -> None:
         assert np.abs(gaps).max() < 1e-12
         for other, link in found.points.items():
             shift = [0.3, -0.2] if other in pins else [0.0, 0.0]
-            np.testing.assert_allclose(after[link] - before[link], shift, atol=1e-9)
+            np.testing.assert_allclose(after[link] - before[link], shift, rtol=0.0, atol=1e-9)
         for drive in moved.description["drives"].values():  # type: ignore[attr-defined]
             if "guide_axis_mm" in drive:
                 shaft = after["pendulum_shaft"]
-                np.testing.assert_allclose(drive["guide_axis_mm"], shaft, atol=1e-9)
+                np.testing.assert_allclose(drive["guide_axis_mm"], shaft, rtol=0.0, atol=1e-9)
 
 
 @pytest.mark.parametrize("name", MODELS)
@@ -84,7 +85,7 @@ def test_masses_stay_where_they_are_unless_their_link_turns(name: str) -> None:
     contact, original = (item.stop("jaw").contact for item in (moved, load(name)))
     assert contact is not None
     assert original is not None
-    np.testing.assert_allclose(contact.point, original.point, atol=1e-6)
+    np.testing.assert_allclose(contact.point, original.point, rtol=0.0, atol=1e-6)
 
 
 def test_a_pin_in_a_slot_goes_its_own_way() -> None:
@@ -99,7 +100,7 @@ def test_a_pin_in_a_slot_goes_its_own_way() -> None:
     moved = places(with_numbers(yoke, {"points.crank_pin.z_mm": 20.0}))
     for name in ("crank_pin", "guide", "yoke", "crank"):
         shift = [0.0, 20.0] if name == "crank_pin" else [0.0, 0.0]
-        np.testing.assert_allclose(moved[name] - before[name], shift, atol=1e-9)
+        np.testing.assert_allclose(moved[name] - before[name], shift, rtol=0.0, atol=1e-9)
     with pytest.raises(AssemblyError, match=r"a gap of 1 mm \(x 1, z 0\)"):
         with_numbers(yoke, {"points.crank_pin.x_mm": 51.0})
     both = {"points.crank_pin.x_mm": 51.0, "points.guide.x_mm": 51.0}
@@ -131,7 +132,7 @@ def test_a_chain_of_polar_points_is_followed_from_the_frame_outwards() -> None:
         pivot = np.array([-190.0, -20.0]) + 66.5 * np.array(
             [math.cos(math.radians(95.0)), math.sin(math.radians(95.0))]
         )
-        np.testing.assert_allclose(after["bottom_nipper"], pivot, atol=1e-9)
+        np.testing.assert_allclose(after["bottom_nipper"], pivot, rtol=0.0, atol=1e-9)
         arm = after["rocker"] - after["bottom_nipper"]
         assert np.hypot(*arm) == pytest.approx(188.0, abs=1e-9)
 
@@ -219,18 +220,20 @@ def test_own_values_written_back_change_nothing() -> None:
         assert one == other
 
 
-def test_a_document_with_a_mistake_is_told_before_points_move(spoil) -> None:  # type: ignore[no-untyped-def]
-    """Points follow closures and guides: a document in which these are no tables is named."""
-    folder = spoil(toml=(('frame_a = "rocker_foot"', "frame_a = 3"),))
-    with pytest.raises(ModelError, match=r"closures\.rocker_axis\.frame_a = 3"):
-        load(folder, {"points.jaw.x_mm": -72.0})
+ENDS = '<parent link="frame"/>\n    <child link="pendulum_arm"/>'
 
 
-def test_links_that_hang_in_a_circle_are_told_before_points_move(spoil) -> None:  # type: ignore[no-untyped-def]
-    ends = '<parent link="frame"/>\n    <child link="pendulum_arm"/>'
-    folder = spoil(urdf=((ends, ends.replace("frame", "rocker")),))
-    with pytest.raises(ModelError, match="joints that hang from the frame"):
-        load(folder, {"points.jaw.x_mm": -72.0})
+@pytest.mark.parametrize(
+    ("edits", "words"),
+    [(('frame_a = "rocker_foot"', "frame_a = 3"), r"closures\.rocker_axis\.frame_a = 3"),
+     ((ENDS, ENDS.replace("frame", "rocker")), "joints that hang from the frame")],
+)  # fmt: skip
+def test_a_mistake_of_a_file_is_told_before_points_move(
+    edits: tuple[str, str], words: str, tmp_path: Path
+) -> None:
+    """Points follow closures, guides and the tree of the joints."""
+    with pytest.raises(ModelError, match=words):
+        load(model("e62", edits, tmp_path), {"points.jaw.x_mm": -72.0})
 
 
 def test_shapes_and_mass_turn_with_the_line_of_two_pins() -> None:
@@ -248,10 +251,10 @@ def test_shapes_and_mass_turn_with_the_line_of_two_pins() -> None:
     assert bar is not None
     assert set(bar.attrib) == {"xyz", "rpy"}
     place, turn = ([float(word) for word in bar.attrib[key].split()] for key in ("xyz", "rpy"))
-    np.testing.assert_allclose(place, [-0.05, 0.0, 0.1], atol=1e-15)
-    np.testing.assert_allclose(turn, [0.0, 0.3 - 0.5 * math.pi, 0.0], atol=1e-12)
+    np.testing.assert_allclose(place, [-0.05, 0.0, 0.1], rtol=0.0, atol=1e-15)
+    np.testing.assert_allclose(turn, [0.0, 0.3 - 0.5 * math.pi, 0.0], rtol=0.0, atol=1e-12)
     centre = root.find("link[@name='lever']/inertial/origin")
     assert centre is not None
     at = [float(word) for word in centre.attrib["xyz"].split()]
-    np.testing.assert_allclose(at, [-0.01, 0.0, 0.2], atol=1e-15)
+    np.testing.assert_allclose(at, [-0.01, 0.0, 0.2], rtol=0.0, atol=1e-15)
     assert "rpy" not in centre.attrib

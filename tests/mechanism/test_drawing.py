@@ -160,7 +160,9 @@ def test_every_number_of_the_urdf() -> None:
     ):  # fmt: skip
         found = data.oMf[model.getFrameId(frame)].translation
         x, z = POINTS[at]
-        np.testing.assert_allclose(found, [1e-3 * x, 0.0, 1e-3 * z], atol=1e-15, err_msg=frame)
+        np.testing.assert_allclose(
+            found, [1e-3 * x, 0.0, 1e-3 * z], rtol=0.0, atol=1e-15, err_msg=frame
+        )
     # 0.9 kg over 20 and sqrt(10^2 + 55^2) mm.
     long = math.hypot(10.0, 55.0)
     first, second = 0.9 * 20.0 / (20.0 + long), 0.9 * long / (20.0 + long)
@@ -179,7 +181,7 @@ def test_every_number_of_the_urdf() -> None:
         body = model.inertias[number]
         assert body.mass == pytest.approx(mass, rel=1e-12)
         world = data.oMi[number].act(body.lever)
-        np.testing.assert_allclose(world, [1e-3 * x, 0.0, 1e-3 * z], atol=1e-12)
+        np.testing.assert_allclose(world, [1e-3 * x, 0.0, 1e-3 * z], rtol=0.0, atol=1e-12)
         assert body.inertia[1, 1] == pytest.approx(inertia, rel=1e-9)
     still = {joint: data.oMi[model.getJointId(joint)].translation.copy() for joint in model.names}
     for joint, along in (("lift", (0.0, 1.0)), ("feed", (0.6, 0.8)), ("slot", (1.0, 0.0))):
@@ -187,7 +189,7 @@ def test_every_number_of_the_urdf() -> None:
         q[model.joints[model.getJointId(joint)].idx_q] = 1e-3
         pin.forwardKinematics(model, data, q)
         moved = data.oMi[model.getJointId(joint)].translation - still[joint]
-        np.testing.assert_allclose(moved[[0, 2]], 1e-3 * np.array(along), atol=1e-12)
+        np.testing.assert_allclose(moved[[0, 2]], 1e-3 * np.array(along), rtol=0.0, atol=1e-12)
 
 
 def test_bars_join_the_points_of_a_body_and_blocks_lie_along_their_slides() -> None:
@@ -213,7 +215,9 @@ def test_bars_join_the_points_of_a_body_and_blocks_lie_along_their_slides() -> N
         start, end = (np.array(POINTS[point]) for point in ends.split())
         base = POINTS["O" if link == "crank" else "A"]
         at, turn, size = shape(link, name)
-        np.testing.assert_allclose([at[0], at[2]], 1e-3 * (0.5 * (start + end) - base), atol=1e-9)
+        np.testing.assert_allclose(
+            [at[0], at[2]], 1e-3 * (0.5 * (start + end) - base), rtol=0.0, atol=1e-9
+        )
         angle = -math.atan2(end[1] - start[1], end[0] - start[0])
         assert math.remainder(turn[1] - angle, math.tau) == pytest.approx(0.0, abs=1e-8)
         assert size[0] == pytest.approx(1e-3 * math.dist(start, end), rel=1e-6)

@@ -63,9 +63,9 @@ def test_derivatives_are_those_of_the_value(name: str) -> None:
                 for k, w in weights.items()
             )
             # Half an eps of three times the angle, 2.1 (the weights) times a rate of 3, by h.
-            np.testing.assert_allclose(slope / h, found[order + 1], atol=5e-12)
+            np.testing.assert_allclose(slope / h, found[order + 1], rtol=0.0, atol=5e-12)
         for one, other in zip(found, law.evaluate(psi.ravel()), strict=True):
-            np.testing.assert_allclose(one, other.reshape(2, 21), atol=1e-14)
+            np.testing.assert_allclose(one, other.reshape(2, 21), rtol=0.0, atol=1e-14)
 
 
 @pytest.mark.parametrize("name", PERIODIC)
@@ -75,12 +75,12 @@ def test_a_law_is_continuous_and_repeats_each_turn(name: str) -> None:
     psi = np.linspace(0.0, math.tau, 2001)
     for turns in (1.0, -3.0, 100.0):
         for one, other in zip(law.evaluate(psi), law.evaluate(psi + turns * math.tau), strict=True):
-            np.testing.assert_allclose(one, other, atol=2e-12)
+            np.testing.assert_allclose(one, other, rtol=0.0, atol=2e-12)
     assert np.abs(np.diff(law.evaluate(psi)[0])).max() < 0.01
     knots = np.array(law.knots_rad)
     for before, after in zip(law.evaluate(knots - 1e-9), law.evaluate(knots + 1e-9), strict=True):
         # Between the two lie 2e-9 rad times the next derivative; all of them are below 10 here.
-        np.testing.assert_allclose(before, after, atol=2e-8)
+        np.testing.assert_allclose(before, after, rtol=0.0, atol=2e-8)
 
 
 def test_guide_points_at_the_pin() -> None:
@@ -92,7 +92,7 @@ def test_guide_points_at_the_pin() -> None:
     angle = OFFSET.evaluate(psi)[0]
     across = -np.sin(angle) * reach[0] + np.cos(angle) * reach[1]
     along = np.cos(angle) * reach[0] + np.sin(angle) * reach[1]
-    np.testing.assert_allclose(across, OFFSET.guide_offset_m, atol=1e-15)
+    np.testing.assert_allclose(across, OFFSET.guide_offset_m, rtol=0.0, atol=1e-15)
     assert along.min() > 0.0
 
 
@@ -103,10 +103,10 @@ def test_guide_extremes_in_closed_form() -> None:
     assert low is not None
     assert high is not None
     value, first, _ = GUIDE.evaluate(np.array([low, high]))
-    np.testing.assert_allclose(value, [direction - swing, direction + swing], atol=1e-15)
-    np.testing.assert_allclose(first, 0.0, atol=1e-15)
+    np.testing.assert_allclose(value, [direction - swing, direction + swing], rtol=0.0, atol=1e-15)
+    np.testing.assert_allclose(first, 0.0, rtol=0.0, atol=1e-15)
     # There the crank is square to the guide.
-    np.testing.assert_allclose(np.cos([low, high] - value), 0.0, atol=1e-14)
+    np.testing.assert_allclose(np.cos([low, high] - value), 0.0, rtol=0.0, atol=1e-14)
 
 
 @pytest.mark.parametrize("phase", [0.0, 0.4, 2.0, 4.0, 6.2])
@@ -126,7 +126,9 @@ def test_a_series_is_the_sum_of_its_waves() -> None:
     for law in SERIES:
         waves = [c * np.cos(n * psi) for n, c in enumerate(law.cosine, 1)]
         waves += [s * np.sin(n * psi) for n, s in enumerate(law.sine, 1)]
-        np.testing.assert_allclose(law.evaluate(psi)[0], sum(waves, 0.0 * psi + 0.7), atol=1e-14)
+        np.testing.assert_allclose(
+            law.evaluate(psi)[0], sum(waves, 0.0 * psi + 0.7), rtol=0.0, atol=1e-14
+        )
 
 
 def test_a_table_reproduces_a_smooth_law() -> None:
@@ -137,7 +139,7 @@ def test_a_table_reproduces_a_smooth_law() -> None:
     for one, other, tolerance in zip(
         table.evaluate(psi), GUIDE.evaluate(psi), (1e-11, 1e-9, 1e-7), strict=True
     ):
-        np.testing.assert_allclose(one, other, atol=tolerance)
+        np.testing.assert_allclose(one, other, rtol=0.0, atol=tolerance)
     for first, last in table.evaluate(np.array([0.2, 0.2 + math.tau])):
         assert first == pytest.approx(last, abs=1e-12)
 

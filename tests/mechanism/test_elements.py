@@ -4,84 +4,69 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from small_machines import machine, sources
 
-from nipper_pin.mechanism import Characteristic, Damper, Strut, from_sources, load
+from nipper_pin.mechanism import Characteristic, Damper, Strut, from_sources, with_numbers
+from tests.refusals.bases import PARTS
+from tests.refusals.descriptions import HEAD, LINES
 
-OLD = 'joint = "steeve"\nstiffness_N_per_m = 9000.0\npreload_length_mm = 11.0 '
-POINTS = (
-    'frame_a = "steeve_lower"\nframe_b = "eccentric_pin"\n'
-    "stiffness_N_per_m = 9000.0\nfree_length_mm = 186.5\n"
-)
-TABLE = 'joint = "steeve"\ncoordinate_mm = [0.0, 2.0, 5.0]\nforce_N = [90.0, 100.0, 130.0]\n'
-DAMPER = '[dampers.oil]\njoint = "steeve"\ndamping_N_s_per_m = 12.0\n'
+TIE = {"frame_a": "a", "frame_b": "b"}
+RAIL, PIVOT = {"joint": "rail"}, {"joint": "pivot"}
+TABLES: dict[str, Any] = {
+    "springs": {
+        "tie": {**TIE, "stiffness_N_per_m": 9000.0, "free_length_mm": 186.5},
+        "lid": {**PIVOT, "coordinate_deg": [-90, 0, 180], "torque_N_m": [1, 2, 4]},
+    },
+    "dampers": {
+        "oil": {**RAIL, "damping_N_s_per_m": 12.0},
+        "lid": {**PIVOT, "damping_N_m_s_per_rad": 0.3},
+        "stay": {**TIE, "damping_N_s_per_m": 5},
+    },
+}
 
 
-def changed(spoil, text: str, extra: str = "") -> Path:  # type: ignore[no-untyped-def]
-    """The E62 with another steeve spring and further tables; its shortcuts to the old one go."""
-    folder: Path = spoil(toml=((OLD, f"{text} #"), ("[stops.jaw]", f"{extra}\n[stops.jaw]")))
-    path = folder / "e62.toml"
-    path.write_text(path.read_text(encoding="utf-8").partition("[shortcuts]")[0], encoding="utf-8")
-    return folder
-
-
-def test_elements_in_si_units(spoil) -> None:  # type: ignore[no-untyped-def]
-    hinge = (
-        '[springs.lid]\njoint = "jaw"\ncoordinate_deg = [-90, 0, 180]\ntorque_N_m = [1, 2, 4]\n'
-        '[dampers.lid]\njoint = "jaw"\ndamping_N_m_s_per_rad = 0.3\n'
-        '[dampers.stay]\nframe_a = "frame"\nframe_b = "rod_head"\ndamping_N_s_per_m = 5\n'
-    )
-    mechanism = load(changed(spoil, POINTS, DAMPER + hinge))
+def test_elements_in_si_units() -> None:
+    mechanism = machine(PARTS, 3, **TABLES)
     index = {joint.name: joint.index for joint in mechanism.joints}
     assert mechanism.springs == ()
     assert mechanism.dampers == (
-        Damper(name="oil", index=index["steeve"], damping=12.0),
-        Damper(name="lid", index=index["jaw"], damping=0.3),
+        Damper(name="oil", index=index["rail"], damping=12.0),
+        Damper(name="lid", index=index["pivot"], damping=0.3),
     )
-    spring, stay = mechanism.struts
-    assert spring == Strut(
-        name="steeve", kind="spring", frame_a="steeve_lower", frame_b="eccentric_pin",
-        stiffness=9000.0, free_length=pytest.approx(0.1865),
+    assert mechanism.struts == (
+        Strut(name="tie", kind="spring", frame_a="a", frame_b="b", stiffness=9000.0,
+              free_length=pytest.approx(0.1865)),
+        Strut(name="stay", kind="damper", frame_a="a", frame_b="b", damping=5.0),
     )  # fmt: skip
-    assert stay == Strut(
-        name="stay", kind="damper", frame_a="frame", frame_b="rod_head", damping=5.0
-    )
     (table,) = mechanism.tabulated_springs
-    assert (table.name, table.index) == ("lid", index["jaw"])
+    assert (table.name, table.index) == ("lid", index["pivot"])
     assert table.characteristic.coordinate == pytest.approx((-0.5 * math.pi, 0.0, math.pi))
     assert table.characteristic.force == (1.0, 2.0, 4.0)
 
 
-def test_every_number_of_them_has_a_path(spoil) -> None:  # type: ignore[no-untyped-def]
-    folder = changed(spoil, POINTS, DAMPER + f"[springs.table]\n{TABLE}")
-    overrides = {
-        "springs.steeve.free_length_mm": 180.0,
-        "springs.steeve.stiffness_N_per_m": "7e3",
-        "dampers.oil.damping_N_s_per_m": 0,
-        "springs.table.force_N[1]": 95.5,
-    }
-    mechanism = load(folder, overrides)
-    (spring,) = mechanism.struts
+def test_every_number_of_them_has_a_path() -> None:
+    numbers = {"springs.tie.free_length_mm": 180.0, "springs.tie.stiffness_N_per_m": 7e3,
+               "dampers.oil.damping_N_s_per_m": 0.0, "springs.lid.torque_N_m[1]": 2.5}  # fmt: skip
+    mechanism = with_numbers(machine(PARTS, 3, **TABLES), numbers)
+    spring, _ = mechanism.struts
     assert (spring.free_length, spring.stiffness) == (pytest.approx(0.18), 7e3)
     assert mechanism.dampers[0].damping == 0.0
-    assert mechanism.tabulated_springs[0].characteristic.force == (90.0, 95.5, 130.0)
+    assert mechanism.tabulated_springs[0].characteristic.force == (1.0, 2.5, 4.0)
 
 
-CSV = "coordinate_mm,force_N\n0.0,90.0\n2.0,100.0\n5.0,130.0\n"
-
-
-def test_table_in_a_file(spoil) -> None:  # type: ignore[no-untyped-def]
+def test_table_in_a_file(tmp_path: Path) -> None:
     """The rows of a file make the spring that the same rows in the TOML make, and are kept."""
-    folder = changed(spoil, 'joint = "steeve"\nfile = "coil.csv"\n')
-    (folder / "coil.csv").write_text(CSV, encoding="utf-8")
-    mechanism = load(folder)
-    written = load(changed(spoil, TABLE))
-    assert mechanism.tabulated_springs == written.tabulated_springs
-    (folder / "coil.csv").unlink()
-    again = from_sources("e62", mechanism.urdf, mechanism.description, mechanism.mesh_folder)
-    assert again.tabulated_springs == mechanism.tabulated_springs
+    rows = {"coordinate_mm": [0.0, 2.0, 5.0], "force_N": [90.0, 100.0, 130.0]}
+    written = machine(PARTS, 3, springs={"coil": {**RAIL, **rows}})
+    (tmp_path / "coil.csv").write_bytes(HEAD + LINES)
+    urdf, document = sources(PARTS, 3, springs={"coil": {**RAIL, "file": "coil.csv"}})
+    read = from_sources("small", urdf, document, tmp_path)
+    assert read.tabulated_springs == written.tabulated_springs
+    assert read.description["springs"] == written.description["springs"]
 
 
 ROWS = Characteristic(coordinate=(-2.0, 0.0, 1.0, 4.0, 5.0), force=(-4.0, 0.0, 0.5, 8.0, 30.0))
@@ -117,13 +102,22 @@ def test_energy_is_the_integral_of_the_force() -> None:
 
 
 def test_rows_on_a_line_are_the_line() -> None:
-    """Force and energy of uneven rows on 3 (x + 0.2), to the round-off of some operations."""
+    """Force and energy of uneven rows on 3 (x + 0.2), to the round-off of some operations.
+
+    Beyond the ends for the length of the table, then the force grows no more. The energy is the
+    integral from the first row.
+    """
     rows = np.array([-1.0, -0.3, 0.1, 2.0, 2.1])
     line = Characteristic(coordinate=tuple(rows), force=tuple(3.0 * (rows + 0.2)))
-    x = np.linspace(-1.0, 2.1, 101)
-    np.testing.assert_allclose(line.forces(x), 3.0 * (x + 0.2), atol=1e-14)
-    energy = 1.5 * ((x + 0.2) ** 2 - 0.64)
-    np.testing.assert_allclose(line.energies(x), energy, atol=1e-14)
+    assert line.reach == pytest.approx((-4.1, 5.2), rel=1e-15)
+    # The cubic between rows that are 0.1 apart goes on for 3.1: an eps grows by (3.1 / 0.1)^3.
+    for low, high, error in ((-1.0, 2.1, 1e-14), (-4.1, 5.2, 2e-11)):
+        x = np.linspace(low, high, 101)
+        np.testing.assert_allclose(line.forces(x), 3.0 * (x + 0.2), rtol=0.0, atol=error)
+        energy = 1.5 * ((x + 0.2) ** 2 - 0.64)
+        np.testing.assert_allclose(line.energies(x), energy, rtol=0.0, atol=3.1 * error)
+    ends = line.forces(np.array([-9.0, 9.0]))
+    np.testing.assert_allclose(ends, [-11.7, 16.2], rtol=0.0, atol=error)
 
 
 def test_a_slope_that_is_nearly_none() -> None:

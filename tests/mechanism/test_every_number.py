@@ -13,13 +13,17 @@ import msgspec
 import numpy as np
 import pytest
 
+from nipper_pin import InputError
 from nipper_pin.mechanism import Mechanism, known_models, load
+from nipper_pin.mechanism.drives import Table
 from nipper_pin.mechanism.edit.dimensions import read_dimension
 from nipper_pin.mechanism.edit.layout import read_layout
 from nipper_pin.mechanism.edit.overrides import apply_overrides, with_tables
 from nipper_pin.mechanism.edit.toml_paths import number_at
 from nipper_pin.mechanism.files.describe import describe
 from nipper_pin.mechanism.files.urdf import parse_xml
+from tests.refusals.bases import model
+from tests.refusals.descriptions import HEAD, LINES, file, swings
 
 MODELS = {
     **known_models(),
@@ -29,45 +33,24 @@ MODELS = {
     },
 }
 PLACES = ("xyz", "rpy")
-DRIVE_COLUMNS = "cylinder_angle_deg", "coordinate_rad"
+COIL, SWING = file(HEAD + LINES, ..., ...), swings(..., ...)
+LID = 'springs.lid = { joint = "pivot", file = "lid.csv" }'
+TURNS = b"coordinate_deg,torque_N_m\n-10,4.0\n0,4.7\n20,7.0\n60,11.0\n"
 
 
 def with_csv_tables(folder: Path) -> Path:
     """A model folder whose drive and both kinds of springs come from CSV files."""
-    home = folder / "tabulated"
-    home.mkdir()
-    source = known_models()["hanging_pendulum"]
-    urdf = (source / "hanging_pendulum.urdf").read_text(encoding="utf-8")
-    (home / "tabulated.urdf").write_text(urdf, encoding="utf-8")
-    text = (
-        (source / "hanging_pendulum.toml").read_text(encoding="utf-8").partition("[shortcuts]")[0]
-    )
-    for old, new in (
-        ('law = "constant_speed"\nratio = 1.0', 'law = "table"\nfile = "cylinder.csv"'),
-        ("stiffness_N_m_per_rad = 6.0\npreload_deg = 45.0 ", 'file = "jaw.csv" #'),
-        ("[stops.rod]", '[springs.rod]\njoint = "slack"\nfile = "rod.csv"\n\n[stops.rod]'),
-    ):
-        assert old in text
-        text = text.replace(old, new)
-    (home / "tabulated.toml").write_text(text, encoding="utf-8")
-    angles = np.arange(0.0, 361.0, 30.0)
-    swing = 0.3 * np.sin(np.radians(angles))
-    swing[-1] = swing[0]
-    for name, head, columns in (
-        ("cylinder", DRIVE_COLUMNS, (angles, swing)),
-        ("jaw", ("coordinate_deg", "torque_N_m"), ([-10, 0, 20, 60], [4.0, 4.7, 7.0, 11.0])),
-        ("rod", ("coordinate_mm", "force_N"), ([-5, 0, 40], [1.0, 2.0, 9.0])),
-    ):
-        lines = [",".join(head), *(f"{x},{y}" for x, y in zip(*columns, strict=True))]
-        (home / f"{name}.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    home = model("small", f"{COIL.edits}\n{SWING.edits}\n{LID}", folder)
+    for name, rows in {**COIL.files, **SWING.files, "lid.csv": TURNS}.items():
+        (home / name).write_bytes(rows)
     return home
 
 
-@pytest.fixture(params=[*MODELS, "tabulated"])
+@pytest.fixture(params=[*MODELS, "small"])
 def texts(request: pytest.FixtureRequest, tmp_path: Path) -> tuple[dict[str, Any], str]:
     """The two texts of a model as they stand in its files, tables written out."""
     name: str = request.param
-    folder = with_csv_tables(tmp_path) if name == "tabulated" else MODELS[name]
+    folder = with_csv_tables(tmp_path) if name == "small" else MODELS[name]
     data = tomllib.loads((folder / f"{name}.toml").read_text(encoding="utf-8"))
     document, left = with_tables(data, {}, folder, "model.toml")
     assert left == {}
@@ -208,12 +191,36 @@ def test_every_mass_and_dimension(texts: tuple[dict[str, Any], str]) -> None:
             assert read_dimension(after, path, "model.urdf") == pytest.approx(value, rel=1e-12)
 
 
+def test_no_number_may_be_none(e62: Mechanism) -> None:
+    for path, _ in document_numbers(e62.description):
+        if "phases" in path or path in ("format", "initial_phase", "degrees_of_freedom"):
+            continue
+        with pytest.raises(InputError, match="a finite number"):
+            load("e62", {path: math.nan})
+
+
+def test_provenance_covers_every_number(e62: Mechanism) -> None:
+    found = dict(document_numbers(e62.description))
+    assert len(found) > 20
+    for path in found:
+        assert any(path.startswith(prefix) for prefix in e62.provenance), path
+    groups = {prefix for prefix in e62.provenance if prefix.startswith("urdf.")}
+    assert groups == {f"urdf.{group}" for group in (
+        "points", "links", "limits", "collision_shapes", "visuals"
+    )}  # fmt: skip
+    for prefix in e62.provenance:
+        assert prefix.startswith("urdf.") or any(path.startswith(prefix) for path in found), prefix
+    assert "estimate" in e62.title
+    assert "not the maker's data" in e62.title
+
+
 # --- rows of CSV tables -------------------------------------------------------------------------
 
 
-def drive_table(mechanism: Mechanism) -> tuple[tuple[float, ...], tuple[float, ...]]:
+def drive_table(mechanism: Mechanism) -> tuple[list[float], list[float]]:
     law = mechanism.drives[0].law
-    return law.cylinder_angle_rad, law.coordinate  # type: ignore[attr-defined]
+    assert isinstance(law, Table)
+    return list(law.cylinder_angle_rad), list(law.coordinate)
 
 
 def test_rows_of_csv_tables_reach_the_machine(tmp_path: Path) -> None:
@@ -223,49 +230,44 @@ def test_rows_of_csv_tables_reach_the_machine(tmp_path: Path) -> None:
     new = load(
         folder,
         {
-            "drives.cylinder.coordinate_rad[3]": "0.25",
-            "drives.cylinder.cylinder_angle_deg[4]": 121.0,
-            "springs.jaw.torque_N_m[2]": np.float64(8.0),
-            "springs.rod.force_N[0]": 1,
-            "springs.rod.coordinate_mm[2]": 41.0,
+            "drives.x.coordinate_rad[3]": "0.25",
+            "drives.x.cylinder_angle_deg[4]": 181.0,
+            "springs.lid.torque_N_m[2]": np.float64(8.0),
+            "springs.coil.force_N[0]": 1,
+            "springs.coil.coordinate_mm[2]": 41.0,
         },
     )
-    angles, values = map(list, drive_table(own))
-    angles[4], values[3] = math.radians(121.0), 0.25
-    assert drive_table(new) == (tuple(angles), tuple(values))
-    psi = np.array([math.radians(90.0)])
+    angles, values = drive_table(own)
+    angles[4], values[3] = math.radians(181.0), 0.25
+    assert drive_table(new) == (angles, values)
+    psi = np.array([math.radians(135.0)])
     # The spline passes through its rows, to the round-off of its solution.
     assert new.drives[0].law.evaluate(psi)[0][0] == pytest.approx(0.25, abs=1e-14)
-    jaw, rod = (item.characteristic for item in new.tabulated_springs)
-    assert jaw.force == (4.0, 4.7, 8.0, 11.0)
-    assert jaw.coordinate == own.tabulated_springs[0].characteristic.coordinate
-    assert rod.force == own.tabulated_springs[1].characteristic.force
-    assert rod.coordinate == pytest.approx((-5e-3, 0.0, 41e-3))
+    before, after = ({item.name: item.characteristic for item in machine.tabulated_springs}
+                     for machine in (own, new))  # fmt: skip
+    assert after["lid"].force == (4.0, 4.7, 8.0, 11.0)
+    assert after["lid"].coordinate == before["lid"].coordinate
+    assert after["coil"].force == (1.0, 100.0, 130.0)
+    assert after["coil"].coordinate == pytest.approx((0.0, 2e-3, 41e-3))
 
 
-@pytest.mark.parametrize("place", [0, 12])
+@pytest.mark.parametrize("place", [0, 7])
 def test_a_drive_table_stays_a_turn(tmp_path: Path, place: int) -> None:
     """Its first and last row are one: whichever is changed, the other one follows.
 
     Left behind, it would make a table that the loader refuses, so no end could be varied alone.
     """
-    folder = with_csv_tables(tmp_path)
     angle = 2.0 + 360.0 * (place > 0)
-    new = load(
-        folder,
-        {
-            f"drives.cylinder.coordinate_rad[{place}]": 0.05,
-            f"drives.cylinder.cylinder_angle_deg[{place}]": angle,
-        },
-    )
-    angles, values = drive_table(new)
+    changes = {f"drives.x.coordinate_rad[{place}]": 0.05,
+               f"drives.x.cylinder_angle_deg[{place}]": angle}  # fmt: skip
+    angles, values = drive_table(load(with_csv_tables(tmp_path), changes))
     assert (values[0], values[-1]) == (0.05, 0.05)
     assert np.degrees([angles[0], angles[-1]]) == pytest.approx([2.0, 362.0], abs=1e-12)
 
 
 def test_another_csv_file_counts_before_its_rows(tmp_path: Path) -> None:
     folder = with_csv_tables(tmp_path)
-    text = (folder / "rod.csv").read_text(encoding="utf-8").replace("9.0", "12.0")
-    (folder / "stiff.csv").write_text(text, encoding="utf-8")
-    changes = {"springs.rod.force_N[1]": 3.0, "springs.rod.file": "stiff.csv"}
-    assert load(folder, changes).tabulated_springs[1].characteristic.force == (1.0, 3.0, 12.0)
+    (folder / "stiff.csv").write_bytes(HEAD + LINES.replace(b"130.0", b"160.0"))
+    changes = {"springs.coil.force_N[1]": 3.0, "springs.coil.file": "stiff.csv"}
+    found = {item.name: item for item in load(folder, changes).tabulated_springs}
+    assert found["coil"].characteristic.force == (90.0, 3.0, 160.0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import copy
+import itertools
 import re
 import tomllib
 from collections.abc import Iterator
@@ -35,25 +35,28 @@ def places(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
 
 
 def spoiled(document: dict[str, Any]) -> Iterator[dict[str, Any]]:
-    """The document with a value changed, a key left out, or one added, everywhere in turn."""
+    """The document with a key left out, or one added, everywhere, and each value four times wrong.
+
+    Which four of the wrong values goes round, so that all of them come to all kinds of places.
+    """
+    wrong = itertools.cycle(WRONG)
     for path in list(places(document)):
         parent: Any = document
         for step in path[:-1]:
             parent = parent[step]
         right = parent[path[-1]]
-        for wrong in WRONG:
-            parent[path[-1]] = wrong
+        for parent[path[-1]] in itertools.islice(wrong, 4):
             yield document
-        parent[path[-1]] = right
-        copied = copy.deepcopy(document)
-        parent = copied
-        for step in path[:-1]:
-            parent = parent[step]
         del parent[path[-1]]
-        yield copied
         if isinstance(parent, dict):
+            yield document
             parent["odd"] = 1.0
-            yield copied
+            yield document
+            del parent["odd"]
+            parent[path[-1]] = right
+        else:
+            yield document
+            parent.insert(path[-1], right)
 
 
 def said(error: str) -> tuple[str, str]:
@@ -86,4 +89,4 @@ def test_the_place_is_the_one_that_the_converter_names(model: str) -> None:
             assert re.fullmatch(place, found.key), (error, found)
             assert (found.unknown or found.missing or "") == key
             refused += 1
-    assert refused > 500
+    assert refused > 250

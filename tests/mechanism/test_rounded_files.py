@@ -178,7 +178,7 @@ def test_frames_move_by_half_of_the_gap(slot: bool, scale: float) -> None:
     whole, open_ = tied((0.0, 0.0), slot, scale), tied(off, slot, scale)
     (closure,) = open_.closures
     expected = np.array([0.0 if slot else -3e-6, 4e-6]) * scale
-    np.testing.assert_allclose(closure.gap_m, expected, atol=1e-16 * max(scale, 1.0))
+    np.testing.assert_allclose(closure.gap_m, expected, rtol=0.0, atol=1e-16 * max(scale, 1.0))
     (gaps,), _ = nip.simulate(
         open_, nip.Case(speed_rpm=60.0, window=nip.Window.CYCLE)
     ).system.body.closures(np.zeros((1, len(open_.joints))))
@@ -189,7 +189,7 @@ def test_frames_move_by_half_of_the_gap(slot: bool, scale: float) -> None:
         return np.array(item.placement.translation)[[0, 2]]
 
     moved = place(open_, "lever_tip") - place(whole, "lever_tip")
-    np.testing.assert_allclose(moved, -0.5 * expected, atol=1e-16 * max(scale, 1.0))
+    np.testing.assert_allclose(moved, -0.5 * expected, rtol=0.0, atol=1e-16 * max(scale, 1.0))
     # What is drawn of the link stays.
     still = np.array(own_frame(open_.model, "lever_tip").placement.translation)[[0, 2]]
     np.testing.assert_array_equal(still, place(whole, "lever_tip"))
@@ -205,9 +205,9 @@ def test_the_frame_itself_may_be_one_side() -> None:
     drives = {"motor": {"joint": "O", "law": "constant_speed", "ratio": 0.05}}
     ties = {"pin": {"frame_a": "foot", "frame_b": "frame"}}
     found = machine(parts, 1, closures=ties, drives=drives)
-    np.testing.assert_allclose(found.closures[0].gap_m, (-3e-6, 2e-6), atol=1e-16)
+    np.testing.assert_allclose(found.closures[0].gap_m, (-3e-6, 2e-6), rtol=0.0, atol=1e-16)
     places = {item.name: np.array(item.placement.translation) for item in found.model.frames}
-    np.testing.assert_allclose(places["frame"], (1.5e-6, 0.0, -1e-6), atol=1e-16)
+    np.testing.assert_allclose(places["frame"], (1.5e-6, 0.0, -1e-6), rtol=0.0, atol=1e-16)
     assert found.model.jointPlacements[1].translation.tolist() == [-0.2, 0.0, 0.0]
     assert motion(found)[0].checks.closure_m < 1e-15
 
@@ -228,13 +228,13 @@ def test_frames_of_several_closures_move_together() -> None:
     }
     found = machine(parts, 1, closures=ties)
     gaps = np.array([closure.gap_m for closure in found.closures])
-    np.testing.assert_allclose(gaps, [[-3e-6, 0.0], [1e-6, 3e-6]], atol=1e-16)
+    np.testing.assert_allclose(gaps, [[-3e-6, 0.0], [1e-6, 3e-6]], rtol=0.0, atol=1e-16)
     places = {item.name: np.array(item.placement.translation) for item in found.model.frames}
     # All three go to the mean of their places, the point with the least sum of squares.
     mean = np.array([0.1 + (2e-6 - 1e-6) / 3.0, 0.0, 0.1 + 1e-6])
     hung = {"a_tip": (0.03, 0.04), "b_tip": (0.1, 0.0), "c_tip": (0.21, 0.04)}
     for name, (x, z) in hung.items():
-        np.testing.assert_allclose(places[name] + [x, 0.0, z], mean, atol=1e-16)
+        np.testing.assert_allclose(places[name] + [x, 0.0, z], mean, rtol=0.0, atol=1e-16)
 
 
 def test_larger_gaps_are_refused_with_both_frames() -> None:
@@ -255,7 +255,7 @@ def test_no_change_of_numbers_is_closed() -> None:
     before = mechanism.closures
     moved = with_numbers(mechanism, {"points.rocker_end.x_mm": 190.0, "links.crank.mass_kg": 0.2})
     for first, second in zip(before, moved.closures, strict=True):
-        np.testing.assert_allclose(second.gap_m, first.gap_m, atol=1e-16)
+        np.testing.assert_allclose(second.gap_m, first.gap_m, rtol=0.0, atol=1e-16)
     both = {"points.rocker_end.x_mm": 190.0, "points.coupler_end.x_mm": 190.0}
     both |= {"points.rocker_end.z_mm": 120.0, "points.coupler_end.z_mm": 120.0}
     assert with_numbers(mechanism, both).closing

@@ -116,6 +116,9 @@ URDFS = {
     **{f"place of {text}": Row(
         (JAW, JAW.replace("0.1226", text)), "joint jaw origin xyz", ...)
        for text in ("1.1e15", "-1.1e15", "1e308")},
+    "lips that opening drives together": Row(
+        ("0.082409829417841 0 -0.03502955916540127", "0.0815 0 -0.0384"),
+        "stops.jaw.contact", ...),
     "mass of a frame": Row((FOOT, frame('<mass value="-1e-9"/>', 0)), f"{EYE} mass", -1e-9),
     "frame that turns without mass": Row((FOOT, frame('<mass value="0"/>', 1)), f"{EYE} mass", 0.0),
 }  # fmt: skip
