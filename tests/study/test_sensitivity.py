@@ -274,19 +274,6 @@ def test_any_number_of_processes_gives_the_same_bits(e62: Mechanism) -> None:
 # --- what is said of rows ------------------------------------------------------------------------
 
 
-def row(path: str, unit: str, *per: float, off: float = 0.0) -> Sensitivity:
-    values = np.array(per)
-    control = values - np.array([0.0, off, 0.0])
-    return Sensitivity(path=path, value=3.0, unit=unit, per=values, control=control)
-
-
-def made_up(*rows: Sensitivity, holds: bool | None = True) -> Sensitivities:
-    return Sensitivities(
-        model="mine", stop="peg", speed_rpm=612.5, premise_holds=holds, amplitude_rad=2.346e-3,
-        transition_time_s=6.789e-3, clamping_force_N=147.26, rows=rows,
-    )  # fmt: skip
-
-
 def test_doubt() -> None:
     """From a thousandth of the largest effect on, or of 0.1 % where all effects are smaller."""
     for per, off, doubtful in (
@@ -294,31 +281,30 @@ def test_doubt() -> None:
         ((0.01, 0.0, 0.0), 0.99e-4, False), ((0.01, 0.0, 0.0), 1.01e-4, True),
         ((5.0, 1.0, math.nan), 0.0, True),
     ):  # fmt: skip
-        one = row("x", "%", *per, off=off)
-        assert one.doubtful is doubtful
-        assert row("x", "%", *(-value for value in per), off=-off).doubtful is doubtful
-        if not math.isnan(per[2]):
-            assert one.disagreement == pytest.approx(off)
+        for sign in (1.0, -1.0):
+            values = sign * np.array(per)
+            control = values - sign * np.array([0.0, off, 0.0])
+            one = Sensitivity(path="x", value=3.0, unit="%", per=values, control=control)
+            assert one.doubtful is doubtful
+            assert math.isnan(per[2]) or one.disagreement == pytest.approx(off)
 
 
-def test_order_of_sensitivities() -> None:
+def test_order_and_record(found: Sensitivities) -> None:
     """By the size of what a quantity does, whatever its sign."""
-    found = made_up(row("a", "mm", 1.0, -5.0, 2.0), row("b", "mm", -4.0, 3.0, 0.5),
-                    row("c", "mm", 2.0, 0.25, -3.0))  # fmt: skip
-    order = {"rebound_amplitude_1": "bca", "duration_s": "abc", "clamping_force_N": "cab"}
-    assert {name: "".join(item.path for item in found.ranked(name)) for name in QUANTITIES} == order
-
-
-def test_record_of_sensitivities() -> None:
-    one = row("points.jaw.z_mm", "mm", 0.5, 5.0, -0.02, off=0.75)
-    assert made_up(one, holds=None).record() == {
-        "model": "mine", "speed_rpm": 612.5, "premise_holds": None,
-        "rebound_amplitude_1": 2.346e-3, "duration_s": 6.789e-3, "mean_clamping_force_N": 147.26,
+    for place, name in enumerate(QUANTITIES):
+        effects = [float(row.per[place]) for row in found.ranked(name)]
+        assert effects == sorted(effects, key=abs, reverse=True)
+    assert min(row.per[0] for row in found.rows) < 0.0
+    assert found.record() == {
+        "model": "e62", "speed_rpm": SPEED, "premise_holds": True,
+        "rebound_amplitude_1": found.amplitude_rad, "duration_s": found.transition_time_s,
+        "mean_clamping_force_N": found.clamping_force_N,
         "percent_per_unit": [
             {
-                "path": "points.jaw.z_mm", "value": 3.0, "unit": "mm",
-                "rebound_amplitude_1": 0.5, "duration_s": 5.0, "clamping_force_N": -0.02,
-                "disagreement_of_two_ways": pytest.approx(0.75), "doubtful": True,
+                "path": row.path, "value": row.value, "unit": row.unit,
+                **dict(zip(QUANTITIES, row.per.tolist(), strict=True)),
+                "disagreement_of_two_ways": row.disagreement, "doubtful": False,
             }
+            for row in found.rows
         ],
     }  # fmt: skip

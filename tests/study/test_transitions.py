@@ -214,18 +214,13 @@ def test_automatic_choice(e62: Mechanism) -> None:
     many = transition_table(e62, speed_rpm=np.linspace(450.0, 600.0, REDUCED_PAYS_FROM))
     assert (many.engine == "reduced").all()
     assert many.why == f"reduced: {REDUCED_PAYS_FROM} cases of one mechanism"
-    off = np.abs(many.duration[[0, -1]] - few.duration)
-    assert (off <= many.duration_error[[0, -1]] + few.duration_error).all()
-    np.testing.assert_allclose(many.first_two_share[[0, -1]], few.first_two_share, rtol=1e-8)
+    agree(few, many, slice(None), [0, -1])
     assert many.premise_holds.tolist() == [True] * REDUCED_PAYS_FROM
     assert few.premise_holds.tolist() == [True] * 2
     # The reason is the engine's own, and comes before anything is computed.
     inertial = transition_table(e62, speed_rpm=np.full(2, 500.0), drive=DriveMode.INERTIAL)
     assert (inertial.engine == "direct").all()
     assert "held drives" in inertial.why
-    held = transition_table(e62, speed_rpm=500.0)
-    # Shafts that give way change the impulse by far more than the engine's error.
-    assert abs(inertial.impulse[0, 0] / held.impulse[0, 0] - 1.0) > 1e-5
     # Without the second drive two freedoms are left in flight.
     description = deepcopy(dict(e62.description))
     description["drives"] = {"pendulum": description["drives"]["pendulum"]}  # type: ignore[index]
