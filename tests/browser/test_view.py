@@ -13,8 +13,7 @@ import pytest
 from playing_page import picture, playing, seek, until
 from playwright.sync_api import Browser, Page
 
-from nipper_pin import Case, Solution, load, simulate
-from nipper_pin.hybrid.result.tables import PhaseInterval
+from nipper_pin import Case, PhaseInterval, Solution, load, simulate
 from nipper_pin.view.phases import phase_colour
 from nipper_pin.view.scene import Film, Look, film
 from nipper_pin.view.scene.colours import channels

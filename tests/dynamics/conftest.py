@@ -13,11 +13,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 from dense import close
 
 from benchmarks.stress.mechanics.planar_tree import PlanarTree
-from nipper_pin.dynamics.shaft import ShaftMotion
-from nipper_pin.dynamics.system import DriveMode, System
-from nipper_pin.hybrid.case import Case
-from nipper_pin.hybrid.simulate import simulate
-from nipper_pin.mechanism import Mechanism
+from nipper_pin import Case, DriveMode, Mechanism, simulate
+from nipper_pin.dynamics import ShaftMotion, System
 
 
 @dataclass(frozen=True)

@@ -15,12 +15,10 @@ from dense import close
 from test_constrained_accelerations import kkt
 
 from benchmarks.stress.mechanics.planar_tree import PlanarTree
-from nipper_pin import DriveMode, load
+from nipper_pin import DriveMode, Mechanism, load
+from nipper_pin.dynamics import ShaftMotion, System
 from nipper_pin.dynamics.multipliers import multipliers
-from nipper_pin.dynamics.shaft import ShaftMotion
-from nipper_pin.dynamics.system import System
 from nipper_pin.hybrid.contact.complementarity import pressed
-from nipper_pin.mechanism import Mechanism
 
 BOTH = frozenset({"jaw", "steeve"})
 DRIVES = ("pendulum", "tension")

@@ -10,15 +10,16 @@ import numpy as np
 import pytest
 
 from benchmarks.stress.mechanics.planar_tree import PlanarTree
-from nipper_pin.dynamics.assembly import close_positions, close_velocities, partition
-from nipper_pin.dynamics.multibody import Multibody
-from nipper_pin.dynamics.shaft import ShaftMotion
-from nipper_pin.dynamics.system import System
+from nipper_pin import Case, ConvergenceError, Mechanism, SingularConfigurationError, load, simulate
+from nipper_pin.dynamics import (
+    Multibody,
+    ShaftMotion,
+    System,
+    close_positions,
+    close_velocities,
+    partition,
+)
 from nipper_pin.dynamics.touch import assemble
-from nipper_pin.errors import ConvergenceError, SingularConfigurationError
-from nipper_pin.hybrid.case import Case
-from nipper_pin.hybrid.simulate import simulate
-from nipper_pin.mechanism import Mechanism, load
 from nipper_pin.tolerances.mechanics import CLOSURE_RESIDUAL
 
 MakeSystem = Callable[..., System]

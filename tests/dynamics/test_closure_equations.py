@@ -5,11 +5,8 @@ from collections.abc import Callable
 import numpy as np
 
 from benchmarks.stress.mechanics.planar_tree import PlanarTree
-from nipper_pin.dynamics.multibody import Multibody
-from nipper_pin.dynamics.system import DriveMode, System
-from nipper_pin.hybrid.case import Case
-from nipper_pin.hybrid.simulate import simulate
-from nipper_pin.mechanism import Mechanism
+from nipper_pin import Case, DriveMode, Mechanism, simulate
+from nipper_pin.dynamics import Multibody, System
 
 MakeSystem = Callable[..., System]
 

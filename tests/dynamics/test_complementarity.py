@@ -20,11 +20,16 @@ import numpy as np
 import pytest
 from random_chains import chain
 
-from nipper_pin.dynamics.assembly import Partition, close_positions
-from nipper_pin.dynamics.impact import arrest, collide, drive_impulses
-from nipper_pin.dynamics.shaft import ShaftMotion
+from nipper_pin.dynamics import (
+    Partition,
+    ShaftMotion,
+    System,
+    arrest,
+    close_positions,
+    collide,
+    drive_impulses,
+)
 from nipper_pin.dynamics.strike import strike
-from nipper_pin.dynamics.system import System
 from nipper_pin.hybrid.contact.complementarity import pressed
 from nipper_pin.mechanism import Stop
 

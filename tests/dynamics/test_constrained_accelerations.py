@@ -16,10 +16,9 @@ import pytest
 from dense import constrained
 
 from benchmarks.stress.mechanics.planar_tree import PlanarTree
-from nipper_pin.dynamics.assembly import partition
+from nipper_pin import DriveMode, Mechanism
+from nipper_pin.dynamics import System, partition
 from nipper_pin.dynamics.multipliers import multipliers
-from nipper_pin.dynamics.system import DriveMode, System
-from nipper_pin.mechanism import Mechanism
 
 RELATIVE = 1e-11
 modes = pytest.mark.parametrize("drive", list(DriveMode))

@@ -10,9 +10,18 @@ import pytest
 from scipy.integrate import solve_ivp
 from small_machines import hinge, link, machine, slide
 
-from nipper_pin import Case, ModelError, UnknownNameError, Window, load, simulate, transition_table
+from nipper_pin import (
+    Case,
+    Mechanism,
+    ModelError,
+    UnknownNameError,
+    Window,
+    load,
+    simulate,
+    transition_table,
+)
 from nipper_pin.cli import main
-from nipper_pin.mechanism import Mechanism, from_sources
+from nipper_pin.mechanism import from_sources
 
 CYCLE = Case(speed_rpm=60.0, window=Window.CYCLE)
 

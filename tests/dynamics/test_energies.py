@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from benchmarks.stress.mechanics.planar_tree import PlanarTree
-from nipper_pin.dynamics.system import System
+from nipper_pin.dynamics import System
 
 MakeSystem = Callable[..., System]
 

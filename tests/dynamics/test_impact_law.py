@@ -14,12 +14,10 @@ import pytest
 from dense import close, constrained
 
 from benchmarks.stress.mechanics.planar_tree import PlanarTree
-from nipper_pin.dynamics.impact import Impact, arrest, collide, drive_impulses
+from nipper_pin import DriveMode, ImpactError, Mechanism, load
+from nipper_pin.dynamics import Impact, ShaftMotion, System, arrest, collide, drive_impulses
 from nipper_pin.dynamics.moving_mass import impact_condition
-from nipper_pin.dynamics.shaft import ShaftMotion
-from nipper_pin.dynamics.system import DriveMode, System
-from nipper_pin.errors import ImpactError
-from nipper_pin.mechanism import Mechanism, find_model, load
+from nipper_pin.mechanism import find_model
 
 MakeSystem = Callable[..., System]
 modes = pytest.mark.parametrize("drive", list(DriveMode))

@@ -14,10 +14,9 @@ import pytest
 from rows_of_balls import row, struck
 from small_machines import link, machine, slide
 
-from nipper_pin.dynamics.shaft import ShaftMotion
+from nipper_pin import ImpactError
+from nipper_pin.dynamics import ShaftMotion, System
 from nipper_pin.dynamics.strike import strike
-from nipper_pin.dynamics.system import System
-from nipper_pin.errors import ImpactError
 
 EPS = np.finfo(float).eps
 # A strike is a few roundings of numbers of the size of one; rows of five take ten.

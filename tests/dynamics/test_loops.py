@@ -5,8 +5,8 @@ import pytest
 
 from benchmarks.stress.space import trial
 from nipper_pin import Mechanism
+from nipper_pin.dynamics import Multibody
 from nipper_pin.dynamics.loops import Loops
-from nipper_pin.dynamics.multibody import Multibody
 from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.gallery import GALLERY, drawn
 from nipper_pin.tolerances.mechanics import EPS

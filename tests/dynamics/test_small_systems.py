@@ -5,7 +5,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from nipper_pin.dynamics.assembly import inverted
+from nipper_pin.dynamics import inverted
 from nipper_pin.dynamics.small_systems import (
     inverse_of,
     inverses_of,

@@ -9,8 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nipper_pin import Case, EventKind, Resolution, Window, load, simulate
-from nipper_pin.study.transitions import transition_table
+from nipper_pin import Case, EventKind, Resolution, Window, load, simulate, transition_table
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts/maintain/measure"))
 

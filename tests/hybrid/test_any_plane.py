@@ -15,14 +15,11 @@ import pytest
 from any_plane import Matrix, rewritten
 from small_machines import frame, hinge, link, slide, sources
 
-from nipper_pin import Case, Window, load, simulate
+from nipper_pin import Case, Mechanism, Solution, Window, load, simulate
 from nipper_pin.cli import main
-from nipper_pin.hybrid.result.solution import Solution
-from nipper_pin.mechanism import Mechanism, from_sources, with_numbers
-from nipper_pin.mechanism.build.placements import joint_placements
-from nipper_pin.mechanism.load import number_of
-from nipper_pin.view.scene.solids import Solid, solids
-from nipper_pin.view.sketch.places import sketch
+from nipper_pin.mechanism import from_sources, joint_placements, number_of, with_numbers
+from nipper_pin.view.scene import Solid, solids
+from nipper_pin.view.sketch import sketch
 
 HINGES, SLIDES = ("pole_hinge", "arm_hinge"), ("rail",)
 PARTS = [

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nipper_pin.dynamics.impact import Impact
+from nipper_pin import EventKind
+from nipper_pin.dynamics import Impact
 from nipper_pin.hybrid.contact.complementarity import Closed
-from nipper_pin.hybrid.event import EventKind
 from nipper_pin.hybrid.run.event_log import EventLog
 from nipper_pin.hybrid.state import State
 

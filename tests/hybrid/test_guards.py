@@ -15,9 +15,7 @@ from benchmarks.stress.machines.parts import (
     slide,
 )
 from nipper_pin import Case, Mechanism, Window, simulate
-from nipper_pin.dynamics import impact
-from nipper_pin.dynamics.shaft import ShaftMotion
-from nipper_pin.dynamics.system import System
+from nipper_pin.dynamics import ShaftMotion, System, impact
 from nipper_pin.hybrid.motion.chebyshev import nodes
 from nipper_pin.hybrid.motion.panel import Panel
 from nipper_pin.hybrid.result.energy_balance import _exchanged

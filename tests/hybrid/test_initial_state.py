@@ -8,8 +8,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nipper_pin import Case, InputError, Mechanism, Solution, simulate
-from nipper_pin.errors import ConvergenceError, ModelError, UnknownNameError
+from nipper_pin import (
+    Case,
+    ConvergenceError,
+    InputError,
+    Mechanism,
+    ModelError,
+    Solution,
+    UnknownNameError,
+    simulate,
+)
 from nipper_pin.mechanism import from_sources, number_of, with_numbers
 from tests.small_machines import frame, hinge, link, machine, slide, sources
 

@@ -4,9 +4,8 @@ from typing import Any
 
 import pytest
 
-from nipper_pin import Case, Mechanism, Window, simulate
+from nipper_pin import Case, Mechanism, Resolution, Window, simulate
 from nipper_pin.hybrid import advance
-from nipper_pin.hybrid.case import Resolution
 from nipper_pin.hybrid.motion.kinematics import kinematic_panel
 from nipper_pin.hybrid.motion.panel import Attempt, Begin
 from nipper_pin.hybrid.motion.picard import flight_panel

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from lid_box import DROP, GRAVITY, Numbers, followed, lid_box
 
-from nipper_pin import Case, Event, EventKind, Outcome, Solution, Window, simulate
-from nipper_pin.hybrid.case import Resolution
+from nipper_pin import Case, Event, EventKind, Outcome, Resolution, Solution, Window, simulate
 from nipper_pin.hybrid.contact.nested_series import NestedSeries
 from nipper_pin.hybrid.run.series.guards import lowest_gap
 

@@ -8,8 +8,7 @@ from typing import Any
 import pytest
 
 from nipper_pin import Mechanism, Resolution, load
-from nipper_pin.dynamics.shaft import ShaftMotion
-from nipper_pin.dynamics.system import System
+from nipper_pin.dynamics import ShaftMotion, System
 from nipper_pin.hybrid.motion.panel_checks import panel_checks
 from nipper_pin.mechanism import from_sources
 

@@ -14,9 +14,7 @@ import pytest
 from small_machines import link, machine, slide
 
 from nipper_pin import Case, Mechanism, Solution, Window, simulate
-from nipper_pin.dynamics.assembly import Partition
-from nipper_pin.dynamics.shaft import ShaftMotion
-from nipper_pin.dynamics.system import System
+from nipper_pin.dynamics import Partition, ShaftMotion, System
 from nipper_pin.hybrid.event_location.soonest import by_soonest, may_vanish
 from nipper_pin.hybrid.motion.chebyshev import evaluate, nodes
 from nipper_pin.hybrid.motion.panel import Panel

@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 
 from nipper_pin import Case, EventKind, Mechanism, Window, load, simulate
-from nipper_pin.dynamics.shaft import ShaftMotion
-from nipper_pin.dynamics.system import System
+from nipper_pin.dynamics import ShaftMotion, System
 from nipper_pin.hybrid.contact.complementarity import after_collision, after_release, pressed
-from nipper_pin.mechanism.cylinder import rad_s_from_rpm
+from nipper_pin.mechanism import rad_s_from_rpm
 
 
 def _set(*names: str) -> frozenset[str]:

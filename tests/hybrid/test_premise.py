@@ -16,6 +16,7 @@ from rich.console import Console
 from nipper_pin import (
     Case,
     DriveMode,
+    Mechanism,
     Solution,
     Window,
     load,
@@ -23,12 +24,12 @@ from nipper_pin import (
     record,
     save,
     simulate,
+    transition_table,
 )
 from nipper_pin.cli import main
 from nipper_pin.hybrid.result.premise import premise_of
-from nipper_pin.mechanism import Mechanism
 from nipper_pin.mechanism.skeleton import write_skeleton
-from nipper_pin.study.transitions import TURN, transition_table
+from nipper_pin.study.transitions import TURN
 from nipper_pin.view.run.table import print_solution
 
 # The steeve is thrown off its stop just before the touch.

@@ -11,7 +11,7 @@ from judge import press
 from nipper_pin import Case, InputError, Mechanism, UnknownNameError, simulate, transition_table
 from nipper_pin.hybrid.result.quantities import COLLISION, TRANSITION, of_transition
 from nipper_pin.study.cases import spring_values
-from nipper_pin.study.identify.problem.targets import QUANTITIES as IDENTIFIED
+from nipper_pin.study.identify import QUANTITIES as IDENTIFIED
 from nipper_pin.study.optimise.problem.quantities import QUANTITIES as OPTIMISED
 from nipper_pin.study.optimise.problem.quantities import units
 from nipper_pin.study.sweep.quantities import check_quantities, default, quantity

@@ -12,7 +12,7 @@ import pytest
 from numpy.polynomial import Chebyshev, Polynomial
 
 from nipper_pin import Case, EventKind
-from nipper_pin.dynamics.assembly import Partition
+from nipper_pin.dynamics import Partition
 from nipper_pin.hybrid.motion.chebyshev import nodes
 from nipper_pin.hybrid.motion.panel import Panel
 from nipper_pin.hybrid.result.rebounds import Rebounds

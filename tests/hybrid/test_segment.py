@@ -9,9 +9,7 @@ import numpy as np
 import pytest
 
 from nipper_pin import Case, ConvergenceError, Resolution, Window, load, simulate
-from nipper_pin.dynamics.assembly import Partition
-from nipper_pin.dynamics.shaft import ShaftMotion
-from nipper_pin.dynamics.system import System
+from nipper_pin.dynamics import Partition, ShaftMotion, System
 from nipper_pin.hybrid import advance as advancing
 from nipper_pin.hybrid.event_location.guards import _gap_root
 from nipper_pin.hybrid.motion.panel import Panel

@@ -14,13 +14,21 @@ import pytest
 from driven_machines import LAWS, follower
 from small_machines import link, machine, slide
 
-from nipper_pin import Case, SelfCheckError, Solution, Window, load, save, simulate
+from nipper_pin import (
+    Case,
+    Resolution,
+    SelfCheckError,
+    Solution,
+    Window,
+    load,
+    record,
+    save,
+    simulate,
+)
 from nipper_pin.cli import main
 from nipper_pin.cli import simulate as command
-from nipper_pin.hybrid.case import Resolution
-from nipper_pin.hybrid.result.json_document import record
 from nipper_pin.hybrid.result.self_check import need_sound
-from nipper_pin.mechanism.load import with_numbers
+from nipper_pin.mechanism import with_numbers
 from nipper_pin.view.run.export import export
 
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from rows_of_balls import row
 
-from nipper_pin.dynamics.shaft import ShaftMotion
-from nipper_pin.dynamics.system import System
+from nipper_pin.dynamics import ShaftMotion, System
 from nipper_pin.hybrid.error_estimate.sequence_map import sequence_map
 
 

@@ -5,10 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nipper_pin import Case, Mechanism, load, simulate
-from nipper_pin.dynamics.shaft import ShaftMotion
-from nipper_pin.dynamics.system import System
-from nipper_pin.hybrid.event import EventKind
+from nipper_pin import Case, EventKind, Mechanism, load, simulate
+from nipper_pin.dynamics import ShaftMotion, System
 from nipper_pin.hybrid.run.start import initial_state
 from nipper_pin.mechanism import with_numbers
 from tests.small_machines import link, machine, slide

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nipper_pin.mechanism import Mechanism
+from nipper_pin import Mechanism
 from nipper_pin.reduced import ReducedModel, build
 
 KERNELS = sorted((Path(__file__).parents[2] / "nipper_pin/reduced/kernels").glob("[!_]*.py"))

@@ -8,12 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nipper_pin import Case, Resolution, load
-from nipper_pin.errors import SimulationError
-from nipper_pin.mechanism import Mechanism
+from nipper_pin import Case, Mechanism, Resolution, SimulationError, load, transition_table
 from nipper_pin.reduced import ReducedModel, Status, build, transition, transitions
 from nipper_pin.reduced.kernels.arrival_check import released
-from nipper_pin.study.transitions import retuned, transition_table
+from nipper_pin.study.transitions import retuned
 from nipper_pin.study.true_transition import true_transition
 
 # Fast, soft and little preloaded: many of them arrive with their steeve off its stop.

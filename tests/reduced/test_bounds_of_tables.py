@@ -10,11 +10,9 @@ import pytest
 from numpy.polynomial import chebyshev
 from small_machines import SHAFT, frame, hinge, link, machine, slide
 
+from nipper_pin import InputError, Mechanism, SimulationError
 from nipper_pin.arrays import FloatArray
-from nipper_pin.dynamics.shaft import ShaftMotion
-from nipper_pin.dynamics.system import System
-from nipper_pin.errors import InputError, SimulationError
-from nipper_pin.mechanism import Mechanism
+from nipper_pin.dynamics import ShaftMotion, System
 from nipper_pin.reduced import ReducedModel, build
 from nipper_pin.reduced.kernels import kernel, layout
 from nipper_pin.reduced.tables import arrival

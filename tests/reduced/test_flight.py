@@ -7,8 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from nipper_pin import Case, Resolution, simulate
-from nipper_pin.mechanism import Mechanism
+from nipper_pin import Case, Mechanism, Resolution, simulate
 from nipper_pin.reduced import ReducedModel
 from nipper_pin.reduced.kernels.arrival_check import prepare
 from nipper_pin.reduced.kernels.flight import _highest, flight

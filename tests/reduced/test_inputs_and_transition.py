@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import nipper_pin.reduced
-from nipper_pin.errors import InputError, NipperError, SimulationError
+from nipper_pin import InputError, NipperError, SimulationError
 from nipper_pin.reduced import ReducedModel, Status, inputs, results, transition, transitions
 from nipper_pin.reduced.kernels import kernel
 from nipper_pin.reduced.kernels.layout import COLUMNS, FAILS, HOLDS, UNKNOWN

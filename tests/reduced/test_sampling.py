@@ -9,11 +9,9 @@ import numpy as np
 import pytest
 from numpy.polynomial import chebyshev
 
-from nipper_pin import Case, InputError, SimulationError, load, simulate
+from nipper_pin import Case, DriveMode, InputError, Mechanism, SimulationError, load, simulate
 from nipper_pin.arrays import FloatArray
-from nipper_pin.dynamics.shaft import ShaftMotion
-from nipper_pin.dynamics.system import DriveMode, System
-from nipper_pin.mechanism import Mechanism
+from nipper_pin.dynamics import ShaftMotion, System
 from nipper_pin.reduced import ReducedModel, build, transition, unfit
 
 MODELS = Path(__file__).parents[1] / "verification" / "models"

@@ -13,11 +13,18 @@ import pytest
 from numpy.polynomial import chebyshev
 from written_tables import bounded
 
-from nipper_pin import Case, InputError, Resolution, SimulationError, load, simulate
-from nipper_pin.dynamics.shaft import ShaftMotion
-from nipper_pin.dynamics.system import DriveMode, System
-from nipper_pin.hybrid.result.solution import Solution
-from nipper_pin.mechanism import Mechanism
+from nipper_pin import (
+    Case,
+    DriveMode,
+    InputError,
+    Mechanism,
+    Resolution,
+    SimulationError,
+    Solution,
+    load,
+    simulate,
+)
+from nipper_pin.dynamics import ShaftMotion, System
 from nipper_pin.reduced import ReducedModel, build, reduced_model, sampling, unfit
 from nipper_pin.reduced.tables import arrival
 from nipper_pin.reduced.tables.arrival import found_opening

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nipper_pin.errors import ConvergenceError
+from nipper_pin import ConvergenceError
 from nipper_pin.reduced.tables import series2d
 from nipper_pin.reduced.tables.functions import Samples
 from nipper_pin.reduced.tables.tables import Domain, resolved

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from numpy.polynomial import chebyshev
 
+from nipper_pin import ConvergenceError
 from nipper_pin.arrays import FloatArray
-from nipper_pin.errors import ConvergenceError
 from nipper_pin.reduced.tables import series2d
 from nipper_pin.reduced.tables.functions import Samples
 from nipper_pin.reduced.tables.tables import Domain, checks, residuals, resolved

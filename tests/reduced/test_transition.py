@@ -21,8 +21,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nipper_pin import Case, InputError, Resolution, SimulationError, load, simulate
-from nipper_pin.mechanism import Mechanism
+from nipper_pin import Case, InputError, Mechanism, Resolution, SimulationError, load, simulate
 from nipper_pin.reduced import ReducedModel, Status, build, transition, transitions
 
 CASES = ["450", "550", "650", "650_e0.05", "650_e0.25", "650_e0.5", "650_k7000", "650_k11000"]

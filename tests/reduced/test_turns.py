@@ -27,7 +27,7 @@ from nipper_pin import (
 from nipper_pin.mechanism import from_sources
 from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.gallery import GALLERY
-from nipper_pin.mechanism.restitution.falling import Falling
+from nipper_pin.mechanism.restitution import Falling
 from nipper_pin.reduced.kernels.turn_layout import END_COLUMNS, EVENT_COLUMNS, HOLD_COLUMNS
 from nipper_pin.reduced.turns import ReducedTurns, TurnStatus, build_turns, turn_model, turns
 from nipper_pin.reduced.turns import turn as module

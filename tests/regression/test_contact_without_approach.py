@@ -12,10 +12,7 @@ from small_machines import machine as machine_of_parts
 
 from benchmarks.stress.machines.small_machines import flaps
 from nipper_pin import Case, EventKind, Mechanism, Outcome, Window, simulate
-from nipper_pin.dynamics.assembly import Partition
-from nipper_pin.dynamics.impact import collide
-from nipper_pin.dynamics.shaft import ShaftMotion
-from nipper_pin.dynamics.system import System
+from nipper_pin.dynamics import Partition, ShaftMotion, System, collide
 from nipper_pin.hybrid.event_location.guards import _flight_root
 from nipper_pin.hybrid.motion.chebyshev import nodes
 from nipper_pin.hybrid.motion.panel import Panel

@@ -22,7 +22,7 @@ from small_machines import SLED, frame, link, machine, slide
 
 from benchmarks.stress.checks.invariants import violations
 from nipper_pin import Case, EventKind, ImpactError, Mechanism, Resolution, Window, simulate
-from nipper_pin.dynamics.assembly import Partition
+from nipper_pin.dynamics import Partition
 from nipper_pin.hybrid.motion.panel import Panel
 
 TURN = Case(speed_rpm=60.0, window=Window.CYCLE, start_index=0.0)

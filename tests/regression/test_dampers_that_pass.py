@@ -17,9 +17,7 @@ import pytest
 from small_machines import SHAFT, frame, hinge, link, machine, slide
 
 from nipper_pin import Case, Mechanism, Window, simulate
-from nipper_pin.dynamics.assembly import Partition
-from nipper_pin.dynamics.shaft import ShaftMotion
-from nipper_pin.dynamics.system import System
+from nipper_pin.dynamics import Partition, ShaftMotion, System
 from nipper_pin.hybrid.motion.panel import Panel
 from nipper_pin.hybrid.motion.residual_check import shows_turns
 

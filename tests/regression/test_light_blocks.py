@@ -16,7 +16,7 @@ from small_machines import SHAFT, frame, hinge, link, machine
 
 from benchmarks.stress.machines.small_machines import e62
 from nipper_pin import Case, Mechanism, Resolution, Solution, Window, simulate
-from nipper_pin.dynamics.assembly import close_velocities
+from nipper_pin.dynamics import close_velocities
 from nipper_pin.mechanism import from_sources
 
 

@@ -12,8 +12,7 @@ from dataclasses import replace
 import pytest
 from small_machines import SHAFT, hinge, link, machine, slide
 
-from nipper_pin import Case, SimulationError, Window, simulate
-from nipper_pin.mechanism import Mechanism
+from nipper_pin import Case, Mechanism, SimulationError, Window, simulate
 
 TURN = Case(speed_rpm=60.0, window=Window.CYCLE, start_index=0.0)
 START = 0.1

@@ -21,10 +21,10 @@ from small_machines import SLED, frame, hinge, link, machine, slide
 
 from benchmarks.stress.checks.invariants import violations
 from benchmarks.stress.machines.small_machines import four_bar
-from nipper_pin import Case, Resolution, Solution, Window, simulate
+from nipper_pin import Case, Mechanism, Resolution, Solution, Window, simulate
 from nipper_pin.hybrid.motion.noise_floor import roughness
 from nipper_pin.hybrid.motion.panel import nearby
-from nipper_pin.mechanism import Mechanism, from_sources
+from nipper_pin.mechanism import from_sources
 
 
 def turns(count: int) -> Case:

@@ -10,9 +10,16 @@ import warnings
 import pytest
 
 from benchmarks.stress.machines.small_machines import four_bar
-from nipper_pin import Case, DriveMode, SimulationError, SingularConfigurationError, Window
+from nipper_pin import (
+    Case,
+    DriveMode,
+    Mechanism,
+    SimulationError,
+    SingularConfigurationError,
+    Window,
+)
 from nipper_pin import simulate as run
-from nipper_pin.mechanism import Mechanism, from_sources
+from nipper_pin.mechanism import from_sources
 
 
 def machine(lengths: tuple[float, ...], masses: tuple[float, float, float]) -> Mechanism:

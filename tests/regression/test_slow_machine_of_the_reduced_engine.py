@@ -11,8 +11,7 @@ import pytest
 from benchmarks.stress.machines.small_machines import (
     bouncing_mass,
 )
-from nipper_pin.mechanism import from_sources
-from nipper_pin.mechanism.cylinder import rad_s_from_rpm
+from nipper_pin.mechanism import from_sources, rad_s_from_rpm
 from nipper_pin.reduced import build, transitions
 
 SPEED = 457.0

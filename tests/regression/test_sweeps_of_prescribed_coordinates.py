@@ -12,9 +12,8 @@ import numpy as np
 import pytest
 from small_machines import SHAFT, hinge, link, machine, slide
 
-from nipper_pin import Resolution
-from nipper_pin.dynamics.shaft import ShaftMotion
-from nipper_pin.dynamics.system import DriveMode, System
+from nipper_pin import DriveMode, Resolution
+from nipper_pin.dynamics import ShaftMotion, System
 from nipper_pin.hybrid.motion.panel import Begin
 from nipper_pin.hybrid.motion.picard import flight_panel
 

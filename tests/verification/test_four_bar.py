@@ -14,11 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nipper_pin.hybrid.case import Case
-from nipper_pin.hybrid.result.solution import Solution
-from nipper_pin.hybrid.run.outcome import Outcome
-from nipper_pin.hybrid.simulate import simulate
-from nipper_pin.mechanism import load
+from nipper_pin import Case, Outcome, Solution, load, simulate
 
 MODEL = Path(__file__).parent / "models" / "four_bar"
 GROUND, CRANK = 0.10, 0.03

@@ -13,11 +13,7 @@ import pytest
 
 from benchmarks.stress.mechanics.model_text import Frame
 from benchmarks.stress.mechanics.planar_tree import Motion, PlanarTree
-from nipper_pin.hybrid.case import Case
-from nipper_pin.hybrid.event import Event, EventKind
-from nipper_pin.hybrid.result.solution import Solution
-from nipper_pin.hybrid.simulate import simulate
-from nipper_pin.mechanism import Mechanism
+from nipper_pin import Case, Event, EventKind, Mechanism, Solution, simulate
 
 RELATIVE = 1e-11
 ROUNDING = 16.0 * np.finfo(float).eps

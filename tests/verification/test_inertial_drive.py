@@ -8,11 +8,7 @@ approached like 1 / I.
 import numpy as np
 import pytest
 
-from nipper_pin.hybrid.case import Case
-from nipper_pin.hybrid.result.solution import Solution
-from nipper_pin.hybrid.result.tables import Collision
-from nipper_pin.hybrid.simulate import simulate
-from nipper_pin.mechanism import Mechanism, load
+from nipper_pin import Case, Collision, Mechanism, Solution, load, simulate
 
 # Above 1e4 the deviation, some 1e-8, comes near the accuracy of event times over a rebound (1e-12).
 SCALES = 10.0 ** np.arange(1.0, 4.5, 0.5)

@@ -14,8 +14,7 @@ import pytest
 from side_by_side import copies, differences, pair
 from small_machines import link, machine, slide
 
-from nipper_pin import Case, EventKind, Mechanism, Solution, load, simulate
-from nipper_pin.hybrid.case import Window
+from nipper_pin import Case, EventKind, Mechanism, Solution, Window, load, simulate
 from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.gallery import GALLERY, drawn
 

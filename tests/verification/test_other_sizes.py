@@ -14,9 +14,7 @@ import pytest
 from scaled_machines import scaled
 from small_machines import hinge, link, machine, slide
 
-from nipper_pin import AssemblyError, Case, load, simulate, transition_table
-from nipper_pin.hybrid.result.solution import Solution
-from nipper_pin.mechanism import Mechanism
+from nipper_pin import AssemblyError, Case, Mechanism, Solution, load, simulate, transition_table
 from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.gallery import GALLERY, drawn
 

@@ -12,12 +12,7 @@ import numpy as np
 import pytest
 
 from benchmarks.stress.mechanics.planar_tree import Motion, PlanarTree
-from nipper_pin.hybrid.case import Case
-from nipper_pin.hybrid.event import EventKind
-from nipper_pin.hybrid.result.solution import Solution
-from nipper_pin.hybrid.result.trajectory import Reactions
-from nipper_pin.hybrid.simulate import simulate
-from nipper_pin.mechanism import Mechanism
+from nipper_pin import Case, EventKind, Mechanism, Reactions, Solution, simulate
 
 EXACT = 1e-10
 SAMPLES_PER_PHASE = 12

@@ -9,10 +9,18 @@ import pytest
 from small_machines import NOTHING, SHAFT, frame, hinge, link, machine, slide
 
 from benchmarks.stress.checks.invariants import violations
-from nipper_pin import AssemblyError, Case, Mechanism, ModelError, Solution, Window, simulate
-from nipper_pin.errors import UnknownNameError
+from nipper_pin import (
+    AssemblyError,
+    Case,
+    Mechanism,
+    ModelError,
+    Solution,
+    UnknownNameError,
+    Window,
+    check,
+    simulate,
+)
 from nipper_pin.mechanism.drives import OscillatingGuide
-from nipper_pin.study.check import check_model
 
 RADIUS = 0.05
 TURN = Case(speed_rpm=60.0, window=Window.CYCLE, start_index=0.0)
@@ -220,7 +228,7 @@ def test_mistakes_in_slots_are_named() -> None:
 
 def test_a_model_with_a_slot_is_reported() -> None:
     """The check lists the block among the joints and the slot with its frame and axis."""
-    report = check_model(yoke(), 60.0).record()
+    report = check(yoke(), 60.0).record()
     assert {"name": "slot", "kind": "prismatic", "parent": "yoke", "child": "slot_block"} in [
         {key: joint[key] for key in ("name", "kind", "parent", "child")}
         for joint in report["joints"]

@@ -15,8 +15,7 @@ import sprung
 from sprung import GRAVITY, STIFFNESS
 
 from nipper_pin import ElementError, Mechanism
-from nipper_pin.dynamics.shaft import ShaftMotion
-from nipper_pin.dynamics.system import System
+from nipper_pin.dynamics import ShaftMotion, System
 
 PRELOAD, DAMPING = 0.03, 1.3
 

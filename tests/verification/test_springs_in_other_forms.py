@@ -22,11 +22,11 @@ from nipper_pin import (
     load_solution,
     save,
     simulate,
+    transition_table,
+    turn_table,
 )
 from nipper_pin.mechanism import find_model
 from nipper_pin.reduced import unfit
-from nipper_pin.study.transitions import transition_table
-from nipper_pin.study.turns import turn_table
 
 
 def joint(stiffness: float, preload: float) -> str:

@@ -31,11 +31,15 @@ from benchmarks.paper.studies import run_studies
 from benchmarks.paper.study import PaperStudy, paper_study
 from benchmarks.run_time.certified import certified
 from benchmarks.stress.machines.small_machines import bouncing_mass
-from nipper_pin.errors import InputError, SimulationError
-from nipper_pin.hybrid.case import Case
-from nipper_pin.hybrid.simulate import simulate
-from nipper_pin.mechanism import Mechanism, load
-from nipper_pin.study.transitions import transition_table
+from nipper_pin import (
+    Case,
+    InputError,
+    Mechanism,
+    SimulationError,
+    load,
+    simulate,
+    transition_table,
+)
 from nipper_pin.terms import digits
 
 # The studies of the paper take a quarter of a minute.

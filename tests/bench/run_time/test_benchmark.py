@@ -46,8 +46,15 @@ from benchmarks.run_time.work_precision import (
 )
 from benchmarks.views.benchmark_report import markdown, print_benchmark, write_benchmark
 from benchmarks.views.work_precision_plot import work_precision_figure
-from nipper_pin import Case, InputError, Mechanism, Window, simulate
-from nipper_pin.errors import SimulationError, UnknownNameError
+from nipper_pin import (
+    Case,
+    InputError,
+    Mechanism,
+    SimulationError,
+    UnknownNameError,
+    Window,
+    simulate,
+)
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "scripts/maintain/figures"))
 

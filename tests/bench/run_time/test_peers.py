@@ -17,10 +17,8 @@ import pytest
 
 from benchmarks.peers import Four, Setting, available
 from benchmarks.peers.protocol import MOST_COLLISIONS, Bounces
-from nipper_pin import Case, load, simulate
-from nipper_pin.dynamics.system import System
-from nipper_pin.errors import InputError, SimulationError
-from nipper_pin.mechanism import Mechanism
+from nipper_pin import Case, InputError, Mechanism, SimulationError, load, simulate
+from nipper_pin.dynamics import System
 
 SPEED_RPM = 650.0
 CASES = json.loads(

@@ -36,11 +36,20 @@ from benchmarks.stress.machines.small_machines import (
     e62 as e62_source,
 )
 from benchmarks.stress.refusals import MEASURED, allowed_share
-from nipper_pin import Case, Mechanism, Resolution, SimulationError, Solution, Window, simulate
-from nipper_pin.dynamics.elements import Elements
-from nipper_pin.hybrid.event import Event, EventKind
+from nipper_pin import (
+    Case,
+    Event,
+    EventKind,
+    Mechanism,
+    Outcome,
+    Resolution,
+    SimulationError,
+    Solution,
+    Window,
+    simulate,
+)
+from nipper_pin.dynamics import Elements
 from nipper_pin.hybrid.result.rebounds import Rebounds
-from nipper_pin.hybrid.run.outcome import Outcome
 from nipper_pin.mechanism import from_sources
 from nipper_pin.mechanism.build import mechanism as build
 
