@@ -28,14 +28,15 @@ from nipper_pin import (
     load,
     load_case,
     load_solution,
+    read_sweep,
     simulate,
 )
 from nipper_pin.mechanism import find_model
 from nipper_pin.reduced.turns import turn_quantities
 from nipper_pin.study import identify, optimise
-from nipper_pin.study.identify.problem.measured import read_measured
-from nipper_pin.study.sweep import read_plan, read_sweep
-from nipper_pin.view.scene.solids import solids
+from nipper_pin.study.identify import read_measured
+from nipper_pin.study.sweep import read_plan
+from nipper_pin.view.scene import solids
 
 HERE = Path(__file__).parent
 CORPUS, BASES = HERE / "corpus", HERE / "bases"

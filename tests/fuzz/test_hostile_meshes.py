@@ -15,8 +15,8 @@ import pytest
 from nipper_pin import Case, InputError, Mechanism, ModelError, load, simulate, view
 from nipper_pin.cli import main
 from nipper_pin.mechanism import find_model
+from nipper_pin.view.scene import solids
 from nipper_pin.view.scene.meshes import as_stl, read_mesh
-from nipper_pin.view.scene.solids import solids
 
 PARTS = Path(__file__).parent / "bases" / "parts"
 ADDRESS = "http://tracker.example:81/skin.png"

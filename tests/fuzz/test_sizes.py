@@ -27,7 +27,7 @@ from nipper_pin import (
 )
 from nipper_pin.mechanism import Characteristic, find_model, from_sources
 from nipper_pin.mechanism.drives import Table
-from nipper_pin.study.identify.problem.measured import read_measured
+from nipper_pin.study.identify import read_measured
 from nipper_pin.study.sweep import read_plan
 from nipper_pin.view.scene.meshes import read_mesh
 

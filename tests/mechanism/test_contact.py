@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from small_machines import hinge, link, machine
+from small_machines import frame, hinge, link, machine, slide
 
-from nipper_pin.errors import ModelError
-from nipper_pin.mechanism import collision_model, load
+from nipper_pin import ModelError
+from nipper_pin.mechanism import Mechanism, collision_model, load
 from tests.refusals.bases import model
 
 POINT = np.array([9.2e-3, 0.0, 65.5e-3])
@@ -75,43 +75,61 @@ def test_shapes_carry_their_names_and_links() -> None:
     assert mechanism.model.names[joint] == "jaw"
 
 
+def ball(part: str, name: str, x: float, z: float = 0.0) -> str:
+    """A link or a frame with a ball of 10 mm."""
+    shape = (
+        f'<collision name="{name}"><origin xyz="{x!r} 0 {z!r}"/><geometry><sphere radius="0.01"/>'
+        "</geometry></collision></link>"
+    )
+    whole = part if "</link>" in part else part.replace("/>", "></link>", 1)
+    return whole.replace("</link>", shape, 1)
+
+
+@pytest.mark.parametrize(("side", "place"), [("lower", -40.0), ("upper", 40.0)])
+def test_shapes_meet_where_the_stop_is(side: str, place: float) -> None:
+    """Two balls of 10 mm, 60 mm apart, meet at 40 mm on either side; the lever is one, outwards.
+
+    The contact point is the middle between their centres at that coordinate, and the normal points
+    from the ball on the frame to the one that leaves it.
+    """
+    sense = 1.0 if side == "lower" else -1.0
+    parts = [ball(frame("post", "frame"), "post_ball", -sense * 0.06),
+             ball(link("cart"), "cart_ball", 0.0), slide("x", "frame", "cart")]  # fmt: skip
+
+    def build(at: float) -> Mechanism:
+        contact = {"lower": "post_ball", "upper": "cart_ball"}
+        stop = {"joint": "x", "restitution": 0.5, "side": side, "at_mm": at, "contact": contact}
+        return machine(parts, 1, stops={"touch": stop})
+
+    contact = build(place).stops[0].contact
+    assert contact is not None
+    assert contact.closing_coordinate == pytest.approx(1e-3 * place, abs=1e-12)
+    assert contact.point == pytest.approx([-sense * 0.05, 0.0, 0.0], abs=1e-9)
+    assert contact.normal == pytest.approx([sense, 0.0, 0.0], abs=1e-9)
+    assert contact.lever_m == pytest.approx(1.0, rel=1e-12)
+    with pytest.raises(ModelError, match=r"10 mm apart at x = .*touch at x = -?40 mm"):
+        build(0.75 * place)
+
+
 @pytest.mark.parametrize(
-    ("post", "hand", "wrong"),
-    [
-        ("arm", "tip", None),
-        ("frame", "tip", ("lower", "peg of link post", "arm")),
-        ("arm", "finger", ("upper", "pad of link hand", "tip")),
-    ],
-)
+    ("post", "hand", "key", "found", "right"),
+    [("arm", "tip", "", "", ""), ("frame", "tip", "lower", "peg of link post", "arm"),
+     ("arm", "finger", "upper", "pad of link hand", "tip")],
+)  # fmt: skip
 def test_lips_are_on_the_bodies_of_their_joint(
-    post: str, hand: str, wrong: tuple[str, str, str] | None
+    post: str, hand: str, key: str, found: str, right: str
 ) -> None:
     """Or on links fixed to them; a body that moves against both is refused, the right one named."""
-
-    def ball(link_name: str, on: str, name: str, x: float, z: float) -> list[str]:
-        return [
-            f'<link name="{link_name}"><collision name="{name}"><origin xyz="{x!r} 0 {z!r}"/>'
-            '<geometry><sphere radius="0.01"/></geometry></collision></link>',
-            f'<joint name="{link_name}_fixed" type="fixed"><parent link="{on}"/>'
-            f'<child link="{link_name}"/></joint>',
-        ]
-
-    parts = [
-        *(link("arm"), hinge("arm", "frame", "arm")),
-        *(link("tip"), hinge("tip", "arm", "tip")),
-        *(link("finger"), hinge("finger", "tip", "finger")),
-        *ball("post", post, "peg", 0.1, -0.01),
-        *ball("hand", hand, "pad", 0.1, 0.01),
-    ]
+    parts = [link("arm"), hinge("arm", "frame", "arm"), link("tip"), hinge("tip", "arm", "tip"),
+             link("finger"), hinge("finger", "tip", "finger"),
+             ball(frame("post", post), "peg", 0.1, -0.01),
+             ball(frame("hand", hand), "pad", 0.1, 0.01)]  # fmt: skip
     contact = {"lower": "peg", "upper": "pad"}
     stops = {"s": {"joint": "tip", "restitution": 0.5, "contact": contact}}
-    if wrong is None:
-        found = machine(parts, 3, stops=stops).stops[0].contact
-        assert found is not None
-        assert found.lever_m == pytest.approx(0.1, rel=1e-12)
+    if not key:
+        assert machine(parts, 3, stops=stops).stops[0].lever == pytest.approx(0.1, rel=1e-12)
         return
-    key, value, right = wrong
     with pytest.raises(ModelError, match=f"a lip on link {right},") as caught:
         machine(parts, 3, stops=stops)
-    assert caught.value.evidence["key"] == f"stops.s.contact.{key}"
-    assert caught.value.evidence["value"] == value
+    evidence = caught.value.evidence
+    assert (evidence["key"], evidence["value"]) == (f"stops.s.contact.{key}", found)

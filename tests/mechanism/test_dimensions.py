@@ -13,14 +13,12 @@ import pytest
 from small_machines import frame, hinge, machine, slide
 from small_machines import link as body
 
-from nipper_pin.errors import AssemblyError, ModelError
-from nipper_pin.mechanism import Mechanism, load, with_numbers
+from nipper_pin import AssemblyError, ModelError
+from nipper_pin.mechanism import Mechanism, joint_placements, load, with_numbers
 from nipper_pin.mechanism.build.closing import closure_gaps
-from nipper_pin.mechanism.build.placements import joint_placements
-from nipper_pin.mechanism.edit.dimensions import read_dimension
-from nipper_pin.mechanism.edit.layout import Layout, read_layout
+from nipper_pin.mechanism.edit import Layout, read_dimension, read_layout
 from nipper_pin.mechanism.edit.urdf_paths import find_value
-from nipper_pin.mechanism.files.urdf import parse_xml
+from nipper_pin.mechanism.files import parse_xml
 from tests.refusals.bases import model
 
 MODELS = ["e62", "e62_offset_guide", "hanging_pendulum"]

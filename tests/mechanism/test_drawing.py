@@ -44,7 +44,7 @@ from nipper_pin.mechanism.drawing import (
 )
 from nipper_pin.mechanism.drawing.masses import mass_of
 from nipper_pin.mechanism.drawing.places import place, vector
-from nipper_pin.mechanism.files.toml_writing import toml
+from nipper_pin.mechanism.files import toml
 from nipper_pin.mechanism.gallery import GALLERY, drawn
 from nipper_pin.view.sketch import sketch
 

@@ -12,9 +12,16 @@ import pytest
 from small_machines import hinge, link, machine, slide, sources
 
 from nipper_pin import Case, InputError, ModelError, load, simulate
-from nipper_pin.mechanism import Cylinder, DriveLaw, Mechanism, from_sources
+from nipper_pin.mechanism import (
+    Cylinder,
+    DriveLaw,
+    Mechanism,
+    counted_from,
+    from_sources,
+    index_difference,
+    within_turn,
+)
 from nipper_pin.mechanism.build.laws import extreme_angle
-from nipper_pin.mechanism.cylinder import counted_from, index_difference, within_turn
 from nipper_pin.mechanism.drives import Cam, ConstantSpeed, Fourier, Geared, OscillatingGuide, Table
 
 GUIDE = OscillatingGuide(crank_radius_m=0.064, crank_axis=(0.0, 0.0), guide_axis=(-0.19, -0.02))

@@ -16,12 +16,10 @@ import pytest
 from nipper_pin import InputError
 from nipper_pin.mechanism import Mechanism, known_models, load
 from nipper_pin.mechanism.drives import Table
-from nipper_pin.mechanism.edit.dimensions import read_dimension
-from nipper_pin.mechanism.edit.layout import read_layout
-from nipper_pin.mechanism.edit.overrides import apply_overrides, with_tables
-from nipper_pin.mechanism.edit.toml_paths import number_at
+from nipper_pin.mechanism.edit import apply_overrides, number_at, read_dimension, read_layout
+from nipper_pin.mechanism.edit.overrides import with_tables
+from nipper_pin.mechanism.files import parse_xml
 from nipper_pin.mechanism.files.describe import describe
-from nipper_pin.mechanism.files.urdf import parse_xml
 from tests.refusals.bases import model
 from tests.refusals.descriptions import HEAD, LINES, file, swings
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nipper_pin.errors import UnknownNameError
+from nipper_pin import UnknownNameError
 from nipper_pin.mechanism import Mechanism, find_model, from_sources, load
 
 
@@ -21,29 +21,18 @@ def same(one: Mechanism, other: Mechanism) -> None:
             assert getattr(first, name) == getattr(second, name)
 
 
-def test_the_machine() -> None:
-    mechanism = load()
-    assert mechanism.name == "e62"
-    assert mechanism.degrees_of_freedom == 3
-    assert [joint.name for joint in mechanism.joints] == [
-        "pendulum_shaft",
-        "nipper_pivot",
-        "jaw",
-        "rod_pin",
-        "steeve",
-        "rocker_pin",
-        "tension_shaft",
-    ]
-    assert [joint.index for joint in mechanism.joints] == list(range(7))
-    assert mechanism.joints[mechanism.stop("steeve").index].kind == "prismatic"
-    assert mechanism.springs[0].stiffness == 9000.0
-    assert mechanism.springs[0].preload == pytest.approx(0.011)
-    assert [drive.name for drive in mechanism.drives] == ["pendulum", "tension"]
-    np.testing.assert_array_equal(mechanism.model.gravity.linear, [0.0, 0.0, -9.81])
-    assert mechanism.model.name == "e62"
-    phase = mechanism.phase_of(frozenset({"jaw"}))
-    assert phase is not None
-    assert phase.number == 2
+def test_the_machine(e62: Mechanism) -> None:
+    assert (e62.name, e62.model.name, e62.degrees_of_freedom) == ("e62", "e62", 3)
+    assert [(joint.name, joint.index) for joint in e62.joints] == [
+        ("pendulum_shaft", 0), ("nipper_pivot", 1), ("jaw", 2), ("rod_pin", 3), ("steeve", 4),
+        ("rocker_pin", 5), ("tension_shaft", 6),
+    ]  # fmt: skip
+    assert e62.joints[e62.stop("steeve").index].kind == "prismatic"
+    assert e62.springs[0].stiffness == 9000.0
+    assert e62.springs[0].preload == pytest.approx(0.011)
+    assert [drive.name for drive in e62.drives] == ["pendulum", "tension"]
+    np.testing.assert_array_equal(e62.model.gravity.linear, [0.0, 0.0, -9.81])
+    assert e62.phase_of(frozenset({"jaw"})) is e62.phase(2)
 
 
 def test_index_scale() -> None:

@@ -8,10 +8,12 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from nipper_pin.errors import ModelError, UnknownNameError
+from nipper_pin import ModelError, UnknownNameError
+from nipper_pin.mechanism.edit import number_at
 from nipper_pin.mechanism.edit.overrides import by_path
-from nipper_pin.mechanism.edit.toml_paths import number_at, number_from, replace_value
-from nipper_pin.mechanism.files.urdf_values import placed, rotation_from_rpy
+from nipper_pin.mechanism.edit.toml_paths import number_from, replace_value
+from nipper_pin.mechanism.files import rotation_from_rpy
+from nipper_pin.mechanism.files.urdf_values import placed
 
 
 @pytest.mark.parametrize(

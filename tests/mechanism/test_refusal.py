@@ -12,8 +12,8 @@ import msgspec
 import pytest
 
 from nipper_pin.mechanism import find_model
+from nipper_pin.mechanism.files import first_refusal
 from nipper_pin.mechanism.files.description import Description
-from nipper_pin.mechanism.files.refusal import first_refusal
 
 MODELS = ("e62", "hanging_pendulum")
 WRONG: tuple[Any, ...] = ([], {}, "", "odd", -1.0, True, 3, [[]], {"law": "odd"})

@@ -12,7 +12,7 @@ import jsonschema
 import msgspec
 import pytest
 
-from nipper_pin.errors import InputError, ModelError
+from nipper_pin import InputError, ModelError
 from nipper_pin.mechanism.drives import DriveTable, register_drive
 from nipper_pin.mechanism.files import description, register
 from nipper_pin.mechanism.files.describe import describe

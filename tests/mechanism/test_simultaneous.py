@@ -12,6 +12,7 @@ from rows_of_balls import row
 from nipper_pin import Case, Window, load, load_solution, save, simulate
 from nipper_pin.cli import main
 from nipper_pin.mechanism import Mechanism, with_numbers
+from nipper_pin.mechanism.files import toml
 from nipper_pin.reduced import build, transition
 
 FALL = Case(speed_rpm=20.0, window=Window.CYCLE, start_index=0.0, max_collisions=1)
@@ -25,22 +26,8 @@ def cannon(tmp_path: Path) -> Path:
     folder.mkdir()
     (folder / "cannon.urdf").write_text(made.urdf, encoding="utf-8")
     tables = {key: value for key, value in made.description.items() if key != "simultaneous"}
-    text = "\n".join(_lines(tables))
-    (folder / "cannon.toml").write_text(text, encoding="utf-8")
+    (folder / "cannon.toml").write_text(toml(tables), encoding="utf-8")
     return folder
-
-
-def _lines(tables: dict[str, object]) -> list[str]:
-    """TOML with tables in line, which JSON needs equals signs for."""
-    return [f"{key} = {_inline(value)}" for key, value in tables.items()]
-
-
-def _inline(value: object) -> str:
-    if isinstance(value, dict):
-        return "{" + ", ".join(f"{key} = {_inline(item)}" for key, item in value.items()) + "}"
-    if isinstance(value, list):
-        return "[" + ", ".join(map(_inline, value)) + "]"
-    return json.dumps(value)
 
 
 def _upper(mechanism: Mechanism) -> float:

@@ -2,35 +2,39 @@
 
 from __future__ import annotations
 
-from typing import Any
+from pathlib import Path
 
 import numpy as np
 import pytest
 from small_machines import hinge, link, machine, slide
 
-from nipper_pin import Case, InputError, Mechanism, ModelError, Window, load, simulate
-from nipper_pin.mechanism import Stop, from_sources
+from nipper_pin import Case, InputError, Mechanism, Window, load, simulate
+from nipper_pin.mechanism import Stop
 from nipper_pin.reduced import build, unfit
 from nipper_pin.study.check import check_model
+from tests.refusals.bases import model
 
 PARTS = [link("cart"), slide("x", "frame", "cart"), link("arm"), hinge("turn", "cart", "arm")]
 
 
-def stopped(**stops: dict[str, Any]) -> Mechanism:
-    """A cart with an arm, and these stops."""
-    return machine(PARTS, 2, stops=stops)
-
-
 def test_places_and_sides_are_read_in_their_units() -> None:
-    """Millimetres of a slide, degrees of a hinge; a stop without them is the lower one at zero."""
-    mechanism = stopped(
-        wall={"joint": "x", "restitution": 0.5, "side": "upper", "at_mm": 120.0},
-        floor={"joint": "x", "restitution": 0.5},
-        turned={"joint": "turn", "restitution": 0.5, "at_deg": -90.0},
-    )
+    """Millimetres of a slide, degrees of a hinge; a stop without them is the lower one at zero.
+
+    The findings about a model say which limit of which joint each stop is.
+    """
+    mechanism = machine(PARTS, 2, stops={
+        "wall": {"joint": "x", "restitution": 0.5, "side": "upper", "at_mm": 120.0},
+        "floor": {"joint": "x", "restitution": 0.5},
+        "turned": {"joint": "turn", "restitution": 0.25, "at_deg": -90.0},
+    })  # fmt: skip
     found = {stop.name: (stop.sense, stop.at) for stop in mechanism.stops}
     assert found == {"wall": (-1.0, 0.12), "floor": (1.0, 0.0), "turned": (1.0, -np.pi / 2.0)}
     assert [stop.plain for stop in mechanism.stops] == [False, True, False]
+    assert check_model(mechanism, 60.0).record()["stops"] == {
+        "wall": {"joint": "x", "side": "upper", "at": 0.12, "restitution": 0.5},
+        "floor": {"joint": "x", "side": "lower", "at": 0.0, "restitution": 0.5},
+        "turned": {"joint": "turn", "side": "lower", "at": -np.pi / 2.0, "restitution": 0.25},
+    }
 
 
 @pytest.mark.parametrize("sense", [1.0, -1.0])
@@ -77,69 +81,15 @@ def test_a_transition_needs_a_stop_that_is_closed_at_touch() -> None:
         simulate(machine(PARTS, 2, stops=stops), Case(speed_rpm=60.0))
 
 
-@pytest.mark.parametrize(("side", "place"), [("lower", -40.0), ("upper", 40.0)])
-def test_shapes_meet_where_the_stop_is(side: str, place: float) -> None:
-    """Two balls of 10 mm, 60 mm apart, meet at 40 mm on either side; the lever is one, outwards.
-
-    The contact point is the middle between their centres at that coordinate, and the normal points
-    from the ball on the frame to the one that leaves it.
-    """
-    sense = 1.0 if side == "lower" else -1.0
-
-    def ball(name: str, x: float) -> str:
-        return (
-            f'<collision name="{name}"><origin xyz="{x!r} 0 0"/><geometry><sphere radius="0.01"/>'
-            "</geometry></collision></link>"
-        )
-
-    post = '<link name="post">' + ball("post_ball", -sense * 0.06)
-    fixed = (
-        '<joint name="post_fixed" type="fixed"><parent link="frame"/><child link="post"/></joint>'
-    )
-    cart = link("cart").replace("</link>", ball("cart_ball", 0.0))
-
-    def build(at: float) -> Mechanism:
-        contact = {"lower": "post_ball", "upper": "cart_ball"}
-        stop = {"joint": "x", "restitution": 0.5, "side": side, "at_mm": at, "contact": contact}
-        parts = [post, fixed, cart, slide("x", "frame", "cart")]
-        return machine(parts, 1, stops={"touch": stop})
-
-    contact = build(place).stops[0].contact
-    assert contact is not None
-    assert contact.closing_coordinate == pytest.approx(1e-3 * place, abs=1e-12)
-    assert contact.point == pytest.approx([-sense * 0.05, 0.0, 0.0], abs=1e-9)
-    assert contact.normal == pytest.approx([sense, 0.0, 0.0], abs=1e-9)
-    assert contact.lever_m == pytest.approx(1.0, rel=1e-12)
-    with pytest.raises(ModelError, match=r"10 mm apart at x = .*touch at x = -?40 mm"):
-        build(0.75 * place)
-
-
-def test_the_reduced_engine_leaves_other_stops_to_the_direct_one() -> None:
+def test_the_reduced_engine_leaves_other_stops_to_the_direct_one(
+    e62: Mechanism, tmp_path: Path
+) -> None:
     """An upper stop, or one away from zero, is a reason in one sentence; plain ones are not."""
-    mechanism = load("e62")
-    assert unfit(mechanism) is None
-    changed = dict(mechanism.description)
-    changed["stops"] = {**mechanism.description["stops"]}  # type: ignore[dict-item]
-    changed["stops"]["limit"] = {  # type: ignore[index]
-        "joint": "jaw", "restitution": 0.2, "side": "upper", "at_deg": 60.0
-    }  # fmt: skip
-    limited = from_sources("e62", mechanism.urdf, changed, mechanism.mesh_folder)
+    assert unfit(e62) is None
+    limit = '[stops.limit]\njoint = "jaw"\nrestitution = 0.2\nside = "upper"\nat_deg = 60.0\n'
+    limited = load(model("e62", ("[stops.jaw]", f"{limit}[stops.jaw]"), tmp_path))
     assert "'limit'" in (unfit(limited) or "")
     with pytest.raises(InputError, match=r"lower stops at coordinate zero.*use the direct engine"):
         build(limited)
-    wide, plain = (
-        simulate(model, Case(speed_rpm=450.0)).transitions[0] for model in (limited, mechanism)
-    )
+    wide, plain = (simulate(item, Case(speed_rpm=450.0)).transitions[0] for item in (limited, e62))
     assert wide.duration == pytest.approx(plain.duration, rel=1e-12)
-
-
-def test_the_report_names_side_and_place() -> None:
-    """The findings about a model say which limit of which joint each stop is."""
-    mechanism = stopped(
-        wall={"joint": "x", "restitution": 0.5, "side": "upper", "at_mm": 120.0},
-        turned={"joint": "turn", "restitution": 0.25, "at_deg": -90.0},
-    )
-    assert check_model(mechanism, 60.0).record()["stops"] == {
-        "wall": {"joint": "x", "side": "upper", "at": 0.12, "restitution": 0.5},
-        "turned": {"joint": "turn", "side": "lower", "at": -np.pi / 2.0, "restitution": 0.25},
-    }

@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nipper_pin import Case, InputError, Mechanism, SimulationError, load, simulate
-from nipper_pin.hybrid.run.outcome import Outcome
+from nipper_pin import Case, InputError, Mechanism, Outcome, SimulationError, load, simulate
 from nipper_pin.study.identify import Condition, Target, predict, working_cycle
 from nipper_pin.study.optimise import Problem, read_problem
 from nipper_pin.study.optimise.points import Evaluator
