@@ -27,9 +27,6 @@ def pair(mechanism: Mechanism) -> Mechanism:
     """A machine and its mirror image, whose parts are called ``NAME_mirrored``.
 
     Both stand in the same place, and do not touch one another.
-
-    Args:
-        mechanism: Any machine that has a mirror image.
     """
     own = _source(mechanism)
     image = mirrored(own)
@@ -38,12 +35,7 @@ def pair(mechanism: Mechanism) -> Mechanism:
 
 
 def copies(mechanism: Mechanism, count: int) -> Mechanism:
-    """A machine several times; parts of the copies are called ``NAME_1``, ``NAME_2`` and so on.
-
-    Args:
-        mechanism: Any machine.
-        count: How many there are.
-    """
+    """A machine several times; parts of the copies are called ``NAME_1``, ``NAME_2`` and so on."""
     own = _source(mechanism)
     return _beside([(own, f"_{k}" if k else "") for k in range(count)])
 
@@ -107,13 +99,7 @@ def _renamed(entry: dict[str, Any], called: _Call) -> dict[str, Any]:
 def differences(alone: Solution, beside: Solution, suffix: str) -> list[str]:
     """What a machine does otherwise beside others than alone, beyond the errors of both runs.
 
-    Args:
-        alone: A run of the machine.
-        beside: The same case of several machines.
-        suffix: What its parts are called there, after their own names.
-
-    Returns:
-        A sentence for each difference, none if all events of all stops are the same.
+    Parts of the machine are called there by their own names and the suffix after them.
     """
     found = []
     if beside.outcome is not alone.outcome:
@@ -141,12 +127,7 @@ class Blow(NamedTuple):
 
 
 def blows(run: Solution, name: str) -> list[Blow]:
-    """Events that concern one stop, in order of time.
-
-    Args:
-        run: The run.
-        name: The stop.
-    """
+    """Events that concern one stop, in order of time."""
     stop, found = run.mechanism.stop(name), []
     for event, error in zip(run.events, run.errors, strict=True):
         impulse = event.P_N.get(name, 0.0)

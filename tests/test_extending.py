@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import importlib.metadata
 import math
 import sys
@@ -35,7 +34,6 @@ from nipper_pin.mechanism.files import register as registers
 from nipper_pin.mechanism.files.register import DRIVES, FORCES, RESTITUTIONS, STOPS
 from nipper_pin.mechanism.restitution import Falling
 from nipper_pin.mechanism.stops.screw import ScrewStop
-from nipper_pin.reduced import unfit
 
 PROGRAMS = Path(__file__).parents[1] / "scripts/extend"
 EPS = float(np.finfo(float).eps)
@@ -139,20 +137,6 @@ def test_the_law_of_the_package_falls_to_its_value_at_speed() -> None:
     step = 1e-5
     change = law.coefficient(0.6, 1.0 + step) - law.coefficient(0.6, 1.0 - step)
     assert law.slope(0.6, 1.0) == pytest.approx(change / (2.0 * step), rel=1e-9)
-
-
-def test_the_reduced_engine_is_not_used_with_a_law() -> None:
-    """It has one restitution for all rates; the transition is found by the direct one."""
-    e62 = nip.load("e62")
-    data = copy.deepcopy(dict(e62.description))
-    data["stops"]["jaw"]["restitution_law"] = {"law": "falling", "fast": 0.1, "scale": 1.0}
-    machine = from_sources("e62", e62.urdf, data, e62.mesh_folder)
-    assert "constant restitutions, and stop 'jaw' has a law" in str(unfit(machine))
-    plain, soft = (
-        nip.simulate(each, nip.Case(speed_rpm=650.0)).collisions for each in (e62, machine)
-    )
-    assert soft[0].approach_rate == plain[0].approach_rate
-    assert soft[0].separation_rate < plain[0].separation_rate
 
 
 def test_a_stop(monkeypatch: pytest.MonkeyPatch) -> None:

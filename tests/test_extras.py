@@ -14,7 +14,7 @@ from packaging.utils import canonicalize_name
 
 import nipper_pin as nip
 from nipper_pin.cli import main
-from nipper_pin.extras import EXTRAS, PACKAGES, installed, require
+from nipper_pin.extras import EXTRAS, PACKAGES, require
 
 ROOT = Path(__file__).resolve().parent.parent
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -164,11 +164,6 @@ def test_several_missing_libraries_are_one_list(monkeypatch: pytest.MonkeyPatch)
         require("live", what="a page")
     assert caught.value.evidence == {"extra": "live", "packages": ("viser", "manifold3d")}
     require("live", "trimesh", what="a page")
-
-
-def test_what_is_installed() -> None:
-    assert installed("numpy")
-    assert not installed("no_library_of_this_name")
 
 
 def test_calls_of_python_name_the_install_line(

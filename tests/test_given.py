@@ -13,7 +13,8 @@ import pytest
 import nipper_pin as nip
 from nipper_pin.cli import main
 from nipper_pin.given import read_number, read_whole
-from nipper_pin.reduced import reduced_model, transition, transitions
+from nipper_pin.study.identify import identify
+from nipper_pin.study.optimise import optimise
 from nipper_pin.study.sensitivity import sensitivities
 from nipper_pin.study.speed_limit import speed_limit
 from nipper_pin.view.scene import Look
@@ -29,109 +30,65 @@ NOT_WHOLE: tuple[Any, ...] = (*NOT_ONE, 2.5, 1.0, np.float64(3.0), -1)
 NO_FLAG: tuple[Any, ...] = ("no", 0, 1, None, 2.5, math.nan, [True], np.array([True, False]))
 
 
-def case(key: str) -> Callable[[Any], object]:
-    """A case with a value of one of its fields."""
-    return lambda value: nip.Case(**{"speed_rpm": 450.0, key: value})
+def but_none(values: tuple[Any, ...]) -> tuple[Any, ...]:
+    return tuple(item for item in values if item is not None)
 
 
-def resolution(key: str) -> Callable[[Any], object]:
-    """A resolution with a value of one of its fields."""
-    return lambda value: nip.Resolution(**{key: value})
+def of(call: Callable[..., object], *first: Any, **given: Any) -> Callable[..., object]:
+    """A call with some of its arguments; those that are named later replace them."""
+    return lambda **more: call(*first, **{**given, **more})
 
 
-def table(key: str) -> Callable[[Any], object]:
-    """A table of transitions with a value of one of its arguments."""
-    return lambda value: nip.transition_table(E62, **{"speed_rpm": 450.0, key: value})
+case, resolution, look = of(nip.Case, speed_rpm=450.0), of(nip.Resolution), of(Look)
+table = of(nip.transition_table, E62, speed_rpm=450.0)
+turns = of(nip.turn_table, E62, speed_rpm=450.0)
+# Nothing is computed before the arguments are checked.
+design, fit = of(optimise, None), of(identify, None)
+limit = of(speed_limit, E62, low_rpm=440.0, high_rpm=450.0, speeds=2)
+sensitive = of(sensitivities, E62, speed_rpm=450.0)
+CALLS: list[tuple[Callable[..., object], str, tuple[Any, ...]]] = [
+    (case, "speed_rpm start_index", NOT_ONE),
+    (case, "rest_rate", but_none(NOT_ONE)),
+    (case, "cycles max_collisions", NOT_WHOLE),
+    (case, "reuse_cycles", NO_FLAG),
+    (case, "resolution", (*NOT_ONE, 2.5, {"tolerance": 1e-9})),
+    (resolution, "tolerance", NOT_ONE),
+    (resolution, "flight_nodes kinematic_nodes panels_per_turn", NOT_WHOLE),
+    (resolution, "adaptive", NO_FLAG),
+    (table, "speed_rpm", (*NO_NUMBER, None, 0.0, -1.0, [450.0, None])),
+    (table, "restitution", (*NO_NUMBER[:-5], 1.5, -0.1, [0.1, None])),
+    (table, "stiffness_N_per_m", (*NO_NUMBER, 1e300, -1.0)),
+    (table, "preload_length_mm", (*NO_NUMBER, 1e300)),
+    (table, "tolerance", NOT_ONE),
+    (table, "rest_rate", (*NO_NUMBER, 0.0, 1e300)),
+    (table, "max_collisions", (*NOT_WHOLE, 0)),
+    (table, "engine", (None, 3, ["direct"], {}, "fast")),
+    (table, "drive", (None, 3, ["held"], {}, "elastic")),
+    (turns, "turns", (*NOT_WHOLE, 0)),
+    (turns, "least_force_N", (*NOT_ONE, 1e300, -1.0)),
+    (turns, "torques", NO_FLAG),
+    (design, "starts seed points", NOT_WHOLE),
+    (fit, "starts seed", NOT_WHOLE),
+    (limit, "low_rpm high_rpm", (*NOT_ONE, 0.0, -1.0)),
+    (limit, "speeds", (*NOT_WHOLE, 1)),
+    (limit, "turns", (*NOT_WHOLE, 0)),
+    (sensitive, "speed_rpm", (*NOT_ONE, 0.0)),
+    (sensitive, "workers", (*NOT_WHOLE, 0)),
+    (look, "slow", (*but_none(NOT_ONE), 0.5)),
+    (look, "exaggerate", (*NOT_ONE, 99.0)),
+    (of(nip.read_sweep, "nowhere"), "most", (0, -1, 2.5, "3", True, [2])),
+    (of(nip.check, E62), "speed_rpm start_index", but_none(NOT_ONE)),
+]
 
 
-def turns(key: str) -> Callable[[Any], object]:
-    """A table of turns with a value of one of its arguments."""
-    return lambda value: nip.turn_table(E62, **{"speed_rpm": 450.0, key: value})
-
-
-def design(key: str) -> Callable[[Any], object]:
-    """A search for a design; nothing is computed before its arguments are checked."""
-    from nipper_pin.study.optimise import optimise
-
-    return lambda value: optimise(None, **{key: value})  # type: ignore[arg-type]
-
-
-def fit(key: str) -> Callable[[Any], object]:
-    """A fit, likewise."""
-    from nipper_pin.study.identify import identify
-
-    return lambda value: identify(None, **{key: value})  # type: ignore[arg-type]
-
-
-CALLS: dict[str, tuple[Callable[[Any], object], tuple[Any, ...]]] = {
-    **{f"case {key}": (case(key), NOT_ONE) for key in ("speed_rpm", "start_index")},
-    "case rest_rate": (case("rest_rate"), tuple(item for item in NOT_ONE if item is not None)),
-    **{f"case {key}": (case(key), NOT_WHOLE) for key in ("cycles", "max_collisions")},
-    "case reuse_cycles": (case("reuse_cycles"), NO_FLAG),
-    "case resolution": (case("resolution"), (*NOT_ONE, 2.5, {"tolerance": 1e-9})),
-    "resolution tolerance": (resolution("tolerance"), NOT_ONE),
-    **{
-        f"resolution {key}": (resolution(key), NOT_WHOLE)
-        for key in ("flight_nodes", "kinematic_nodes", "panels_per_turn")
-    },
-    "resolution adaptive": (resolution("adaptive"), NO_FLAG),
-    "table speed_rpm": (table("speed_rpm"), (*NO_NUMBER, None, 0.0, -1.0, [450.0, None])),
-    "table restitution": (table("restitution"), (*NO_NUMBER[:-5], 1.5, -0.1, [0.1, None])),
-    "table stiffness_N_per_m": (table("stiffness_N_per_m"), (*NO_NUMBER, 1e300, -1.0)),
-    "table preload_length_mm": (table("preload_length_mm"), (*NO_NUMBER, 1e300)),
-    "table tolerance": (table("tolerance"), NOT_ONE),
-    "table rest_rate": (table("rest_rate"), (*NO_NUMBER, 0.0, 1e300)),
-    "table max_collisions": (table("max_collisions"), (*NOT_WHOLE, 0)),
-    "table engine": (table("engine"), (None, 3, ["direct"], {}, "fast")),
-    "table drive": (table("drive"), (None, 3, ["held"], {}, "elastic")),
-    "turns turns": (turns("turns"), (*NOT_WHOLE, 0)),
-    "turns least_force_N": (turns("least_force_N"), (*NOT_ONE, 1e300, -1.0)),
-    "turns torques": (turns("torques"), NO_FLAG),
-    **{f"design {key}": (design(key), NOT_WHOLE) for key in ("starts", "seed", "points")},
-    **{f"fit {key}": (fit(key), NOT_WHOLE) for key in ("starts", "seed")},
-    **{
-        f"limit {key}": (
-            lambda value, key=key: speed_limit(
-                E62, **{"low_rpm": 440.0, "high_rpm": 450.0, "speeds": 2, key: value}
-            ),
-            wrong,
-        )
-        for key, wrong in (
-            ("low_rpm", (*NOT_ONE, 0.0, -1.0)),
-            ("high_rpm", (*NOT_ONE, 0.0, -1.0)),
-            ("speeds", (*NOT_WHOLE, 1)),
-            ("turns", (*NOT_WHOLE, 0)),
-        )
-    },
-    "sensitivities speed_rpm": (lambda value: sensitivities(E62, value), (*NOT_ONE, 0.0)),
-    "sensitivities workers": (
-        lambda value: sensitivities(E62, 450.0, workers=value),
-        (*NOT_WHOLE, 0),
-    ),
-    "look slow": (
-        lambda value: Look(slow=value),
-        (*(item for item in NOT_ONE if item is not None), 0.5),
-    ),
-    "look exaggerate": (lambda value: Look(exaggerate=value), (*NOT_ONE, 99.0)),
-    "rows most": (lambda value: nip.read_sweep("nowhere", value), (0, -1, 2.5, "3", True, [2])),
-    "check speed_rpm": (
-        lambda value: nip.check(E62, speed_rpm=value),
-        tuple(item for item in NOT_ONE if item is not None),
-    ),
-    "check start_index": (
-        lambda value: nip.check(E62, start_index=value),
-        tuple(item for item in NOT_ONE if item is not None),
-    ),
-}
-
-
-@pytest.mark.parametrize("name", CALLS)
-def test_what_is_no_such_number_is_refused_by_name(name: str) -> None:
-    call, wrong = CALLS[name]
-    key = name.split()[-1]
-    for value in wrong:
-        with pytest.raises(nip.InputError, match=f"{key} = .* cannot be used: "):
-            call(value)
+@pytest.mark.parametrize(("call", "keys", "wrong"), CALLS)
+def test_what_is_no_such_number_is_refused_by_name(
+    call: Callable[..., object], keys: str, wrong: tuple[Any, ...]
+) -> None:
+    for key in keys.split():
+        for value in wrong:
+            with pytest.raises(nip.InputError, match=f"{key} = .* cannot be used: "):
+                call(**{key: value})
 
 
 @pytest.mark.parametrize("value", [450, 450.0, np.float64(450.0), np.float32(450.0), np.array(450)])
@@ -141,16 +98,6 @@ def test_numbers_of_numpy_become_those_of_python(value: Any) -> None:
     )
     assert (made.speed_rpm, type(made.speed_rpm)) == (450.0, float)
     assert (made.cycles, type(made.cycles)) == (2, int)
-
-
-@pytest.mark.parametrize("key", ["stiffness", "preload"])
-@pytest.mark.parametrize("value", [-math.inf, math.inf, math.nan, 1e300, -1e300, "3", True])
-def test_springs_of_the_reduced_engine(key: str, value: Any) -> None:
-    model = reduced_model(E62)
-    arguments: Any = {"speed_rpm": 450.0, key: value}
-    for call in (transition, transitions):
-        with pytest.raises(nip.InputError, match=f"^{key} = .* cannot be used"):
-            call(model, **arguments)
 
 
 @pytest.mark.parametrize("text", ["1_0", "٣", "１２", "1٫5", "", " ", "0x10", "1e", "12 3", "1,5"])  # noqa: RUF001

@@ -8,6 +8,7 @@ import pickle
 import subprocess
 import sys
 from html.parser import HTMLParser
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -63,9 +64,6 @@ def test_texts_are_short_and_tell_apart(solution: nip.Solution) -> None:
     turns = nip.simulate(solution.mechanism, nip.Case(speed_rpm=450.0, window="cycle", cycles=2))
     assert "450 r/min, 2 turns, held drive" in repr(turns)
     assert "completed" in repr(turns)
-    assert repr(solution.mechanism) == (
-        "<Mechanism e62: 7 joints, 2 closures, 2 drives, stops jaw, steeve, mobility 3>"
-    )
 
 
 def test_a_notebook_shows_the_collisions(solution: nip.Solution) -> None:
@@ -82,14 +80,9 @@ def test_a_notebook_shows_the_collisions(solution: nip.Solution) -> None:
 def test_texts_of_a_model_cannot_become_tags() -> None:
     title = "<script>alert('x')</script> & co"
     mechanism = nip.load("e62", {"title": title})
-    pages = [
-        mechanism._repr_html_(),
-        nip.simulate(mechanism, nip.Case(speed_rpm=650.0))._repr_html_(),
-    ]
-    for text in pages:
-        page = Page(text)
-        assert "script" not in page.tags
-        assert any(title in item for item in page.texts)
+    page = Page(nip.simulate(mechanism, nip.Case(speed_rpm=650.0))._repr_html_())
+    assert "script" not in page.tags
+    assert any(title in item for item in page.texts)
 
 
 def test_long_tables_are_cut_and_say_so(e62: nip.Mechanism) -> None:
@@ -229,30 +222,26 @@ def test_sweep_computes_and_its_rows_are_read(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "given"),
-    [
-        ("optimise", {"starts": 2, "seed": 5, "check": False, "points": 3, "workers": 1,
-                      "progress": print}),
-        ("identify", {"starts": 2, "seed": 5, "workers": 1, "progress": print}),
-    ],
-)  # fmt: skip
+    ("name", "file"),
+    [("optimise", "optimise_rebound.toml"), ("identify", "identify_camera.toml")],
+)
 def test_studies_read_their_file_and_pass_everything_on(
-    name: str, given: dict[str, object], monkeypatch: pytest.MonkeyPatch
+    name: str, file: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """With other values than the defaults; every argument of the call is in the list."""
-    room = __import__(f"nipper_pin.study.{name}", fromlist=["x"])
-    asked: list[tuple[object, dict[str, object]]] = []
+    """Every argument of the study, as it is given or by its default."""
+    room, public = import_module(f"nipper_pin.study.{name}"), getattr(nip, name)
+    (_, *wanted), (_, *told) = (inspect.signature(call).parameters.values()
+                                for call in (getattr(room, name), public))  # fmt: skip
+    assert {item.name for item in told} == {item.name for item in wanted}
+    asked: list[tuple[Any, dict[str, object]]] = []
     monkeypatch.setattr(room, name, lambda problem, **others: asked.append((problem, others)))
-    file = Path(__file__).parents[1] / "scripts" / {
-        "optimise": "optimise_rebound.toml", "identify": "identify_camera.toml"}[name]  # fmt: skip
-    getattr(nip, name)(file, **given)
-    assert asked[-1][1] == given
-    assert asked[-1][0].title == room.read_problem(file).title
-    getattr(nip, name)(asked[-1][0])
-    assert asked[-1][0] is asked[-2][0]
-    parameters = inspect.signature(getattr(nip, name)).parameters
-    assert set(parameters) == {"problem", *given}
-    assert asked[-1][1] == {key: parameters[key].default for key in given}
+    study = Path(__file__).parents[1] / "scripts" / file
+    given = {item.name: object() for item in told}
+    public(study, **given)
+    problem = asked[0][0]
+    assert problem.title == room.read_problem(study).title
+    public(problem)
+    assert asked == [(problem, given), (problem, {item.name: item.default for item in told})]
 
 
 @pytest.fixture(scope="module")

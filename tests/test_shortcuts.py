@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import pytest
 
 from nipper_pin import InputError, Mechanism, load
-from nipper_pin.cli import main
 from nipper_pin.mechanism import with_numbers
 from nipper_pin.study import identify, optimise
 from nipper_pin.study.sweep import read_plan
@@ -49,12 +47,6 @@ def test_overrides_of_a_model(name: str, e62: Mechanism) -> None:
         assert preload_m(load("e62", {name: value})) == pytest.approx(9.25e-3, rel=1e-15)
     assert preload_m(with_numbers(e62, {name: 9.25})) == pytest.approx(9.25e-3, rel=1e-15)
     assert preload_m(e62) == pytest.approx(11e-3, rel=1e-15)
-
-
-@pytest.mark.parametrize("name", ["preload", PATH])
-def test_the_command(name: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["simulate", "--set", f"{name}=9.25", "--json", "-"]) == 0
-    assert json.loads(capsys.readouterr().out)["case"]["preload_length_mm"] == 9.25
 
 
 def test_studies_read_both_as_the_same(tmp_path: Path) -> None:

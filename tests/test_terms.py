@@ -1,17 +1,27 @@
-"""The table of terms: units by names, factors by hand, the page of notation, names in words."""
+"""The table of terms: units by names, factors by hand, the page of notation, names in words.
+
+And the factors between units, held against what they are made of.
+"""
 
 from __future__ import annotations
 
 import math
 import re
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from nipper_pin import units
 from nipper_pin.terms import TERMS, Term, named, parameter_shown, shown_in, term_of
 
-NOTATION = (Path(__file__).parents[1] / "docs/notation.md").read_text(encoding="utf-8")
+ROOT = Path(__file__).parents[1]
+sys.path.append(str(ROOT / "scripts/maintain/figures"))
+
+from write_quantity_page import page  # noqa: E402
+
+NOTATION = (ROOT / "docs/notation.md").read_text(encoding="utf-8")
 # What a name ends with where it says its unit, the longest first.
 ENDINGS = {
     "_N_m_s": "N m s", "_N_s": "N s", "_N_m": "N m", "_rad": "rad", "_deg": "deg", "_rpm": "r/min",
@@ -135,19 +145,13 @@ def test_names_in_words(name: str, unit: str, label: str, factor: float) -> None
     [
         ("points.rod_pin.x_mm", "pin rod forward"),
         ("points.rod_pin.z_mm", "pin rod upward"),
-        ("points.eccentric_pin.radius_mm", "distance of pin eccentric from its shaft"),
         ("points.eccentric_pin.angle_deg", "angle of pin eccentric about its shaft"),
-        ("links.top_nipper.mass_kg", "mass of top nipper"),
         ("links.top_nipper.gyration_mm", "radius of gyration of top nipper"),
         ("links.top_nipper.com_x_mm", "centre of mass of top nipper forward"),
         ("links.top_nipper.com_z_mm", "centre of mass of top nipper upward"),
-        ("springs.steeve.stiffness_N_per_m", "stiffness of spring steeve"),
         ("springs.own_one.stiffness_N_m_per_rad", "stiffness of spring own one"),
-        ("springs.steeve.preload_length_mm", "preload length of spring steeve"),
-        ("stops.jaw.restitution", "restitution of stop jaw"),
         ("drives.tension.ratio", "ratio of drive tension"),
         ("cylinder.angle_at_touch_deg", "cylinder angle at touch"),
-        ("speed_rpm", "cylinder speed"),
         ("other.limit_mm", "other limit"),
     ],
 )  # fmt: skip
@@ -161,3 +165,38 @@ def test_names_that_are_no_terms() -> None:
     for name in ("rebound_time_s_0", "rebound_time_s_01", "rebound", "jaw_1", "springs.a"):
         with pytest.raises(KeyError):
             term_of(name)
+
+
+def test_the_page_is_written_from_the_table() -> None:
+    """`python scripts/maintain/figures/write_quantity_page.py` writes it anew."""
+    assert page() == NOTATION
+
+
+def test_each_name_stands_once() -> None:
+    """Every name of the JSON document and of the files of a run is explained there."""
+    found = re.findall(r"`([a-zA-Z_]+)`", page().partition("### A collision")[2])
+    assert len(found) == len(set(found))
+    assert {"t_s", "time_s", "rebound_amplitude", "duration_s", "clamped_share"} <= set(found)
+
+
+# What each unit of a name is, in the smallest unit of its kind.
+SIZE = {
+    "M": 1e6, "MM": 1e3, "UM": 1.0,
+    "S": 1e6, "MS": 1e3, "US": 1.0, "MIN": 60e6, "H": 3600e6,
+    "TURN": math.tau, "RAD": 1.0, "DEG": math.tau / 360.0, "MRAD": 1e-3, "MDEG": math.tau / 360e3,
+    "J": 1.0, "MJ": 1e-3,
+}  # fmt: skip
+NAMES = [name for name in vars(units) if "_PER_" in name]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_factor_is_what_its_name_says(name: str) -> None:
+    """So many of the first unit are one of the second, but for two roundings."""
+    first, second = name.split("_PER_")
+    assert getattr(units, name) == pytest.approx(SIZE[second] / SIZE[first], rel=4.5e-16)
+
+
+def test_angles_are_those_of_the_standard_library() -> None:
+    """To the last bit: files that were written with one are read with the other."""
+    assert math.degrees(1.0) == units.DEG_PER_RAD
+    assert math.radians(1.0) == units.RAD_PER_DEG

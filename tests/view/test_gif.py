@@ -107,7 +107,7 @@ def test_every_link_stands_where_the_solution_has_it(name: str) -> None:
     of the E62 are drawn larger.
     """
     mechanism = machine(name)
-    look = Look(slow=20.0, exaggerate=10.0 if name == "e62" else 1.0)
+    look = Look(slow=20.0, exaggerate=10.0 if name in ("e62", "elements") else 1.0)
     shown = film(turn(mechanism, mechanism.cylinder.rated_speed_rpm, 24.0), look)
     moving = MovingSketch(shown)
     axes = moving.figure.axes[0]

@@ -18,7 +18,6 @@ from snapshots import Words
 pytest.importorskip("viser", reason="viser is not installed (extra `live`)")
 pytest.importorskip("manifold3d", reason="manifold3d is not installed (extra `live`)")
 import viser
-from urdf_shapes import shaped
 
 from nipper_pin import InputError, Mechanism, load
 from nipper_pin.view.live import page as pages
@@ -96,20 +95,6 @@ def test_words_of_the_scene(
     assert math.radians(5.0) < max(off) < 0.5 * view.fov == pytest.approx(math.radians(22.5))
     assert ahead[1] > 0.7
     assert ahead[2] < 0.0
-
-
-def test_solids_as_they_are_sent(server: viser.ViserServer, tmp_path: Any) -> None:
-    """In their colours and scales; mirrored ones with two sides; no shadows, which cost most."""
-    mechanism = shaped(tmp_path)
-    Stage(server, mechanism)
-    for solid in solids(mechanism):
-        owners = {-1: "frame", -2: "cylinder"} if solid.body < 0 else {}
-        owner = owners.get(solid.body) or f"links/{mechanism.joints[solid.body].child}"
-        mesh: Any = server.scene.get_handle_by_name(f"/{owner}/{solid.name}")
-        assert mesh.side == ("double" if np.prod(solid.scale) < 0.0 else "front")
-        assert tuple(mesh.scale) == tuple(solid.scale)
-        assert tuple(mesh.color) == tuple(round(255.0 * part) for part in solid.colour)
-        assert (mesh.cast_shadow, mesh.receive_shadow) == (False, False)
 
 
 def test_solids_keep_their_shape_with_fewer_triangles(e62: Mechanism) -> None:

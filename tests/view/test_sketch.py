@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Annotation
 from PIL import Image
 
-from nipper_pin import InputError, Mechanism, load
+from nipper_pin import Mechanism, load
 from nipper_pin.cli import main
 from nipper_pin.mechanism import known_models
 from nipper_pin.mechanism.drawing import drawn_mechanism
@@ -79,6 +79,7 @@ def test_parts_stand_where_pinocchio_has_them(name: str) -> None:
                 assert np.abs(by_name[link].points - at).max(axis=1).min() < 1e-14
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", MACHINES)
 def test_every_part_has_its_name_beside_it(name: str) -> None:
     """All names are written, inside of the drawing, and none on another one."""
@@ -127,20 +128,19 @@ def test_the_same_model_gives_the_same_bytes(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_the_command_draws_in_three_formats(
+def test_a_drawing_is_what_its_suffix_says(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Each is what its suffix says; another suffix is refused before anything is computed."""
+    """Another suffix is refused before anything is computed."""
     for kind, head in (("svg", b"<?xml"), ("png", b"\x89PNG"), ("pdf", b"%PDF")):
         path = tmp_path / f"e62.{kind}"
         assert main(["check", "e62", "--drawing", str(path)]) == 0
         assert path.read_bytes().startswith(head)
-        assert f"e62.{kind}" in capsys.readouterr().out.replace("\n", "")
     with Image.open(tmp_path / "e62.png") as image:
-        picture = np.asarray(image.convert("RGB"))
-    assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 100
+        assert len(image.convert("RGB").getcolors(1 << 24)) > 100
+    capsys.readouterr()
     assert main(["check", "e62", "--drawing", str(tmp_path / "e62.gif")]) == 2
-    assert "NAME.svg, NAME.png, NAME.pdf" in capsys.readouterr().err
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert "NAME.svg, NAME.png, NAME.pdf" in err
     assert not (tmp_path / "e62.gif").exists()
-    with pytest.raises(InputError, match="a drawing is written as"):
-        write_sketch(load("e62"), tmp_path / "e62")

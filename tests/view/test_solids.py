@@ -127,6 +127,7 @@ def test_solids_of_the_live_page(judge: Judge, server: Any) -> None:
     """What viser is sent reaches as far as Pinocchio's shapes, but for triangles that are saved.
 
     A surface may be moved by 4e-4 of the reach, at a corner by more; circles have 48 corners.
+    Mirrored ones have two sides; none has shadows, which cost most.
     """
     from nipper_pin.view.live.stage import Stage
 
@@ -144,6 +145,9 @@ def test_solids_of_the_live_page(judge: Judge, server: Any) -> None:
             for place in (mesh, frame):
                 w, *vector = place.wxyz
                 found = found @ rotation(np.array([*vector, w])).T + place.position
+            assert mesh.side == ("double" if np.prod(mesh.scale) < 0.0 else "front")
+            assert item.rgb is None or tuple(mesh.color) == item.rgb
+            assert (mesh.cast_shadow, mesh.receive_shadow) == (False, False)
             wanted = item.points(q, psi)
             off = (found @ DIRECTIONS.T).max(axis=0) - (wanted @ DIRECTIONS.T).max(axis=0)
             size = float(np.ptp(wanted, axis=0).max())
