@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import shlex
 from pathlib import Path
 
@@ -50,17 +49,6 @@ def test_what_is_advised_works(
         assert words[2:6] == ["--set", gravity, "--speed", "61.5"]
         assert main(words) == 0
     assert ("--window" in advised[0]) != transition
-
-
-def test_a_start_is_passed_on(capsys: pytest.CaptureFixture[str]) -> None:
-    advised = _advised(capsys, "e62", "--start-index", "21.5")
-    assert [words[-2:] for words in advised[1:2]] == [["--start-index", "21.5"]]
-    assert advised[2][2:4] == ["--start-index", "21.5"]
-    assert "--start-index" not in advised[0]
-    assert main(["check", "e62", "--start-index", "21.5", "--json", "-"]) == 0
-    report = json.loads(capsys.readouterr().out)
-    assert report["start_index"] == 21.5
-    assert report["masses_kg"]["top_nipper"] == 1.2
 
 
 def test_a_start_that_cannot_be_assembled_names_the_loop_and_the_phase(

@@ -198,15 +198,14 @@ def in_grams() -> Mechanism:
     return machine(parts, 3)
 
 
-@pytest.mark.parametrize("width", [60, 80])
 @pytest.mark.parametrize("make", [twins, between_two_stops, in_grams])
-def test_words_of_a_machine(make: Callable[[], Mechanism], width: int, words: Words) -> None:
+def test_words_of_a_machine(make: Callable[[], Mechanism], words: Words) -> None:
     made = make()
     report = check_model(made, 60.0)
-    text = printed(lambda to: print_report(report, next_steps(report, "machine"), to), width)
+    text = printed(lambda to: print_report(report, next_steps(report, "machine"), to), 60)
     if made.stops:
         run = simulate(made, Case(speed_rpm=60.0, window=Window.CYCLE, start_index=0.0))
-        text += "\n" + printed(lambda to: print_solution(run, to, with_forces=True), width)
+        text += "\n" + printed(lambda to: print_solution(run, to, with_forces=True), 60)
     words(text)
 
 

@@ -313,31 +313,25 @@ def test_arrows_of_the_page(struck: Judge) -> None:
                 begin, ahead = (struck.point(joint, p, zero, q) for p in (foot, foot + way))
             else:
                 begin, ahead = foot, foot + way
-            along = np.array([ahead[0] - begin[0], 0.0, ahead[1] - begin[1]])
-            start = np.array([begin[0], 0.0, begin[1]])
-            # Along the push: the shaft ends where the head begins.
-            ends = [(part - start) @ along for part in (shaft, head)]
-            assert ends[0].min() == pytest.approx(0.0, abs=1e-4 * reach)
-            assert ends[0].max() == pytest.approx(ends[1].min(), abs=1e-5 * reach)
-            tip = head[int(np.argmax(ends[1]))] - start
-            length = float(ends[1].max())
-            np.testing.assert_allclose(tip, length * along, atol=1e-4 * reach)
+            x, z = ahead - begin
+            own = np.array([[x, 0.0, z], [-z, 0.0, x], [0.0, 1.0, 0.0]])
+            # In its own axes: along the push, across it in the plane, and out of the plane.
+            shaft, head = ((part - [begin[0], 0.0, begin[1]]) @ own.T for part in (shaft, head))
+            # The shaft ends where the head begins.
+            assert shaft[:, 0].min() == pytest.approx(0.0, abs=1e-4 * reach)
+            assert shaft[:, 0].max() == pytest.approx(head[:, 0].min(), abs=1e-5 * reach)
+            length, *off = head[int(np.argmax(head[:, 0]))]
+            np.testing.assert_allclose(off, 0.0, atol=1e-4 * reach)
             unit = unit or length / impulse
             assert length == pytest.approx(unit * impulse, rel=2e-3)
             # It stays for half a second, or until the next one.
-            size = scene.tracks[path][".scale"]
             until = min(at + 0.5, after - 2e-3)
-            still = [np.interp(x, size[0], size[1][:, 1]) for x in (now, until)]
+            still = [np.interp(when, t, size[:, 1]) for when in (now, until)]
             assert still[0] == pytest.approx(still[1], rel=1e-6)
-            width = []
-            for part in (shaft, head):
-                across = part - start - np.outer((part - start) @ along, along)
-                width.append(float(np.linalg.norm(across, axis=1).max()))
-                assert width[-1] == pytest.approx(np.abs(across[:, 1]).max(), rel=1e-3)
-                assert width[-1] == pytest.approx(np.abs(across[:, 0] / along[2]).max(), rel=1e-3)
-            # Narrower than long, and the head wider than the shaft.
-            assert width[0] < width[1]
-            assert width[1] < 0.5 * math.sqrt(length * unit * largest)
+            # Round; narrower than long, and the head wider than the shaft.
+            widths = np.array([np.abs(part[:, 1:]).max(axis=0) for part in (shaft, head)])
+            np.testing.assert_allclose(widths[:, 0], widths[:, 1], rtol=1e-3)
+            assert widths[0, 0] < widths[1, 0] < 0.5 * math.sqrt(length * unit * largest)
     assert checked > 3
     assert unit is not None
     # The largest is a part of the machine that neither covers it nor is lost in it.
