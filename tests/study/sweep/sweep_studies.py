@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import shutil
+import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -92,6 +93,14 @@ def stored(out: Path, found: Plan) -> Path:
     for chunk, rows in found.rows(found.chunks()):
         store.write(chunk, run_chunk(found.job.text(), chunk.start, rows))
     return out
+
+
+def started(*words: str, command: Sequence[str] = COMMAND) -> subprocess.Popen[str]:
+    """A sweep by the command, in a group of processes of its own."""
+    return subprocess.Popen(
+        [*command, "sweep", *words], text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        start_new_session=True,
+    )  # fmt: skip
 
 
 def wait_for(condition: Callable[[], bool], seconds: float = 60.0) -> None:

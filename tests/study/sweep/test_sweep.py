@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import signal
-import subprocess
 import time
 from pathlib import Path
 from typing import Any
@@ -13,11 +12,11 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 from sweep_studies import (
-    COMMAND,
     GEOMETRY,
     TABLE,
     chunk_files,
     plan,
+    started,
     stored,
     study,
     tabulated_e62,
@@ -198,15 +197,7 @@ def test_jobs_of_an_array_begin_at_once(tmp_path: Path, capsys: pytest.CaptureFi
     """
     path, out = study(tmp_path, GEOMETRY), tmp_path / "out"
     every = ["sweep", path, "--out", str(out), "--workers", "1"]
-    jobs = [
-        subprocess.Popen(
-            [*COMMAND, *every, "--chunks", bounds],
-            text=True,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-        )
-        for bounds in ("0-3", "3-5")
-    ]
+    jobs = [started(*every[1:], "--chunks", bounds) for bounds in ("0-3", "3-5")]
     wait_for(lambda: (out / "chunks").is_dir() or jobs[0].poll() is not None)
     assert main(every) == 2
     assert "another process works in it" in capsys.readouterr().err
@@ -259,14 +250,12 @@ def test_a_sweep_is_stopped_and_goes_on(tmp_path: Path, capsys: pytest.CaptureFi
     def stopped(blow: signal.Signals) -> tuple[int, str]:
         """Status and complaint of a command that is stopped after three more chunks."""
         before = len(list(out.glob("chunks/*.parquet")))
-        # A group of its own: from a keyboard, an interrupt reaches every process of the group.
-        command = subprocess.Popen(
-            [*COMMAND, *arguments], stderr=subprocess.PIPE, text=True, start_new_session=True
-        )
+        command = started(*arguments[1:])
         wait_for(lambda: len(list(out.glob("chunks/*.parquet"))) >= before + 3)
         text = Path(f"/proc/{command.pid}/task/{command.pid}/children").read_text()
         workers = [int(number) for number in text.split()]
         assert len(workers) >= 2
+        # From a keyboard, an interrupt reaches every process of the group.
         if blow == signal.SIGINT:
             os.killpg(command.pid, blow)
         else:

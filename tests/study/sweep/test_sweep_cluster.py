@@ -13,7 +13,7 @@ from pathlib import Path
 
 import distributed
 import pytest
-from sweep_studies import COMMAND, GEOMETRY, chunk_files, stored, study, wait_for
+from sweep_studies import GEOMETRY, chunk_files, started, stored, study, wait_for
 
 from nipper_pin import SimulationError, read_sweep
 from nipper_pin.cli import main
@@ -85,12 +85,7 @@ def test_a_worker_of_a_cluster_dies(tmp_path: Path) -> None:
         doomed, other = cluster.worker("doomed"), cluster.worker("other")
         client.wait_for_workers(2, timeout=180)
         names = {item["name"]: at for at, item in client.scheduler_info()["workers"].items()}
-        command = subprocess.Popen(
-            [*COMMAND, "sweep", path, "--out", str(out), "--scheduler", cluster.address],
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
+        command = started(path, "--out", str(out), "--scheduler", cluster.address)
         wait_for(lambda: count() >= 8 or command.poll() is not None)
         under_way = client.processing()[names["doomed"]]
         doomed.kill()
@@ -224,12 +219,8 @@ def test_a_cluster_is_lost(tmp_path: Path, lost: str) -> None:
     with Cluster(tmp_path) as cluster, distributed.Client(cluster.address) as client:
         doomed = [cluster.worker("one"), cluster.worker("two")]
         client.wait_for_workers(2, timeout=180)
-        command = subprocess.Popen(
-            [*IMPATIENT, "sweep", path, "--out", str(out), "--scheduler", cluster.address],
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
+        words = (path, "--out", str(out), "--scheduler", cluster.address)
+        command = started(*words, command=IMPATIENT)
         wait_for(lambda: len(list(out.glob("chunks/*.parquet"))) >= 3 or command.poll() is not None)
         client.close()
         for process in doomed if lost == "workers" else cluster.running[:1]:
