@@ -13,6 +13,8 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 import pytest
+from any_plane import rewritten
+from small_machines import hinge, link, slide
 
 import nipper_pin as nip
 
@@ -48,51 +50,36 @@ FRAMES = (
 )
 
 
-def words(values: object) -> str:
-    """Numbers as a URDF has them."""
-    return " ".join(repr(float(value) + 0.0) for value in np.asarray(values))
-
-
 def draw(
-    folder: Path, pair: tuple[str, str], joint: str, misfit: float, shift: float, frame: Frame
-) -> Path:
-    """A rod with its lip on a peg."""
+    folder: Path, pair: tuple[str, str], joint: str, misfit: float, shift: float, frame: Frame,
+    tilt: float = 0.0,
+) -> Path:  # fmt: skip
+    """A rod with its lip, which may be tilted, on a peg."""
     scale, side = frame.scale, frame.side
-    plane = pin.rpy.rpyToMatrix(*frame.turn)
-    elements = (2.0 * HALF * scale, HALF * scale, scale)
 
-    def lip(kind: str, x: float, z: float, *, down: bool) -> str:
+    sizes = 2.0 * HALF * scale, HALF * scale, scale
+
+    def lip(name: str, kind: str, x: float, z: float, *, down: bool) -> str:
         element, turn, _ = SHAPES[kind]
+        first = pin.rpy.rpyToMatrix(*((math.pi, 0.0, 0.0) if down else (0.0, tilt, 0.0)))
+        angles = pin.rpy.matrixToRpy(first @ pin.rpy.rpyToMatrix(*turn))
+        rpy = " ".join(repr(float(angle)) for angle in angles)
         height = 0.0 if kind == "wedge" else HALF * scale
-        turned = pin.rpy.rpyToMatrix(math.pi if down else 0.0, 0.0, 0.0) @ pin.rpy.rpyToMatrix(
-            *turn
-        )
-        place = words(plane @ [x, 0.0, z - height if down else z + height])
-        angles = words(pin.rpy.matrixToRpy(plane @ turned))
-        name = "peg" if down else "pad"
         return (
-            f'<collision name="{name}"><origin xyz="{place}" rpy="{angles}"/><geometry>'
-            f"{element.format(*elements)}</geometry></collision>"
+            f'<collision name="{name}"><origin xyz="{x!r} 0 {z - height if down else z + height!r}"'
+            f' rpy="{rpy}"/><geometry>{element.format(*sizes)}</geometry></collision></link>'
         )
 
-    slides = joint == "slide"
-    axis = words(plane @ ([0.0, 0.0, 1.0] if slides else [0.0, -side, 0.0]) + 0.0)
-    kind = "prismatic" if slides else "continuous"
-    limit = '<limit lower="-10" upper="10" effort="1" velocity="1"/>' if slides else ""
-    centre = words(plane @ [0.5 * side * LENGTH * scale, 0.0, 0.0])
-    inertia = " ".join(
-        f'i{a}{b}="{0.1 * scale**2 if a == b else 0.0!r}"'
-        for a, b in itertools.combinations_with_replacement("xyz", 2)
-    )
-    peg = lip(pair[0], side * PLACE * scale, 0.0, down=True)
-    pad = lip(pair[1], side * (PLACE * scale + shift * scale), misfit, down=False)
+    peg = lip("peg", pair[0], side * PLACE * scale, 0.0, down=True)
+    pad = lip("pad", pair[1], side * (PLACE + shift) * scale, misfit, down=False)
+    rod = link("rod", 2.0, 0.1 * scale**2, (0.5 * side * LENGTH * scale, 0.0))
+    move = slide if joint == "slide" else hinge
+    axis = ((0.0, 1.0),) if joint == "slide" else ()
+    moves = move("j", "frame", "rod", *axis).replace("0 -1 0", f"0 {-side!r} 0")
+    body = f"{rod.replace('</link>', pad)}{moves}"
+    urdf = f'<robot name="rod"><link name="frame">{peg}{body}</robot>'
     folder.mkdir(exist_ok=True)
-    (folder / "rod.urdf").write_text(
-        f'<robot name="rod"><link name="frame">{peg}</link><link name="rod"><inertial>'
-        f'<origin xyz="{centre}"/><mass value="2"/><inertia {inertia}/></inertial>{pad}</link>'
-        f'<joint name="j" type="{kind}"><parent link="frame"/><child link="rod"/>'
-        f'<axis xyz="{axis}"/>{limit}</joint></robot>'
-    )
+    (folder / "rod.urdf").write_text(rewritten(urdf, pin.rpy.rpyToMatrix(*frame.turn), {}))
     for name in ("cube.stl", "wedge.stl"):
         shutil.copy(STRANGERS / "lips_mesh_wedge" / name, folder)
     shutil.copy(STRANGERS / "lips_mesh_wedge/lips_mesh_wedge.toml", folder / "rod.toml")
@@ -133,12 +120,10 @@ def test_lips_have_the_lever_of_what_lies_together(
     for frame, size in tried:
         misfit = float(size) * min(1.0, frame.scale)
         shift = 0.004 if flat and misfit else 0.0
-        mechanism = nip.load(draw(tmp_path, pair, joint, misfit, shift, frame))
-        contact = mechanism.stops[0].contact
-        assert contact is not None
+        found = nip.load(draw(tmp_path, pair, joint, misfit, shift, frame)).stops[0].lever
         right = 1.0 if joint == "slide" else middle(pair, shift) * frame.scale
         within = accuracy(pair, misfit, frame.scale)
-        assert contact.lever_m == pytest.approx(right, rel=within), (frame, misfit)
+        assert found == pytest.approx(right, rel=within), (frame, misfit)
 
 
 @pytest.mark.parametrize("joint", ["hinge", "slide"])
@@ -170,23 +155,19 @@ def test_lips_that_do_not_touch_say_their_gap(kind: str, misfit: float, tmp_path
 
 
 def test_faces_that_are_not_parallel_touch_at_an_edge(tmp_path: Path) -> None:
-    """Within the misfit of 1 um they are; a thousandth of a radian leaves the outer edge."""
-    folder = draw(tmp_path, ("box", "box"), "hinge", 0.0, 0.0, Frame())
-    urdf = folder / "rod.urdf"
-    straight = urdf.read_text()
-    pad = 'rpy="0.0 0.0 0.0"/><geometry><box'
-    assert straight.count(pad) == 1
+    """Within the misfit of 1 um they are parallel, and at most up to a small angle."""
 
-    def lever(angle: float, height: float) -> float:
-        turned = straight.replace(pad, f'rpy="0.0 {angle!r} 0.0"/><geometry><box')
-        urdf.write_text(turned.replace('0.0 0.01"', f'0.0 {0.01 + height!r}"'))
-        contact = nip.load(folder).stops[0].contact
-        assert contact is not None
-        return contact.lever_m
+    def lever(tilt: float, scale: float) -> float:
+        """By the scale, where the outer edges touch."""
+        height = HALF * scale * tilt
+        frame = Frame(scale=scale)
+        folder = draw(tmp_path, ("box", "box"), "hinge", height, 0.0, frame, tilt)
+        return nip.load(folder).stops[0].lever / scale
 
-    # Half the width of a lip, by the angle.
-    assert lever(1e-5, 1e-7) == pytest.approx(PLACE, abs=1e-6)
-    assert lever(1e-3, 1e-5) == pytest.approx(PLACE + HALF, abs=2e-5)
+    # Half the width of a lip, by the angle; lips of two metres open by 20 um.
+    assert lever(1e-5, 1.0) == pytest.approx(PLACE, abs=1e-6)
+    assert lever(1e-3, 1.0) == pytest.approx(PLACE + HALF, abs=2e-5)
+    assert lever(1e-5, 100.0) == pytest.approx(PLACE + HALF, abs=2e-7)
 
 
 @pytest.mark.parametrize("kind", ["box", "cube"])

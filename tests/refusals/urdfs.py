@@ -207,6 +207,9 @@ HOSTILE = {
     "entities that explode": entity("a11", '<!ENTITY a0 "aaaaaaaaaa">' + "".join(
         f'<!ENTITY a{n} "{f"&a{n - 1};" * 10}">' for n in range(1, 12))),
     "formula as a name": Row((TYPE, TYPE.replace("jaw", "=jaw")), ..., "=jaw"),
+    **{f"scale {text} of a shape": Row(
+        (LIP, f'<mesh filename="meshes/rockers.stl" scale="{text}"/>'), ..., ...)
+       for text in ("nan 1 1", "1e30 1 1", "1 1", "x")},
     "mesh cut off": shape(b"solid x\nfacet normal nan"),
     "mesh of no length": shape(b"\0" * 80 + b"\xff\xff\xff\x7f" + b"\0" * 10),
     "mesh of no numbers": shape(b"solid x\nfacet normal 0 0 1\nouter loop\nvertex nan 0 0\n"
