@@ -23,7 +23,7 @@ import pytest
 from snapshots import Text, Words, without_the_machine
 from syrupy.assertion import SnapshotAssertion
 
-from nipper_pin.mechanism import Mechanism, load
+from nipper_pin import Mechanism, load
 
 # Of a terminal, and of what its user likes.
 PERSONAL = (

@@ -22,8 +22,7 @@ from scipy.linalg import null_space
 from scipy.optimize import minimize_scalar
 from small_machines import SLED, hinge, link, machine, slide
 
-from nipper_pin import Mechanism, Solution
-from nipper_pin.hybrid.event import Event
+from nipper_pin import Event, Mechanism, Solution
 
 Array = Any
 

@@ -12,7 +12,7 @@ from typing import Any
 from mpmath import mp, mpf, sqrt
 from small_machines import link, machine, slide
 
-from nipper_pin.mechanism import Mechanism
+from nipper_pin import Mechanism
 
 GRAVITY, DROP = 9.81, 0.01
 Numbers = tuple[float, float, float, float, float]

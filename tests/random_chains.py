@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from small_machines import SHAFT, frame, hinge, link, machine, slide
 
-from nipper_pin.mechanism import Mechanism
+from nipper_pin import Mechanism
 
 
 def chain(rng: np.random.Generator, free: int, shaken: bool, tied: bool) -> Mechanism:

@@ -9,10 +9,8 @@ import numpy as np
 from small_machines import link, machine, slide
 
 from nipper_pin import Mechanism
-from nipper_pin.dynamics.impact import Impact
-from nipper_pin.dynamics.shaft import ShaftMotion
+from nipper_pin.dynamics import Impact, ShaftMotion, System
 from nipper_pin.dynamics.strike import strike
-from nipper_pin.dynamics.system import System
 
 
 def row(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import math
 import shutil
@@ -10,10 +11,10 @@ import sys
 from pathlib import Path
 
 import pytest
+from units_shown import rows
 
 from nipper_pin import Case, Window, load, load_solution, record, simulate
 from nipper_pin.cli import main
-from nipper_pin.view.run.csv_tables import tables
 
 HERE = Path(__file__).parent
 COMMAND = [sys.executable, "-c", "import sys; from nipper_pin.cli import main; sys.exit(main())"]
@@ -144,7 +145,8 @@ def test_out_writes_everything_and_the_case_repeats_the_run(tmp_path: Path) -> N
         "solution.npz", *(f"{name}.png" for name in figures),
     }  # fmt: skip
     solution = load_solution(folder / "solution.npz")
-    assert (folder / "collisions.csv").read_text() == dict(tables(solution))["collisions.csv"]
+    with (folder / "collisions.csv").open(encoding="utf-8", newline="") as file:
+        assert list(csv.DictReader(file)) == rows(solution, "collisions.csv")
     again = run("simulate", "--case", str(folder / "case.json"), "--json", "-", cwd=tmp_path)
     times = [item["rebound_time_s"] for item in json.loads(again.stdout)["collisions"]]
     assert times == [item.rebound_time for item in solution.collisions]

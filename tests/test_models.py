@@ -12,10 +12,19 @@ import jsonschema
 import numpy as np
 import pytest
 
-from nipper_pin import Case, Mechanism, Outcome, Solution, Window, load, simulate, transition_table
+from nipper_pin import (
+    Case,
+    Mechanism,
+    Outcome,
+    Solution,
+    Window,
+    check,
+    load,
+    simulate,
+    transition_table,
+)
 from nipper_pin.mechanism import known_models
 from nipper_pin.mechanism.files.schema import model_schema
-from nipper_pin.study.check import check_model
 from nipper_pin.study.next_steps import next_steps
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -93,7 +102,7 @@ def test_cycle_goes_through_all_phases_and_repeats(turn: Solution) -> None:
 def test_check_finds_a_usable_machine(turn: Solution) -> None:
     """Timing of a comber: closed around the rear dead centre, and nothing overlaps."""
     mechanism = turn.mechanism
-    report = check_model(mechanism, mechanism.cylinder.rated_speed_rpm)
+    report = check(mechanism, mechanism.cylinder.rated_speed_rpm)
     assert report.closing_index == pytest.approx(34.0, abs=1.0)
     assert report.opening_index is not None
     assert 7.0 < report.opening_index < 15.0
@@ -193,7 +202,7 @@ def test_torsion_spring_clamps_with_its_moment() -> None:
     loose, but a spring on the wrong joint, in degrees or without preload is out by far more.
     """
     mechanism = load("hanging_pendulum")
-    report = check_model(mechanism, 22.0)
+    report = check(mechanism, 22.0)
     jaw = mechanism.stop("jaw")
     torque = 6.0 * math.radians(45.0)
     assert report.stop_force["jaw"].value == pytest.approx(torque / jaw.lever, rel=0.25)

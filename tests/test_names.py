@@ -14,7 +14,7 @@ import pytest
 from small_machines import frame, hinge, link, slide, sources
 
 import nipper_pin as nip
-from nipper_pin.mechanism.files.toml_writing import toml
+from nipper_pin.mechanism.files import toml
 
 # Kinds of one row need names of their own; of any two rows two may have the same.
 KINDS = (

@@ -18,8 +18,7 @@ from page_words import film_of
 from PIL import Image
 
 import nipper_pin as nip
-from nipper_pin import frames
-from nipper_pin.study.check import check_model
+from nipper_pin import check, frames
 from nipper_pin.study.sweep import SweepReport
 from nipper_pin.view import scene
 from nipper_pin.view.scene import server
@@ -196,7 +195,7 @@ def test_a_wrong_argument_is_one_clear_error(call: Any, words: str) -> None:
 
 def test_check_is_that_of_the_command(e62: nip.Mechanism) -> None:
     rated = nip.check(e62)
-    assert rated.record() == check_model(e62, 450.0).record()
+    assert rated.record() == check(e62, 450.0).record()
     assert nip.check(e62, 650.0).speed_rpm == 650.0
 
 

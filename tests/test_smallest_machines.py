@@ -13,7 +13,7 @@ import pytest
 from small_machines import hinge, link, slide, sources
 
 from nipper_pin.cli import main
-from nipper_pin.mechanism.files.toml_writing import toml
+from nipper_pin.mechanism.files import toml
 
 BALL = [link("ball", 1.0, 1e-3), slide("height", "frame", "ball", axis=(0.0, 1.0))]
 ARM = [link("arm", 1.0, 1e-3, centre=(0.1, 0.0)), hinge("turn", "frame", "arm")]

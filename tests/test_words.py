@@ -17,9 +17,8 @@ from snapshots import Words
 
 from benchmarks.stress import Campaign, Verdict
 from benchmarks.views.stress_report import print_campaign
-from nipper_pin import Case, Mechanism, Window, load, save, simulate
+from nipper_pin import Case, Mechanism, Window, check, load, save, simulate
 from nipper_pin.cli import main
-from nipper_pin.study.check import check_model
 from nipper_pin.study.next_steps import next_steps
 from nipper_pin.view.console import Terminal, paste, say, show_table, unbroken_console
 from nipper_pin.view.run.table import print_solution
@@ -201,7 +200,7 @@ def in_grams() -> Mechanism:
 @pytest.mark.parametrize("make", [twins, between_two_stops, in_grams])
 def test_words_of_a_machine(make: Callable[[], Mechanism], words: Words) -> None:
     made = make()
-    report = check_model(made, 60.0)
+    report = check(made, 60.0)
     text = printed(lambda to: print_report(report, next_steps(report, "machine"), to), 60)
     if made.stops:
         run = simulate(made, Case(speed_rpm=60.0, window=Window.CYCLE, start_index=0.0))

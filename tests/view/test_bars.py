@@ -13,9 +13,10 @@ from small_machines import SHAFT, frame, hinge, link, machine, slide
 
 from nipper_pin import InputError, Mechanism
 from nipper_pin.view.live.shapes import shape
+from nipper_pin.view.scene import FIXED, Solid, solids
 from nipper_pin.view.scene.colours import link_colour
 from nipper_pin.view.scene.meshes import mesh_of
-from nipper_pin.view.scene.solids import FIXED, Solid, _material, solids
+from nipper_pin.view.scene.solids import _material
 
 
 def block(turned: float, depth: float = 0.0, body: int = FIXED) -> Solid:

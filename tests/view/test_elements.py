@@ -8,7 +8,7 @@ from rich.console import Console
 from runs_shown import run_of, slotted, with_elements
 from snapshots import Words
 
-from nipper_pin.study.check import check_model
+from nipper_pin import check
 from nipper_pin.study.next_steps import NextSteps
 from nipper_pin.view.run.table import print_solution
 from nipper_pin.view.studies.check_report import print_report
@@ -20,7 +20,7 @@ def test_words_of_elements(words: Words) -> None:
     """One of each kind, with the units of people."""
     stream = io.StringIO()
     console = Console(file=stream, width=100)
-    print_report(check_model(with_elements(), 600.0), NOTHING, console)
+    print_report(check(with_elements(), 600.0), NOTHING, console)
     print_solution(run_of("elements"), console)
     words(stream.getvalue())
 
@@ -28,5 +28,5 @@ def test_words_of_elements(words: Words) -> None:
 def test_words_of_a_slot(words: Words) -> None:
     """Side, joint and place of every stop; the frame and the axis that a pin slides in."""
     stream = io.StringIO()
-    print_report(check_model(slotted(), 60.0), NOTHING, Console(file=stream, width=100))
+    print_report(check(slotted(), 60.0), NOTHING, Console(file=stream, width=100))
     words(stream.getvalue())

@@ -21,11 +21,10 @@ from nipper_pin import (
     load,
     simulate,
 )
-from nipper_pin.view.scene import Film, Look, film
+from nipper_pin.view.scene import Film, Look, film, solids
 from nipper_pin.view.scene.pace import _profile, pace
 from nipper_pin.view.scene.readings import readings
 from nipper_pin.view.scene.rebounds import rebound_flights
-from nipper_pin.view.scene.solids import solids
 from nipper_pin.view.scene.tracks import animation
 
 MODELS = Path(__file__).parents[1] / "verification" / "models"

@@ -28,7 +28,7 @@ from nipper_pin.view.live.settings import knobs
 from nipper_pin.view.live.shapes import coarse
 from nipper_pin.view.live.stage import Stage
 from nipper_pin.view.phases import phase_colour
-from nipper_pin.view.scene.solids import solids
+from nipper_pin.view.scene import solids
 
 
 @pytest.fixture

@@ -20,10 +20,9 @@ from urdf_shapes import shaped
 
 from nipper_pin import InputError, load
 from nipper_pin.mechanism import collision_model, find_model, from_sources
-from nipper_pin.view.scene import Look, film
+from nipper_pin.view.scene import CYLINDER, FIXED, Look, Solid, film, solids
 from nipper_pin.view.scene.objects import solid_commands
 from nipper_pin.view.scene.page import scene_page
-from nipper_pin.view.scene.solids import CYLINDER, FIXED, Solid, solids
 
 FOLDER = find_model("e62")
 DRAWN = ["e62", "e62_offset_guide"]
