@@ -14,10 +14,10 @@ import pytest
 from small_machines import frame, hinge, link, sources
 from snapshots import Words
 
-from nipper_pin import Case, InputError, Mechanism, Solution, Window, load, simulate
+from nipper_pin import Case, InputError, Mechanism, Solution, Window, check, load, simulate
 from nipper_pin.dynamics.moving_mass import impact_condition
 from nipper_pin.mechanism import collision_model, find_model, from_sources
-from nipper_pin.study.check import Extreme, ModelReport, check_model
+from nipper_pin.study.check import Extreme, ModelReport
 from nipper_pin.study.interference import Clearance, clearances
 from nipper_pin.study.masses import LinkMass, link_masses
 from nipper_pin.study.next_steps import next_steps
@@ -30,7 +30,7 @@ def one_turn(e62: Mechanism) -> Solution:
 
 @pytest.fixture(name="report", scope="module")
 def of_the_turn(e62: Mechanism) -> ModelReport:
-    return check_model(e62, 650.0)
+    return check(e62, 650.0)
 
 
 def index(run: Solution, t: float) -> float:
@@ -128,12 +128,12 @@ def test_conditions(report: ModelReport, turn: Solution) -> None:
 def test_a_machine_of_one_body() -> None:
     """Without closures conditions are one; what falls has no transition, with the reason."""
     ball = load(Path(__file__).parents[1] / "strangers" / "ball_e05")
-    found = check_model(ball, 60.0)
+    found = check(ball, 60.0)
     assert found.condition == found.impact_condition == Extreme(1.0, 24.0)
     with pytest.raises(InputError) as caught:
         simulate(ball, Case(speed_rpm=60.0))
     assert found.no_transition == caught.value.message
-    assert check_model(load("e62"), 512.5).no_transition == ""
+    assert check(load("e62"), 512.5).no_transition == ""
 
 
 def test_masses_with_what_is_fixed(tmp_path: Path) -> None:
@@ -235,7 +235,7 @@ def test_lips_meet_and_a_needle_that_is_too_long_strikes(e62: Mechanism, tmp_pat
 
     Closing at index 34 and opening between 7 and 9.5, as this class of machine is set.
     """
-    report = check_model(e62, 450.0)
+    report = check(e62, 450.0)
     assert report.closing_index == pytest.approx(34.0, abs=0.3)
     assert report.opening_index is not None
     assert 7.0 < report.opening_index < 9.5
@@ -251,7 +251,7 @@ def test_lips_meet_and_a_needle_that_is_too_long_strikes(e62: Mechanism, tmp_pat
     (tmp_path / "longer").mkdir()
     (tmp_path / "longer" / "longer.urdf").write_text(text, encoding="utf-8")
     (tmp_path / "longer" / "longer.toml").write_bytes((home / "e62.toml").read_bytes())
-    worst = check_model(load(tmp_path / "longer"), 450.0).interferences[0]
+    worst = check(load(tmp_path / "longer"), 450.0).interferences[0]
     assert {worst.link_a, worst.link_b} == {"frame", "bottom_nipper"}
     before = near[frozenset((worst.shape_a, worst.shape_b))]
     assert {before.shape_a, before.shape_b} == {"cylinder_drum", "bottom_lip"}

@@ -7,11 +7,10 @@ from xml.etree import ElementTree
 
 import pytest
 
-from nipper_pin import Case, Outcome, Window, load, simulate
+from nipper_pin import Case, Outcome, Window, check, load, simulate
 from nipper_pin.cli import main
 from nipper_pin.mechanism.drawing import drawn_mechanism, write_drawing
 from nipper_pin.mechanism.gallery import GALLERY, drawn
-from nipper_pin.study.check import check_model
 from nipper_pin.study.next_steps import next_steps
 
 # Stops that throw back what strikes them, and never hold it.
@@ -28,7 +27,7 @@ def test_there_are_forty_and_all_have_their_names() -> None:
 def test_a_machine_is_complete_and_runs_a_turn(name: str) -> None:
     """Nothing is missing, a stop is struck and left again in the turn, and the run ends well."""
     mechanism = drawn_mechanism(drawn(name))
-    report = check_model(mechanism, mechanism.cylinder.rated_speed_rpm)
+    report = check(mechanism, mechanism.cylinder.rated_speed_rpm)
     steps = next_steps(report, name)
     missing = [step for step in steps.missing if step.startswith("Missing")]
     if name in RATTLING:

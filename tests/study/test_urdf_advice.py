@@ -14,13 +14,12 @@ import pytest
 from small_machines import hinge, link, sources
 from snapshots import Words
 
-from nipper_pin import Case, Mechanism, load, simulate
+from nipper_pin import Case, Mechanism, check, load, simulate
 from nipper_pin.cli import main
 from nipper_pin.mechanism import from_sources, known_models
 from nipper_pin.mechanism.drawing import drawn_mechanism
-from nipper_pin.mechanism.files.toml_writing import toml
+from nipper_pin.mechanism.files import toml
 from nipper_pin.mechanism.gallery import GALLERY
-from nipper_pin.study.check import check_model
 from nipper_pin.study.urdf_advice import UrdfAdvice
 from nipper_pin.study.urdf_unread import unread
 
@@ -32,7 +31,7 @@ LIMITED = (
 
 def advised(mechanism: Mechanism) -> UrdfAdvice:
     """What is said of a machine at its rated speed."""
-    return check_model(mechanism, mechanism.cylinder.rated_speed_rpm).urdf
+    return check(mechanism, mechanism.cylinder.rated_speed_rpm).urdf
 
 
 def built(parts: list[str], **tables: Any) -> Mechanism:

@@ -14,9 +14,8 @@ import numpy as np
 import pytest
 from linear_problem import Linear, fitted
 
-from nipper_pin import Case, InputError, Mechanism, SimulationError, load, simulate
+from nipper_pin import Case, InputError, Mechanism, SimulationError, check, load, simulate
 from nipper_pin.cli import main
-from nipper_pin.study.check import check_model
 from nipper_pin.study.identify import (
     Condition,
     Objective,
@@ -230,7 +229,7 @@ def test_published_ratios_of_the_identified_model() -> None:
     assert len(off) == 12
     assert np.count_nonzero(off <= 0.04) >= 10
     assert off.max() <= 0.10
-    report = check_model(model, 450.0)
+    report = check(model, 450.0)
     assert report.closing_index is not None
     assert report.opening_index is not None
     assert 33.0 <= report.closing_index <= 35.0
@@ -256,7 +255,7 @@ def test_steeve_of_the_identified_model_stays_on_its_stop(speed: float, stiffnes
     started from has one at 650 r/min, so the assertion can fail.
     """
     model = load("e62_identified", {"springs.steeve.stiffness_N_per_m": stiffness})
-    assert [stop for stop, _ in check_model(model, speed).releases if stop == "steeve"] == []
+    assert [stop for stop, _ in check(model, speed).releases if stop == "steeve"] == []
 
 
 @pytest.mark.slow
