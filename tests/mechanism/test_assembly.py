@@ -3,7 +3,8 @@
 import numpy as np
 import pinocchio as pin
 
-from nipper_pin.mechanism import Mechanism, joint_placements, load
+from nipper_pin import Mechanism, load
+from nipper_pin.mechanism import joint_placements
 from nipper_pin.mechanism.build.closing import closure_gaps
 from nipper_pin.mechanism.build.touch_checks import closure_jacobian, dependent_rows
 from nipper_pin.mechanism.files import parse_xml

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from small_machines import frame, hinge, link, machine, slide
 
-from nipper_pin import ModelError
-from nipper_pin.mechanism import Mechanism, collision_model, load
+from nipper_pin import Mechanism, ModelError, load
+from nipper_pin.mechanism import collision_model
 from tests.refusals.bases import model
 
 POINT = np.array([9.2e-3, 0.0, 65.5e-3])

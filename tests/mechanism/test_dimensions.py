@@ -13,8 +13,8 @@ import pytest
 from small_machines import frame, hinge, machine, slide
 from small_machines import link as body
 
-from nipper_pin import AssemblyError, ModelError
-from nipper_pin.mechanism import Mechanism, joint_placements, load, with_numbers
+from nipper_pin import AssemblyError, Mechanism, ModelError, load
+from nipper_pin.mechanism import joint_placements, with_numbers
 from nipper_pin.mechanism.build.closing import closure_gaps
 from nipper_pin.mechanism.edit import Layout, read_dimension, read_layout
 from nipper_pin.mechanism.edit.urdf_paths import find_value

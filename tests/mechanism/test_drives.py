@@ -11,11 +11,10 @@ import numpy as np
 import pytest
 from small_machines import hinge, link, machine, slide, sources
 
-from nipper_pin import Case, InputError, ModelError, load, simulate
+from nipper_pin import Case, InputError, Mechanism, ModelError, load, simulate
 from nipper_pin.mechanism import (
     Cylinder,
     DriveLaw,
-    Mechanism,
     counted_from,
     from_sources,
     index_difference,

@@ -13,8 +13,8 @@ import msgspec
 import numpy as np
 import pytest
 
-from nipper_pin import InputError
-from nipper_pin.mechanism import Mechanism, known_models, load
+from nipper_pin import InputError, Mechanism, load
+from nipper_pin.mechanism import known_models
 from nipper_pin.mechanism.drives import Table
 from nipper_pin.mechanism.edit import apply_overrides, number_at, read_dimension, read_layout
 from nipper_pin.mechanism.edit.overrides import with_tables

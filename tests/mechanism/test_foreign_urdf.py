@@ -14,8 +14,8 @@ import pytest
 from scipy.integrate import solve_ivp
 from small_machines import hinge, link, slide, sources
 
-from nipper_pin import Case, ModelError, Window, load, simulate
-from nipper_pin.mechanism import Mechanism, from_sources
+from nipper_pin import Case, Mechanism, ModelError, Window, load, simulate
+from nipper_pin.mechanism import from_sources
 from nipper_pin.mechanism.files.xml_text import encoding_of
 from tests.refusals.bases import model
 from tests.refusals.urdfs import FOOT, FRAME, INERTIA, JAW, LIMIT, MASS, TYPE, frame

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nipper_pin import UnknownNameError
-from nipper_pin.mechanism import Mechanism, find_model, from_sources, load
+from nipper_pin import Mechanism, UnknownNameError, load
+from nipper_pin.mechanism import find_model, from_sources
 
 
 def same(one: Mechanism, other: Mechanism) -> None:

@@ -16,8 +16,9 @@ from scaled_machines import scaled
 from small_machines import frame, hinge, link, machine, sources
 
 import nipper_pin as nip
+from nipper_pin import Mechanism
 from nipper_pin.cli import main
-from nipper_pin.mechanism import Mechanism, from_sources, known_models, own_frame, with_numbers
+from nipper_pin.mechanism import from_sources, known_models, own_frame, with_numbers
 from nipper_pin.mechanism.drawing import drawn_sources
 from nipper_pin.mechanism.gallery import GALLERY
 from nipper_pin.reduced import reduced_model, transition

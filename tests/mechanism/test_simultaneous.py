@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from rows_of_balls import row
 
-from nipper_pin import Case, Window, load, load_solution, save, simulate
+from nipper_pin import Case, Mechanism, Window, load, load_solution, save, simulate
 from nipper_pin.cli import main
-from nipper_pin.mechanism import Mechanism, with_numbers
+from nipper_pin.mechanism import with_numbers
 from nipper_pin.mechanism.files import toml
 from nipper_pin.reduced import build, transition
 

@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 from small_machines import hinge, link, machine, slide
 
-from nipper_pin import Case, InputError, Mechanism, Window, load, simulate
+from nipper_pin import Case, InputError, Mechanism, Window, check, load, simulate
 from nipper_pin.mechanism import Stop
 from nipper_pin.reduced import build, unfit
-from nipper_pin.study.check import check_model
 from tests.refusals.bases import model
 
 PARTS = [link("cart"), slide("x", "frame", "cart"), link("arm"), hinge("turn", "cart", "arm")]
@@ -30,7 +29,7 @@ def test_places_and_sides_are_read_in_their_units() -> None:
     found = {stop.name: (stop.sense, stop.at) for stop in mechanism.stops}
     assert found == {"wall": (-1.0, 0.12), "floor": (1.0, 0.0), "turned": (1.0, -np.pi / 2.0)}
     assert [stop.plain for stop in mechanism.stops] == [False, True, False]
-    assert check_model(mechanism, 60.0).record()["stops"] == {
+    assert check(mechanism, 60.0).record()["stops"] == {
         "wall": {"joint": "x", "side": "upper", "at": 0.12, "restitution": 0.5},
         "floor": {"joint": "x", "side": "lower", "at": 0.0, "restitution": 0.5},
         "turned": {"joint": "turn", "side": "lower", "at": -np.pi / 2.0, "restitution": 0.25},

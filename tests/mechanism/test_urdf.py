@@ -9,8 +9,8 @@ import pinocchio as pin
 import pytest
 import yourdfpy
 
-from nipper_pin import ModelError
-from nipper_pin.mechanism import Mechanism, collision_model, find_model, load
+from nipper_pin import Mechanism, ModelError, load
+from nipper_pin.mechanism import collision_model, find_model
 from tests.refusals.bases import model
 
 PLATE = """solid plate
