@@ -111,7 +111,7 @@ SIMULATE = {
     "--reuse": case("--reuse", "reuse_cycles", True, f"{TURNS} --cycles 3 --no-reuse"),
     "--case": case("--case {case}", "speed_rpm", 620.0),
     "--forces": Entry("--forces", {"print_solution.with_forces": True},
-                      moves=("print_solution.",), at=("nipper_pin.view.run.table.print_solution",)),
+                      moves=("print_solution.",), at=("nipper_pin.view.run.print_solution",)),
     "--out": Entry("--out run", {"export.folder": "run"}, "--out a",
                    at=("nipper_pin.view.run.export.export",)),
 }  # fmt: skip

@@ -21,7 +21,7 @@ from nipper_pin import Case, Mechanism, Window, check, load, save, simulate
 from nipper_pin.cli import main
 from nipper_pin.study.next_steps import next_steps
 from nipper_pin.view.console import Terminal, paste, say, show_table, unbroken_console
-from nipper_pin.view.run.table import print_solution
+from nipper_pin.view.run import print_solution
 from nipper_pin.view.studies.check_report import print_report
 
 BALL = Path(__file__).parent / "verification" / "models" / "bouncing_mass"

@@ -8,7 +8,7 @@ import math
 from typing import Any
 
 from nipper_pin import Solution, record
-from nipper_pin.view.run.csv_tables import tables
+from nipper_pin.view.run import tables
 
 # What a value of the document is multiplied by, by its unit there and the unit that is read.
 _FACTORS = {

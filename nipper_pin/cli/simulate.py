@@ -112,7 +112,7 @@ def _asked(options: argparse.Namespace) -> tuple[Mechanism, Case]:
 
 def _print(solution: Solution, options: argparse.Namespace) -> None:
     from ..view.console import Terminal
-    from ..view.run.table import print_solution
+    from ..view.run import print_solution
 
     turns = _whole_turns(options.words)
     print_solution(

@@ -30,7 +30,7 @@ from nipper_pin.cli import main
 from nipper_pin.hybrid.result.premise import premise_of
 from nipper_pin.mechanism.skeleton import write_skeleton
 from nipper_pin.study.transitions import TURN
-from nipper_pin.view.run.table import print_solution
+from nipper_pin.view.run import print_solution
 
 # The steeve is thrown off its stop just before the touch.
 LATE = {

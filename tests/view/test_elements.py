@@ -10,7 +10,7 @@ from snapshots import Words
 
 from nipper_pin import check
 from nipper_pin.study.next_steps import NextSteps
-from nipper_pin.view.run.table import print_solution
+from nipper_pin.view.run import print_solution
 from nipper_pin.view.studies.check_report import print_report
 
 NOTHING = NextSteps((), ())

@@ -23,10 +23,10 @@ from snapshots import Words
 from nipper_pin import Case, EventKind, InputError, Solution, compare, load, simulate
 from nipper_pin.study.speed_limit import SpeedLimit, SpeedRange, Verdict
 from nipper_pin.view.compare.files import curves_figure
+from nipper_pin.view.run import print_solution
 from nipper_pin.view.run.bounces import impulse_figure, transition_figure
 from nipper_pin.view.run.plots import plot_solution
 from nipper_pin.view.run.sampling import lift
-from nipper_pin.view.run.table import print_solution
 from nipper_pin.view.run.timelines import force_figure, motion_figure, phase_figure
 from nipper_pin.view.studies.speed_limit_plot import speed_limit_figure
 

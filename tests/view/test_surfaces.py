@@ -24,8 +24,8 @@ from units_shown import factor, force, impulse, index, kind, rows, unit_of
 from nipper_pin import Case, Solution, load, load_solution, record, save, simulate
 from nipper_pin.view.live.answer import Answer, answer
 from nipper_pin.view.live.settings import knobs
+from nipper_pin.view.run import print_solution
 from nipper_pin.view.run.bounces import impulse_figure
-from nipper_pin.view.run.table import print_solution
 from nipper_pin.view.scene import Look, film
 from nipper_pin.view.scene.readings import readings
 
