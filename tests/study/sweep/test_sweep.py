@@ -27,7 +27,6 @@ from nipper_pin import Case, InputError, load, read_sweep, simulate
 from nipper_pin.cli import main, sweep
 from nipper_pin.study.folders import alone_in
 from nipper_pin.study.sweep import run_sweep
-from nipper_pin.study.sweep.plan import Chunk
 from nipper_pin.study.sweep.results import Store
 
 # --- results -------------------------------------------------------------------------------------
@@ -290,7 +289,7 @@ def test_an_interrupt_counts_what_is_stored(
     """
     write, out = Store.write, tmp_path / "out"
 
-    def interrupted(store: Store, chunk: Chunk, content: bytes) -> None:
+    def interrupted(store: Store, chunk: Any, content: bytes) -> None:
         write(store, chunk, content)
         if len(chunk_files(out)) == 2:
             raise KeyboardInterrupt

@@ -10,6 +10,7 @@ import sys
 import threading
 from collections.abc import Generator
 from pathlib import Path
+from typing import Any
 
 import distributed
 import pytest
@@ -19,9 +20,7 @@ from nipper_pin import SimulationError, read_sweep
 from nipper_pin.cli import main
 from nipper_pin.study.sweep import cluster as cluster_module
 from nipper_pin.study.sweep import read_plan
-from nipper_pin.study.sweep.chunks import DefectError
 from nipper_pin.study.sweep.cluster import on_scheduler
-from nipper_pin.study.sweep.plan import Chunk
 
 MANY = GEOMETRY.replace("points = 5", "points = 20")
 
@@ -184,7 +183,7 @@ def test_results_that_were_not_handed_over_are_lost_with_the_worker(
     plan = read_plan(study(tmp_path, MANY))
     chunks = list(plan.chunks())[:3]
 
-    def begun(address: str) -> Generator[tuple[Chunk, bytes | DefectError], None, None]:
+    def begun(address: str) -> Generator[tuple[Any, Any], None, None]:
         tasks = plan.rows(iter(chunks))
         return on_scheduler(plan.job.text(), tasks, address, lambda: None)
 

@@ -15,8 +15,7 @@ from sweep_studies import chunk_files, plan, stored
 from nipper_pin import InputError, load, read_sweep
 from nipper_pin.cli import main
 from nipper_pin.study.sweep import read_plan, run_sweep
-from nipper_pin.study.sweep.results import Store, chunk_file
-from nipper_pin.study.sweep.results.chunk_file import DamageError, encode, read
+from nipper_pin.study.sweep.results import Store
 
 SMALL = """
 chunk = 2
@@ -50,38 +49,47 @@ def chunk(folder: Path, number: int = 0) -> Path:
 # --- damage ------------------------------------------------------------------------------------
 
 
-def test_no_flipped_bit_changes_a_row(swept: Path) -> None:
+def test_no_flipped_bit_changes_a_row(copy: Path) -> None:
     """A bit of a chunk, turned, is an error, or one of those that no row depends on.
 
     Pages have checksums; a name or a place of the footer that is another one is missed.
     """
-    whole = chunk(swept).read_bytes()
-    rows = read(whole)
+    file, out = chunk(copy), copy / "out"
+    chunk(copy, 1).unlink()
+    whole, rows = file.read_bytes(), read_sweep(out).table
     refused, damaged = 0, bytearray(whole)
     for bit in range(0, 8 * len(whole), 61):
         damaged[bit // 8] ^= 1 << bit % 8
+        file.write_bytes(damaged)
         try:
-            assert read(bytes(damaged), rows.column_names).equals(rows)
-        except DamageError:
+            assert read_sweep(out).table.equals(rows)
+        except InputError:
             refused += 1
         damaged[bit // 8] ^= 1 << bit % 8
     assert damaged == whole
     assert refused > 4 * len(whole) // 61
     half = len(whole) // 2
     for part in (whole[1:], whole[:half] + whole[half + 1 :], whole + b"\0"):
-        with pytest.raises(DamageError):
-            read(part)
+        file.write_bytes(part)
+        with pytest.raises(InputError, match="damaged"):
+            read_sweep(out)
 
 
-def test_a_chunk_that_would_grow_too_large_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Zeros of a thousand times the size of the file."""
-    columns = {"scenario": np.arange(50_000), "zero": np.zeros(50_000)}
-    content = encode(columns, units={}, about={})
-    monkeypatch.setattr(chunk_file, "MOST_BYTES", 500_000)
-    with pytest.raises(DamageError, match=r"it would take \S+ bytes; at most 5e\+05 are read"):
-        read(content)
-    monkeypatch.setattr(chunk_file, "MOST_BYTES", 10**6)
-    assert read(content).num_rows == 50_000
+def test_a_chunk_that_would_grow_too_large_is_refused(
+    copy: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One row 50,000 times: much more than the size of the file."""
+    rows = pq.read_table(chunk(copy)).take([0] * 50_000)
+    rows = rows.set_column(0, "scenario", pa.array(range(50_000), pa.int64()))
+    pq.write_table(rows, chunk(copy), compression="zstd")
+    chunk(copy, 1).unlink()
+    most = "nipper_pin.study.sweep.results.chunk_file.MOST_BYTES"
+    monkeypatch.setattr(most, 2_000_000)
+    assert chunk(copy).stat().st_size < 1_000_000
+    with pytest.raises(InputError, match=r"it would take \S+ bytes; at most 2e\+06 are read"):
+        read_sweep(copy / "out")
+    monkeypatch.setattr(most, 10**7)
+    assert read_sweep(copy / "out").stored == 50_000
 
 
 def written(table: pa.Table) -> bytes:
@@ -153,9 +161,8 @@ def test_whole_chunks_of_something_else_are_refused(copy: Path, tmp_path: Path) 
     }
     store, (first, second) = Store(copy / "out", found), found.chunks()
     for content, (said, named) in doctored.items():
-        read(content)
         chunk(copy).write_bytes(content)
-        with pytest.raises(DamageError, match=said):
+        with pytest.raises(InputError, match=said):
             store.rows(first)
         assert store.rows(second) is not None
         if named:

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 from msgspec.structs import replace
 from snapshots import Words
@@ -18,10 +19,7 @@ from sweep_studies import GEOMETRY, TABLE, plan, stored, study
 from nipper_pin import InputError, SimulationError, load, read_sweep, transition_table
 from nipper_pin.cli import main
 from nipper_pin.study.sweep import chunks, run_sweep
-from nipper_pin.study.sweep.chunks import NO_MODEL, DefectError, run_chunk
 from nipper_pin.study.sweep.estimate import Estimate, estimate
-from nipper_pin.study.sweep.job import Job, versions
-from nipper_pin.study.sweep.results.chunk_file import read
 from nipper_pin.study.sweep.results.extremes import Extremes
 
 GRID = """
@@ -46,8 +44,9 @@ def test_rows_are_those_of_a_table(tmp_path: Path) -> None:
     In SI units; and the file says what it is of, and in which units.
     """
     found = plan(tmp_path, GRID.replace("chunk = 9", "chunk = 36"))
-    ((chunk, rows),) = list(found.rows(found.chunks()))
-    table = read(run_chunk(found.job.text(), chunk.start, rows))
+    ((_, rows),) = found.rows(found.chunks())
+    (file,) = (stored(tmp_path / "out", found) / "chunks").iterdir()
+    table = pq.read_table(file)
     wanted = transition_table(
         load("e62"), speed_rpm=rows[:, 0], preload_length_mm=rows[:, 1], restitution=rows[:, 2]
     )
@@ -61,7 +60,7 @@ def test_rows_are_those_of_a_table(tmp_path: Path) -> None:
         np.testing.assert_allclose(table[name].to_numpy(), values, rtol=1e-12)
     about = json.loads(table.schema.metadata[b"nipper_pin"])
     assert about == {
-        "model": "e62", "versions": versions(), "plan": found.job.identity,
+        "model": "e62", "versions": dict(found.job.versions), "plan": found.job.identity,
         "study": found.job.study, "direct": {},
     }  # fmt: skip
     units = {item.name: item.metadata for item in table.schema}
@@ -121,7 +120,7 @@ def test_what_a_report_says(tmp_path: Path, words: Words) -> None:
     words("\n".join(report.sentences()) + "\n")
     rows = read_sweep(tmp_path / "out").table.to_pylist()
     assert {row["engine"] for row in rows if not row["message"]} == {"direct"}
-    assert [row["outcome"] for row in rows] == ["at_rest"] * 2 + [NO_MODEL] * 6
+    assert [row["outcome"] for row in rows] == ["at_rest"] * 2 + ["no_model"] * 6
     for row in rows[2:]:
         assert "crank_radius_mm" in row["message"]
         assert (row["engine"], row["collisions"]) == ("none", 0)
@@ -217,7 +216,7 @@ def test_rows_say_whether_the_premise_holds(
 def extremes(folder: Path, quantity: str, **units: str) -> Extremes:
     """Of a sweep over two parameters."""
     axes = "".join(f"[parameters.{name}]\nvalues = [1.0]\n" for name in ("speed_rpm", "preload"))
-    job: Job = plan(folder, axes).job
+    job = plan(folder, axes).job
     return Extremes(replace(job, quantities=(quantity, "another"), units={**job.units, **units}))
 
 
@@ -303,13 +302,12 @@ SPEEDS = "chunk = 1\n[parameters.speed_rpm]\nvalues = [450.0, 550.0, 650.0]\n"
 def test_a_fault_of_the_program_is_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """No row says that it is an outcome; the error names the scenario and where it happened."""
     found = plan(tmp_path, SPEEDS)
-    first, second, _ = found.rows(found.chunks())
     for error in (ValueError("a shape"), ZeroDivisionError("division"), KeyError("name")):
         with monkeypatch.context() as broken:
             faulty(broken, error, 550.0)
-            assert read(run_chunk(found.job.text(), first[0].start, first[1])).num_rows == 1
-            with pytest.raises(DefectError) as caught:
-                run_chunk(found.job.text(), second[0].start, second[1])
+            with pytest.raises(SimulationError) as caught:
+                stored(tmp_path / "out", found)
+        assert read_sweep(tmp_path / "out").table["scenario"].to_pylist() == [0]
         said = caught.value.message
         assert said.startswith(
             f"scenario 1: a fault of the program, please report it: {type(error).__name__}"

@@ -5,23 +5,23 @@ from __future__ import annotations
 import itertools
 import json
 import math
-from dataclasses import replace
+import shutil
 from importlib.metadata import PackageNotFoundError
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from scipy.stats import qmc
 from snapshots import Words
-from sweep_studies import FULL, GEOMETRY, TABLE, plan, study
+from sweep_studies import FULL, GEOMETRY, TABLE, chunk_files, plan, stored, study
 
-from nipper_pin import InputError, Mechanism
+from nipper_pin import InputError
 from nipper_pin.cli import main
+from nipper_pin.mechanism import find_model
 from nipper_pin.study.sweep import Plan, read_plan, run_sweep
-from nipper_pin.study.sweep.axes import Axis, Target, find_target
-from nipper_pin.study.sweep.job import read_job, versions
-from nipper_pin.study.sweep.plan import chosen
-from nipper_pin.study.sweep.results.record import continued, plan_record
+from nipper_pin.study.sweep.job import read_job
+from nipper_pin.study.sweep.results import Store
 from nipper_pin.study.sweep.units import unit_of
 from nipper_pin.study.transitions import REDUCED_PAYS_FROM
 
@@ -189,20 +189,41 @@ def test_chunks_of_a_size(tmp_path: Path, text: str, chunk: int, begin: list[int
 
 
 def test_chunks_that_are_chosen(tmp_path: Path) -> None:
-    found = plan(tmp_path, GEOMETRY).chunks()
-    assert chosen(found, None) == found
-    for bounds, wanted in (((0, 0), found[:1]), ((2, 3), found[2:4]), ((7, 99), found[7:])):
-        assert chosen(found, bounds) == wanted
+    """A folder that holds these and no others has nothing left to compute."""
+    found = plan(tmp_path, GEOMETRY)
+    out = stored(tmp_path / "out", found)
+    whole = [*chunk_files(out).items()]
+    for bounds, few in ((None, whole), ((0, 0), whole[:1]), ((2, 3), whole[2:4]),
+                        ((7, 99), whole[7:])):  # fmt: skip
+        for name, content in whole:
+            (out / "chunks" / name).unlink(missing_ok=True)
+            if (name, content) in few:
+                (out / "chunks" / name).write_bytes(content)
+        report = run_sweep(found, out, workers=1, chunks=bounds)
+        assert (report.chunks, report.computed) == (len(few), 0)
     for wrong in ((-1, 2), (0.0, 2), (True, 2), ("0", 1), (1,), "01", 3):
         with pytest.raises(InputError, match=r"chunks = .* cannot be used"):
-            chosen(found, wrong)  # type: ignore[arg-type]
+            run_sweep(found, out, chunks=wrong)  # type: ignore[arg-type]
     for bounds in ((8, 9), (3, 2)):
         with pytest.raises(InputError, match="there are 8 chunks, 0 to 7") as caught:
-            chosen(found, bounds)
+            run_sweep(found, out, chunks=bounds)
         assert caught.value.evidence == {"chunks": [*bounds]}
 
 
 # --- records -------------------------------------------------------------------------------------
+
+
+def record_of(found: Plan, out: Path) -> dict[str, Any]:
+    """The record of a plan in a folder without rows."""
+    Store(out, found)
+    record: dict[str, Any] = json.loads((out / "plan.json").read_text(encoding="utf-8"))
+    return record
+
+
+def held(found: Plan, record: dict[str, Any], out: Path) -> Plan:
+    """A plan as it goes on in a folder that holds this record."""
+    (out / "plan.json").write_text(json.dumps(record), encoding="utf-8")
+    return Store(out, found).plan
 
 
 def test_every_key_of_a_study(tmp_path: Path, words: Words) -> None:
@@ -212,12 +233,13 @@ def test_every_key_of_a_study(tmp_path: Path, words: Words) -> None:
     for text, tolerance in texts.items():
         found = plan(tmp_path, text)
         assert found.job.tolerance == tolerance
-        record, job = plan_record(found), found.job
+        record, job = record_of(found, tmp_path / f"{len(said)}"), found.job
         assert job.study == record.pop("study")
         assert job.study == (tmp_path / "study.toml").read_text(encoding="utf-8")
         assert (record.pop("hash"), record.pop("identity")) == (found.hash, job.identity)
-        assert record.pop("versions") == versions()
-        assert (record.pop("urdf"), record.pop("description")) == (job.urdf, dict(job.document))
+        assert record.pop("versions") == dict(job.versions)
+        assert record.pop("urdf") == job.urdf
+        assert record.pop("description") == json.loads(json.dumps(job.document))
         record |= {"units": job.units, "drawn": job.drawn, "moving": [*job.moving],
                    "kinds": [axis.target.kind for axis in job.axes]}  # fmt: skip
         said.append(json.dumps(record, indent=1))
@@ -243,26 +265,28 @@ def test_plan_has_one_name(tmp_path: Path) -> None:
 
 def test_a_folder_of_another_sweep(tmp_path: Path) -> None:
     """The keys that count refuse it by their name."""
-    found = plan(tmp_path, FULL)
-    stored = json.loads(json.dumps(plan_record(found)))
-    for key in ("title", "study", "scenarios", "mechanisms", "hash"):
-        assert continued(found, {**stored, key: "other"}, tmp_path) == found
+    found, out = plan(tmp_path, FULL), tmp_path / "out"
+    whole = record_of(found, out)
+    for key, other in (("title", "other"), ("study", "other"), ("scenarios", 7), ("mechanisms", 7),
+                       ("hash", "other")):  # fmt: skip
+        assert held(found, {**whole, key: other}, out) == found
+    others = {"model": "other", "axes": [], "quantities": ["other"], "description": {"other": 1}}
     for key in ("model", "chunk", "axes", "quantities", "speed_rpm", "drive", "rest_rate",
                 "tolerance", "max_collisions", "versions", "urdf", "description"):  # fmt: skip
         with pytest.raises(InputError, match="holds the results of another sweep") as caught:
-            continued(found, {**stored, key: "other"}, tmp_path)
-        assert caught.value.evidence == {"folder": str(tmp_path), "differences": [key]}
+            held(found, {**whole, key: others.get(key, "other")}, out)
+        assert caught.value.evidence == {"folder": str(out), "differences": [key]}
     with pytest.raises(InputError, match="they differ in: study"):
-        continued(found, {**stored, "identity": "other"}, tmp_path)
+        held(found, {**whole, "identity": "other"}, out)
 
 
 def test_samples_that_are_added_to_stored_ones(tmp_path: Path) -> None:
     """More points of the same sequence; fewer, another seed, or a hypercube are refused."""
-    found = plan(tmp_path, TABLE)
-    whole = json.loads(json.dumps(plan_record(found)))
+    found, out = plan(tmp_path, TABLE), tmp_path / "out"
+    whole = record_of(found, out)
     sobol = {"method": "sobol", "seed": 7, "count": 500, "earlier": [100, 200]}
-    more = continued(found, {**whole, "samples": sobol}, tmp_path)
-    same = continued(found, {**whole, "samples": {**sobol, "count": 600}}, tmp_path)
+    more = held(found, {**whole, "samples": sobol}, out)
+    same = held(found, {**whole, "samples": {**sobol, "count": 600}}, out)
     assert more.samples is not None
     assert same.samples is not None
     assert (more.samples.earlier, same.samples.earlier) == ((100, 200, 500), (100, 200))
@@ -277,9 +301,10 @@ def test_samples_that_are_added_to_stored_ones(tmp_path: Path) -> None:
         (cube, {**sobol, "method": "latin_hypercube", "count": 599, "earlier": []},
          "holds a Latin hypercube of 599 points"),
     ):  # fmt: skip
-        record = json.loads(json.dumps(plan_record(asked)))
+        (out / "plan.json").unlink()
+        record = record_of(asked, out)
         with pytest.raises(InputError, match=words):
-            continued(asked, {**record, "samples": samples}, tmp_path)
+            held(asked, {**record, "samples": samples}, out)
 
 
 def test_a_worker_rebuilds_the_job_from_its_text(
@@ -295,7 +320,7 @@ def test_a_worker_rebuilds_the_job_from_its_text(
     with pytest.raises(InputError, match=r"pin .* instead of 0\.0"):
         read_job(json.dumps(document).encode())
     # What is not installed has a version of its own, so that results of two kinds never mix.
-    here = versions()
+    here = dict(job.versions)
 
     def lacking(package: str) -> str:
         if package == "numba":
@@ -303,42 +328,58 @@ def test_a_worker_rebuilds_the_job_from_its_text(
         return here[package]
 
     monkeypatch.setattr("nipper_pin.study.sweep.job.version", lacking)
-    assert versions() == here | {"numba": "none"}
+    assert plan(tmp_path, GEOMETRY).job.versions == here | {"numba": "none"}
 
 
-def test_targets_and_units(e62: Mechanism, tmp_path: Path) -> None:
+def test_targets_and_units(tmp_path: Path) -> None:
     """Angles of a preload in degrees, lengths in mm; what a path's last part ends with."""
-    assert find_target("speed_rpm", e62) == Target(kind="speed", path="speed_rpm")
-    path = "springs.steeve.preload_length_mm"
-    assert find_target("preload", e62) == Target(kind="preload", path=path, spring=0, scale=1e-3)
-    spring = replace(e62.springs[0], index=e62.stop("jaw").index, name="jaw")
-    both = replace(e62, springs=(e62.springs[0], spring))
-    assert find_target("springs.jaw.preload_deg", both) == Target(
-        kind="preload", path="springs.jaw.preload_deg", spring=1, scale=math.pi / 180.0
+    home = tmp_path / "both"
+    shutil.copytree(find_model("e62"), home)
+    for kind in ("toml", "urdf"):
+        (home / f"e62.{kind}").rename(home / f"both.{kind}")
+    spring = '[springs.jaw]\njoint = "jaw"\nstiffness_N_m_per_rad = 1.0\npreload_deg = 2.0\n'
+    own = (
+        (home / "both.toml")
+        .read_text(encoding="utf-8")
+        .replace("[stops.jaw]", f"{spring}[stops.jaw]")
     )
-    assert find_target("springs.jaw.stiffness_N_m_per_rad", both) == Target(
-        kind="stiffness", path="springs.jaw.stiffness_N_m_per_rad", spring=1
-    )
+    (home / "both.toml").write_text(own, encoding="utf-8")
+
+    def axis(name: str, head: str = "", rest: str = "values = [1.0]") -> Any:
+        """The parameter of a study of the E62 with a second spring, at its hinge."""
+        text = f'model = "both"\n{head}[parameters."{name}"]\n{rest}\n'
+        return plan(tmp_path, text).axes[0]
+
+    steeve, cycle = "stops.steeve.restitution", '[case]\nwindow = "cycle"\n'
+    for name, head, kind, path, place, scale in (
+        ("speed_rpm", "", "speed", "speed_rpm", 0, 1.0),
+        ("preload", "", "preload", "springs.steeve.preload_length_mm", 0, 1e-3),
+        ("springs.jaw.preload_deg", "", "preload", "", 1, math.pi / 180.0),
+        ("springs.jaw.stiffness_N_m_per_rad", "", "stiffness", "", 1, 1.0),
+        (steeve, "", "model", "", 0, 1.0), (steeve, cycle, "restitution", "", 0, 1.0),
+        *(("restitution", one, "restitution", "stops.jaw.restitution", 0, 1.0)
+          for one in ("", cycle)),
+    ):  # fmt: skip
+        target = axis(name, head).target
+        said = (target.kind, target.path, target.spring, target.scale)
+        assert said == (kind, path or name, place, scale)
     units = {
         "mass_kg": "kg", "stiffness_N_per_m": "N/m", "damping_N_m_s_per_rad": "N m s/rad",
         "crank_axis_mm[1]": "mm", "speed_rpm": "r/min", "ratio": "1", "lead_mm_per_turn": "mm/turn",
         "inertia_kg_m2": "kg m2", "angle_deg": "deg", "energy_J": "J", "m": "1",
     }  # fmt: skip
     assert {name: unit_of(name) for name in units} == units
-    axis = Axis(name="x", target=Target(kind="speed", path="x"), low=4.0, high=9.0, scale="log",
-                values=())  # fmt: skip
-    assert axis.sampled(np.array([0.0, 0.5, 1.0])) == pytest.approx([4.0, 6.0, 9.0])
-    assert replace(axis, scale="linear").sampled(np.array([0.0, 0.2, 1.0])).tolist() == [4, 5, 9]
+    samples, ends = '[samples]\nmethod = "sobol"\ncount = 2\n', "low = 4.0\nhigh = 9.0"
+    spaced = axis("speed_rpm", samples, f'{ends}\nscale = "log"')
+    assert spaced.sampled(np.array([0.0, 0.5, 1.0])) == pytest.approx([4.0, 6.0, 9.0])
+    even = axis("speed_rpm", samples, ends)
+    assert even.sampled(np.array([0.0, 0.2, 1.0])).tolist() == [4, 5, 9]
     # All kinds of paths make mechanisms of their own; restitutions are columns of turns.
     for path in ("drives.pendulum.guide_offset_mm", "drives.pendulum.crank_axis_mm[1]",
                  "urdf.link.top_nipper.inertial.mass.value", "links.top_nipper.gyration_mm",
                  "points.rod_pin.z_mm"):  # fmt: skip
         found = plan(tmp_path, f"[parameters.'{path}']\nvalues = [1.0, 1.5]\n")
         assert (found.mechanisms, found.axes[0].target.path) == (2, path)
-    steeve = "stops.steeve.restitution"
-    assert find_target(steeve, e62).kind == "model"
-    assert find_target(steeve, e62, turns=True).kind == "restitution"
-    assert find_target("restitution", e62, turns=True) == find_target("restitution", e62)
 
 
 def test_workers_that_cannot_be_used(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

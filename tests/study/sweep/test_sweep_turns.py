@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 from sweep_studies import GEOMETRY, TABLE, plan, stored, study
 
 from nipper_pin import InputError, Mechanism, read_sweep, turn_table
 from nipper_pin.cli import main
 from nipper_pin.hybrid.result.turns import turn_names
-from nipper_pin.study.sweep.chunks import _unchanged, run_chunk
-from nipper_pin.study.sweep.job import COLUMNS, TURN_COLUMNS, read_job
-from nipper_pin.study.sweep.results import Store
-from nipper_pin.study.sweep.results.chunk_file import DamageError, encode, read
-from nipper_pin.study.sweep.results.record import plan_record
+from nipper_pin.mechanism import from_sources, model_folder
+from nipper_pin.study.sweep import Plan, run_sweep
 from nipper_pin.study.turns import TURNS, TURNS_PAY_FROM
 
 CYCLE = '[case]\nwindow = "cycle"\nturns = 3\nleast_force_N = 60.0\n'
@@ -31,27 +29,36 @@ def every(mechanism: Mechanism) -> list[str]:
 
 
 @pytest.fixture(scope="module")
-def swept(tmp_path_factory: pytest.TempPathFactory, e62: Mechanism) -> tuple[Any, Any, Any]:
-    """The plan of a study of all quantities, its rows and the bytes of its one chunk."""
-    text = f"quantities = {every(e62)}\n{CYCLE}{FEW}{STEEVE}"
-    found = plan(tmp_path_factory.mktemp("turns"), text)
-    ((chunk, rows),) = list(found.rows(found.chunks()))
-    return found, rows, run_chunk(found.job.text(), chunk.start, rows)
+def swept(tmp_path_factory: pytest.TempPathFactory, e62: Mechanism) -> tuple[Plan, Path]:
+    """The plan of a study of all quantities, and the folder with its one chunk."""
+    folder = tmp_path_factory.mktemp("turns")
+    found = plan(folder, f"quantities = {every(e62)}\n{CYCLE}{FEW}{STEEVE}")
+    return found, stored(folder / "out", found)
 
 
-def test_rows_are_those_of_a_table(swept: tuple[Any, Any, Any], e62: Mechanism) -> None:
+def as_planned(found: Plan) -> Mechanism:
+    """The machine of the texts that workers are given."""
+    job = json.loads(found.job.text())
+    folder = model_folder(job["name"], job["folder"])
+    return from_sources(job["name"], job["urdf"], job["document"], folder)
+
+
+def test_rows_are_those_of_a_table(swept: tuple[Plan, Path], e62: Mechanism) -> None:
     """To the last bit; restitutions of both stops are columns of it."""
-    found, rows, content = swept
-    chunk = read(content)
+    found, out = swept
+    ((_, rows),) = found.rows(found.chunks())
+    chunk = read_sweep(out).table
     table = turn_table(
-        _unchanged(found.job.text()), speed_rpm=rows[:, 0],
+        as_planned(found), speed_rpm=rows[:, 0],
         restitution={"jaw": rows[:, 1], "steeve": rows[:, 4]},
         stiffness_N_per_m=rows[:, 2], preload_length_mm=rows[:, 3], turns=3, least_force_N=60.0,
     )  # fmt: skip
     assert set(table.engine) == {"reduced"}
     axes = [axis.name for axis in found.axes]
-    head = [TURN_COLUMNS[0], *axes, *TURN_COLUMNS[1:]]
-    assert chunk.column_names == [*head, *every(e62)]
+    assert chunk.column_names == [
+        "scenario", *axes, "engine", "outcome", "message", "collisions", "premise_holds", "turns",
+        "repeats_after", *every(e62),
+    ]  # fmt: skip
     for name in ("engine", "outcome"):
         assert chunk[name].to_pylist() == getattr(table, name).tolist()
     assert chunk["message"].to_pylist() == [*table.message]
@@ -71,12 +78,15 @@ def test_rows_are_those_of_a_table(swept: tuple[Any, Any, Any], e62: Mechanism) 
 
 
 def test_the_direct_engine_reads_what_is_asked_for(tmp_path: Path) -> None:
-    """Few scenarios: its rows, and why it served."""
+    """Few scenarios: its rows, and why it served; the second one does not repeat in time."""
     text = f'quantities = ["largest_gap", "collisions_steeve"]\n{CYCLE}'
-    found = plan(tmp_path, f"{text}[parameters.speed_rpm]\nvalues = [450.0, 650.0]\n")
-    rows = np.array([[450.0], [650.0]])
-    chunk = read(run_chunk(found.job.text(), 0, rows))
-    table = turn_table(_unchanged(found.job.text()), speed_rpm=rows[:, 0], turns=3)
+    text += "[set]\nstiffness = 3000.0\npreload = 2.0\n"
+    found = plan(tmp_path, f"{text}[parameters.speed_rpm]\nvalues = [450.0, 800.0]\n")
+    (file,) = (stored(tmp_path / "out", found) / "chunks").iterdir()
+    chunk = pq.read_table(file)
+    table = turn_table(as_planned(found), speed_rpm=[450.0, 800.0], turns=3)
+    assert table.repeats_after.tolist() == chunk["repeats_after"].to_pylist() == [1, 0]
+    assert table.turns.tolist() == chunk["turns"].to_pylist()
     assert chunk["engine"].to_pylist() == ["direct", "direct"]
     np.testing.assert_array_equal(chunk["largest_gap"].to_numpy(), table.largest_gap)
     assert chunk["collisions_steeve"].to_pylist() == table.collisions["steeve"].tolist()
@@ -87,23 +97,18 @@ def test_the_direct_engine_reads_what_is_asked_for(tmp_path: Path) -> None:
 def test_machines_that_cannot_be_built(tmp_path: Path) -> None:
     """A row without a turn."""
     text = f'{CYCLE}[parameters."points.eccentric_pin.radius_mm"]\nvalues = [5.0, 500.0]\n'
-    found = plan(tmp_path, text)
-    chunk = read(run_chunk(found.job.text(), 0, np.array([[5.0], [500.0]])))
+    chunk = read_sweep(stored(tmp_path / "out", plan(tmp_path, text))).table
     assert chunk["outcome"].to_pylist() == ["followed", "failed"]
     assert chunk["turns"].to_pylist() == [1, 0]
     assert np.isnan(chunk["clamped_share"].to_numpy()).tolist() == [False, True]
 
 
-def test_identity_and_record_of_a_plan(tmp_path: Path) -> None:
+def test_identity_and_record_of_a_plan(swept: tuple[Plan, Path], tmp_path: Path) -> None:
     """Turns and level are part of them; transitions have no word of turns."""
-    turn, transition = (plan(tmp_path, f"{head}{FEW}") for head in (CYCLE, ""))
-    for job in (turn.job, transition.job):
-        assert read_job(job.text()) == job
-    assert b'"turn"' not in transition.job.text()
+    assert b'"turn"' not in plan(tmp_path, FEW).job.text()
+    record = json.loads((swept[1] / "plan.json").read_text(encoding="utf-8"))
     keys = ("window", "turns", "least_force_N")
-    assert [plan_record(turn)[key] for key in keys] == ["cycle", 3, 60.0]
-    assert not {*keys} & {*plan_record(transition)}
-    assert (transition.job.columns, turn.job.columns) == (COLUMNS, TURN_COLUMNS)
+    assert [record[key] for key in keys] == ["cycle", 3, 60.0]
     usual = plan(tmp_path, f'[case]\nwindow = "cycle"\n{FEW}').job
     assert usual.turn is not None
     assert (usual.turn.turns, usual.turn.least_force_N) == (TURNS, 0.0)
@@ -122,24 +127,17 @@ def test_chunks_of_turns(tmp_path: Path) -> None:
 
 
 def test_a_folder_is_read_and_goes_on_with_its_own_plan_only(
-    swept: tuple[Any, Any, Any], tmp_path: Path, e62: Mechanism
+    swept: tuple[Plan, Path], tmp_path: Path, e62: Mechanism
 ) -> None:
-    found, rows, content = swept
-    store = Store(tmp_path / "out", found)
-    (chunk,) = found.chunks()
-    store.write(chunk, content)
-    kept = store.rows(chunk)
-    assert kept is not None
-    assert kept.column_names == read(content).column_names
-    table = read_sweep(tmp_path / "out")
+    found, out = swept
+    table = read_sweep(out)
     assert table.quantities == tuple(every(e62))
-    assert (table.stored, table.scenarios) == (len(rows), len(rows))
+    assert table.stored == table.scenarios == found.scenarios == run_sweep(found, out).found
     for changed in ("turns = 3", "least_force_N = 60.0"):
         text = found.job.study.replace(changed, changed.replace("3", "4").replace("60.", "6."))
-        (tmp_path / "other").mkdir(exist_ok=True)
-        other = plan(tmp_path / "other", text.partition("\n")[2].partition("\n")[2])
+        other = plan(tmp_path, text.partition("\n")[2].partition("\n")[2])
         with pytest.raises(InputError, match=f"differ in: {changed.partition(' ')[0]}"):
-            Store(tmp_path / "out", other)
+            run_sweep(other, out)
 
 
 @pytest.mark.slow
@@ -163,11 +161,17 @@ def test_a_study_from_its_file_to_its_figures(tmp_path: Path) -> None:
     assert main(["plot", out, "--quantity", "premise_holds"]) == 2
 
 
-def test_numbers_of_turns_are_whole() -> None:
+def test_numbers_of_turns_are_whole(swept: tuple[Plan, Path], tmp_path: Path) -> None:
     """Of text they are damage; a parameter of another sweep may have their names."""
-    columns = {"scenario": np.arange(2), "turns": ["1", "2"]}
-    with pytest.raises(DamageError, match="'turns'"):
-        read(encode(columns, units={}, about={}))
-    for values in (np.arange(2, dtype=np.int32), np.arange(2.0)):
-        content = encode({**columns, "turns": values}, units={}, about={})
-        assert read(content)["turns"].to_pylist() == [0, 1]
+    out = tmp_path / "out"
+    shutil.copytree(swept[1], out)
+    (file,) = (out / "chunks").iterdir()
+    whole = pq.read_table(file)
+    for kind, right in ((pa.string(), False), (pa.float64(), True)):
+        place = whole.column_names.index("turns")
+        pq.write_table(whole.set_column(place, "turns", whole["turns"].cast(kind)), file)
+        if right:
+            assert read_sweep(out).table["turns"].to_pylist() == whole["turns"].to_pylist()
+        else:
+            with pytest.raises(InputError, match="'turns'"):
+                read_sweep(out)
