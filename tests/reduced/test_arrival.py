@@ -10,7 +10,6 @@ import pytest
 
 from nipper_pin import Case, Mechanism, Resolution, SimulationError, load, transition_table
 from nipper_pin.reduced import ReducedModel, Status, build, transition, transitions
-from nipper_pin.reduced.kernels.arrival_check import released
 from nipper_pin.study.transitions import retuned
 from nipper_pin.study.true_transition import true_transition
 
@@ -179,37 +178,3 @@ def test_the_transition_of_the_turn_is_refused_where_the_tables_cannot_tell_it(
     table = transition_table(e62, **{key: value[flying][:2] for key, value in named(cases).items()})
     assert table.engine.tolist() == ["turn"] * len(table)
     assert f"{len(table)} that its tables do not cover: direct" in table.why
-
-
-@pytest.mark.parametrize(
-    ("values", "begin", "expected"),
-    [
-        (lambda u: u - 1.3, 0.0, 1.3),
-        (lambda u: -0.5 - 0.0 * u, 0.0, 4.0),
-        (lambda u: 1e-3 - (u - 1.23) ** 2, 0.0, 1.23 - np.sqrt(1e-3)),
-        (lambda u: 1e-5 - (u - 1.23) ** 2, 0.0, 1.23 - np.sqrt(1e-5)),
-        (lambda u: 1e-5 - (u - 1.0) ** 2, 0.0, 1.0 - np.sqrt(1e-5)),
-        (lambda u: -1e-5 - (u - 1.0) ** 2, 0.0, 4.0),
-        (lambda u: -((u - 1.23) ** 2), 0.0, -1.0),
-        (lambda u: u - 1.3, 2.0, 2.0),
-        (lambda u: (u - 1.3) * (1.5 - u), 2.0, 4.0),
-        # In its second cell the line is positive where it begins, and negative in the mean.
-        (lambda u: 0.05 - (u - 1.0) * (u - 0.9), 0.9, 0.9),
-        (lambda u: (u - 0.98) * (1.05 - u) * (3.0 - u), 0.0, 0.98),
-    ],
-)
-def test_where_a_stop_lets_go(values: Any, begin: float, expected: float) -> None:
-    """First place without pressure: a crossing, a short lift between places, a graze, none.
-
-    The line is cut into three cells of [0, 3]; 4 says that there is none, -1 that a lift is too
-    small to tell.
-    """
-    cells, count = 3, 6
-    nodes = np.cos(np.pi * (np.arange(count) + 0.5) / count)
-    line = np.array(
-        [
-            np.polynomial.chebyshev.chebfit(nodes, values(cell + 0.5 + 0.5 * nodes), count - 1)
-            for cell in range(cells)
-        ]
-    )
-    assert released(line, cells, count, 3.0, begin, 3.0) == pytest.approx(expected, abs=1e-9)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.polynomial import chebyshev
-from written_tables import level, linear, tables_of, turn_of, work_of
+from written_tables import level, tables_of, turn_of, work_of
 
 from nipper_pin.reduced.kernels import arrival_check, flight_errors
 from nipper_pin.reduced.kernels.grids import grids
@@ -248,35 +248,55 @@ def test_errors_of_a_flight_that_starts_above_its_stop(
     assert found == pytest.approx((dt, rate + 4.0 * EPS * 1.4), rel=1e-12)
 
 
-@pytest.mark.parametrize("end", [2.0, 2.6])
-def test_a_lift_behind_the_end_does_not_count(end: float) -> None:
-    """Only what lies before the end, in a part of a cell, too."""
-    line = np.zeros((3, 3))
-    # Positive from 2.5 on.
-    line[:, 0] = -1.0
-    line[2, 0], line[2, 1] = 0.0, 0.7
-    found = arrival_check.released(line, 3, 3, 3.0, 0.2, end)
-    assert found == pytest.approx(2.5 if end > 2.5 else end + 1.0, abs=1e-9)
+def first_cell(u: Any) -> Any:
+    return chebyshev.chebval(2.0 * u - 1.0, (0.0, 0.8, 0.7))
 
 
-def test_a_line_with_large_terms_that_cancel_is_searched() -> None:
-    """A bound from the mean and sizes of all other terms: signs of theirs do not matter."""
-    u = np.linspace(0.0, 1.0, 1001)
-    for sign in (-1.0, 1.0):
-        line = np.array([[-1.0, sign * 0.8, sign * 0.7]])
-        values = chebyshev.chebval(2.0 * u - 1.0, line[0])
-        positive = np.flatnonzero(values > 0.0)
-        found = arrival_check.released(line, 1, 3, 1.0, 0.0, 1.0)
-        expected = u[positive[0]] if positive.size else 2.0
-        assert found == pytest.approx(expected, abs=2e-3)
-    assert linear(1.0, 0.0, 2.0).tolist() == [1.0, 1.0, 0.0]
+@pytest.mark.parametrize(
+    ("values", "begin", "end", "expected"),
+    [
+        (lambda u: u - 1.3, 0.0, 3.0, 1.3),
+        (lambda u: -0.5 - 0.0 * u, 0.0, 3.0, 4.0),
+        (lambda u: 1e-3 - (u - 1.23) ** 2, 0.0, 3.0, 1.23 - np.sqrt(1e-3)),
+        (lambda u: 1e-5 - (u - 1.23) ** 2, 0.0, 3.0, 1.23 - np.sqrt(1e-5)),
+        (lambda u: 1e-5 - (u - 1.0) ** 2, 0.0, 3.0, 1.0 - np.sqrt(1e-5)),
+        (lambda u: -1e-5 - (u - 1.0) ** 2, 0.0, 3.0, 4.0),
+        (lambda u: -((u - 1.23) ** 2), 0.0, 3.0, -1.0),
+        (lambda u: u - 1.3, 2.0, 3.0, 2.0),
+        (lambda u: (u - 1.3) * (1.5 - u), 2.0, 3.0, 4.0),
+        # Parabolas that are positive on a thirtieth of their cell alone.
+        (lambda u: 1e-3 - 4.0 * (u - 0.521) ** 2, 0.0, 3.0, 0.521 - np.sqrt(1e-3 / 4.0)),
+        (lambda u: 1e-3 - 4.0 * (u - 0.69) ** 2, 0.0, 3.0, 0.69 - np.sqrt(1e-3 / 4.0)),
+        # Positive from 2.5 on: only what lies before the end counts, in a part of a cell, too.
+        (lambda u: np.where(u > 2.0, 1.4 * (u - 2.5), -1.0), 0.2, 2.6, 2.5),
+        (lambda u: np.where(u > 2.0, 1.4 * (u - 2.5), -1.0), 0.2, 2.0, 3.0),
+        # -1 +- (0.8 T1 + 0.7 T2) in the first cell: all terms are large, and signs matter.
+        (
+            lambda u: np.where(u < 1.0, -1.0 + first_cell(u), -1.0),
+            0.0,
+            3.0,
+            0.5 + 0.5 * (math.sqrt(10.16) - 0.8) / 2.8,
+        ),
+        (lambda u: np.where(u < 1.0, -1.0 - first_cell(u), -1.0), 0.0, 3.0, 4.0),
+        # In its second cell the line is positive where it begins, and negative in the mean.
+        (lambda u: 0.05 - (u - 1.0) * (u - 0.9), 0.9, 3.0, 0.9),
+        (lambda u: (u - 0.98) * (1.05 - u) * (3.0 - u), 0.0, 3.0, 0.98),
+    ],
+)
+def test_where_a_stop_lets_go(values: Any, begin: float, end: float, expected: float) -> None:
+    """First place without pressure: a crossing, a short lift between places, a graze, none.
 
-
-@pytest.mark.parametrize("place", [0.521, 0.69])
-def test_a_peak_between_the_places_that_are_looked_at_is_found(place: float) -> None:
-    """A parabola that is positive on a thirtieth of its cell alone."""
-    peak, bent = 1e-3, 4.0
-    u = 0.5 + 0.5 * np.cos(np.pi * (np.arange(5) + 0.5) / 5)
-    line = chebyshev.chebfit(2.0 * u - 1.0, peak - bent * (u - place) ** 2, 4)[None]
-    found = arrival_check.released(np.ascontiguousarray(line), 1, 5, 1.0, 0.0, 1.0)
-    assert found == pytest.approx(place - np.sqrt(peak / bent), abs=1e-9)
+    The line is cut into three cells of [0, 3]; one behind the end says that there is none, -1 that
+    a lift is too small to tell.
+    """
+    cells, count = 3, 6
+    nodes = np.cos(np.pi * (np.arange(count) + 0.5) / count)
+    line = np.array(
+        [
+            chebyshev.chebfit(nodes, values(cell + 0.5 + 0.5 * nodes), count - 1)
+            for cell in range(cells)
+        ]
+    )
+    assert arrival_check.released(line, cells, count, 3.0, begin, end) == pytest.approx(
+        expected, abs=1e-9
+    )

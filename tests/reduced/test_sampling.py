@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import chebyshev
 
-from nipper_pin import Case, DriveMode, InputError, Mechanism, SimulationError, load, simulate
+from nipper_pin import Case, DriveMode, InputError, Mechanism, load, simulate
 from nipper_pin.arrays import FloatArray
 from nipper_pin.dynamics import ShaftMotion, System
 from nipper_pin.reduced import ReducedModel, build, transition, unfit
@@ -151,24 +151,3 @@ def test_unfit_mechanisms(e62: Mechanism) -> None:
     with pytest.raises(InputError, match="gap_max") as refused:
         build(e62, gap_max=-0.1)
     assert (refused.value.evidence["key"], refused.value.evidence["value"]) == ("gap_max", -0.1)
-
-
-def test_other_stop_closes(model: ReducedModel) -> None:
-    """A steeve that would meet its stop ends the transition: the reduced model has no such event.
-
-    A stop moved by 1 mm is met by the rebound, a stop moved away is not.
-    """
-    moved = model.gaps.copy()
-    moved[..., 0, 0] -= 1e-3
-    with pytest.raises(SimulationError, match="another stop") as caught:
-        transition(replace(model, gaps=moved), speed_rpm=650.0)
-    assert caught.value.evidence["status"] == "OTHER_STOP"
-    moved[..., 0, 0] += 2e-3
-    assert transition(replace(model, gaps=moved), speed_rpm=650.0).collisions > 5
-
-
-def test_not_pressed_shut(model: ReducedModel) -> None:
-    """A spring that pulls lifts the jaw off: there is no rest."""
-    with pytest.raises(SimulationError, match="not pressed") as caught:
-        transition(model, speed_rpm=300.0, restitution=0.0, preload=-0.05)
-    assert caught.value.evidence["status"] == "NOT_PRESSED"

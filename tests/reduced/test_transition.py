@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nipper_pin import Case, InputError, Mechanism, Resolution, SimulationError, load, simulate
+from nipper_pin import Case, Mechanism, Resolution, load, simulate
 from nipper_pin.reduced import ReducedModel, Status, build, transition, transitions
 
 CASES = ["450", "550", "650", "650_e0.05", "650_e0.25", "650_e0.5", "650_k7000", "650_k11000"]
@@ -279,53 +279,6 @@ def test_threads(model: ReducedModel) -> None:
         found = list(pool.map(solve, speeds))
     assert found == [solve(speed) for speed in speeds]
     assert len(set(found)) == len(speeds)
-
-
-def test_leaving_the_domain(e62: Mechanism) -> None:
-    """What leaves the domain is refused with its reason, and marked in a batch."""
-    small = build(e62, travel_rad=0.5, gap_max=0.02)
-    with pytest.raises(InputError, match="travel_rad") as caught:
-        transition(small, speed_rpm=650.0, restitution=0.3)
-    assert caught.value.evidence["status"] == "LEFT_TRAVEL"
-    flat = build(e62, gap_max=0.004)
-    with pytest.raises(InputError, match="gap_max") as caught:
-        transition(flat, speed_rpm=650.0)
-    assert caught.value.evidence["status"] == "LEFT_GAP"
-    batch = transitions(flat, speed_rpm=[450.0, 650.0, 400.0])
-    assert batch.status.tolist() == [Status.AT_REST, Status.LEFT_GAP, Status.AT_REST]
-    assert np.isnan(batch.duration).tolist() == [False, True, False]
-
-
-def test_endless_bounces(model: ReducedModel) -> None:
-    """A perfectly elastic stop never rests: the run ends at a limit and says which."""
-    with pytest.raises((InputError, SimulationError)) as caught:
-        transition(model, speed_rpm=450.0, restitution=0.6, max_collisions=3)
-    assert caught.value.evidence["status"] == "TOO_MANY_COLLISIONS"
-
-
-@pytest.mark.parametrize(
-    ("key", "value"),
-    [("speed_rpm", 0.0), ("speed_rpm", np.nan), ("restitution", 1.1), ("stiffness", -1.0),
-     ("stiffness", [[1.0, 2.0]]), ("gravity", np.inf), ("preload", np.nan)],
-)  # fmt: skip
-def test_unusable_parameters(model: ReducedModel, key: str, value: Any) -> None:
-    """A parameter out of range is refused by name."""
-    with pytest.raises(InputError, match=key):
-        transitions(model, **{"speed_rpm": 500.0, key: value})
-    with pytest.raises(InputError, match=key):
-        transition(model, **{"speed_rpm": 500.0, key: value})
-
-
-def test_one_case_a_call(model: ReducedModel) -> None:
-    """A single call takes one number; whole numbers and those of numpy are numbers."""
-    with pytest.raises(InputError, match="speed_rpm"):
-        transition(model, speed_rpm=[500.0, 600.0])  # type: ignore[arg-type]
-    expected = transition(model, speed_rpm=500.0, stiffness=9000.0, restitution=0.0)
-    for number in (int, np.float64, np.int64):
-        found = transition(
-            model, speed_rpm=number(500), stiffness=number(9000), restitution=number(0)
-        )
-        assert np.array_equal(found.table, expected.table)
 
 
 def test_worker_process(model: ReducedModel, tmp_path: Path) -> None:

@@ -1,0 +1,245 @@
+"""What a case may be, where each of its numbers goes, and how a case without rest is refused."""
+
+from __future__ import annotations
+
+import inspect
+import math
+import re
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from snapshots import Words
+
+import nipper_pin.reduced
+from nipper_pin import InputError, Mechanism, NipperError, SimulationError
+from nipper_pin.reduced import ReducedModel, Status, build, results, transition, transitions
+from nipper_pin.reduced.kernels import layout
+from nipper_pin.reduced.tables.arrival import unknown
+
+RPM = 500.0
+
+
+def test_what_compiled_code_reads_of_a_model(model: ReducedModel) -> None:
+    """Every array and number in its own place; no two of them are equal."""
+    names = {
+        "travel": "travel_rad", "low": "gap_low", "high": "gap_max", "approach": "approach_rate",
+        "touch_angle": "touch_angle_rad",
+    }  # fmt: skip
+    for name, value in model.tables._asdict().items():
+        np.testing.assert_array_equal(value, getattr(model, names.get(name, name)), err_msg=name)
+    assert (model.cells, model.degrees) == (model.equation.shape[1], model.equation.shape[2:])
+    turned = replace(model, **{name: getattr(model, name).T.copy().T for name in
+                               ("equation", "gaps", "inertia")})  # fmt: skip
+    assert not turned.equation.flags.c_contiguous
+    assert all(
+        getattr(turned.tables, name).flags.c_contiguous for name in ("equation", "gaps", "inertia")
+    )
+
+
+def test_models_are_compared_by_their_numbers_and_shown_without_their_arrays(
+    model: ReducedModel,
+) -> None:
+    """Arrays are neither compared, which numpy cannot do in one word, nor written out."""
+    assert replace(model, equation=model.equation.copy()) == model
+    assert replace(model, lever=0.24) != model
+    assert "lever=0.24" in repr(replace(model, lever=0.24))
+    assert "array" not in repr(model)
+
+
+SHARES, PRELOADS = np.array([0.3, 0.7]), np.array([0.031, 0.002])
+
+
+@pytest.fixture(scope="module")
+def parallel(model: ReducedModel) -> ReducedModel:
+    """Two springs in the place of one: of other rates and preloads, and of its force in sum."""
+
+    def doubled(values: Any) -> Any:
+        return np.concatenate([values, values[4:]])
+
+    arrays = ("equation", "residual", "largest", "steepest_x", "steepest_u")
+    return replace(
+        model, springs=("one", "two"), stiffness=model.stiffness[0] * SHARES, preload=PRELOADS,
+        arrival=unknown("not of two springs"),
+        **{name: doubled(getattr(model, name)) for name in arrays},
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("given", "alone"),
+    [
+        ({}, (9000.0, SHARES @ PRELOADS)),
+        ({"stiffness": 4000.0}, (8000.0, PRELOADS.mean())),
+        ({"stiffness": [2000.0, 6000.0]}, (8000.0, 0.25 * PRELOADS[0] + 0.75 * PRELOADS[1])),
+        ({"preload": 0.012}, (9000.0, 0.012)),
+        ({"preload": [0.02, 0.005]}, (9000.0, 0.3 * 0.02 + 0.7 * 0.005)),
+    ],
+)
+def test_springs_in_parallel_are_one(
+    model: ReducedModel, parallel: ReducedModel, given: dict[str, Any], alone: tuple[float, float]
+) -> None:
+    """Of the sum of their rates, and of the preload that has the sum of their forces."""
+    stiffness, preload = alone
+    one = transition(model, speed_rpm=RPM, stiffness=stiffness, preload=preload)
+    two = transition(parallel, speed_rpm=RPM, **given)
+    rows = {key: [value] * 2 if isinstance(value, list) else value for key, value in given.items()}
+    many = transitions(parallel, speed_rpm=[RPM, RPM], **rows)
+    assert two.duration == pytest.approx(one.duration, rel=1e-9)
+    assert many.duration.tolist() == [two.duration] * 2
+
+
+def test_rows_of_springs_that_do_not_fit(parallel: ReducedModel) -> None:
+    """One number for all, one for each, or a row a case."""
+    for value in ([1.0, 2.0, 3.0], [[1.0], [2.0]], [[[1.0]]], [1.0, math.nan], math.inf, -1e-9):
+        for solve in (transition, transitions):
+            with pytest.raises(InputError) as caught:
+                solve(parallel, speed_rpm=RPM, stiffness=value)  # type: ignore[operator]
+            assert caught.value.evidence["key"] == "stiffness"
+    with pytest.raises(InputError, match="stiffness"):
+        transition(parallel, speed_rpm=RPM, stiffness=[1.0])
+
+
+@pytest.mark.parametrize(
+    ("key", "good", "bad"),
+    [
+        ("speed_rpm", (RPM, np.float32(RPM), 500), (0.0, -1.0, math.nan, math.inf)),
+        ("restitution", (0.0, 0, np.float32(0.25)), (1.1, -0.1, math.nan)),
+        ("stiffness", (9000.0, 9000), (-1.0, math.nan, math.inf, [[1.0, 2.0]])),
+        ("preload", (0.011, np.float64(0.011)), (math.nan, math.inf)),
+        ("gravity", (9.81, 0.0, -4.0), (math.nan, math.inf)),
+        ("tolerance", (1e-13, 1e-3), (0.9e-13, 1.1e-3, math.nan)),
+        ("max_collisions", (32,), (0, -1)),
+        ("rest_rate", (1e-3, None), (0.0, -1.0, math.inf, math.nan)),
+    ],
+)
+def test_numbers_of_a_case(model: ReducedModel, key: str, good: Any, bad: Any) -> None:
+    """At their limits, alone and in a batch; beyond them refused by exactly their name."""
+    for solve in (transition, transitions):
+        for value in good:
+            solve(model, **{"speed_rpm": RPM, key: value})  # type: ignore[operator]
+        for value in bad:
+            with pytest.raises(InputError) as caught:
+                solve(model, **{"speed_rpm": RPM, key: value})  # type: ignore[operator]
+            assert caught.value.evidence["key"] == key
+
+
+def test_one_case_a_call(model: ReducedModel) -> None:
+    """A single call takes one number; whole numbers and those of numpy are numbers."""
+    with pytest.raises(InputError, match="speed_rpm"):
+        transition(model, speed_rpm=[500.0, 600.0])  # type: ignore[arg-type]
+    expected = transition(model, speed_rpm=500.0, stiffness=9000.0, restitution=0.0)
+    for number in (int, np.float64, np.int64):
+        found = transition(
+            model, speed_rpm=number(500), stiffness=number(9000), restitution=number(0)
+        )
+        assert np.array_equal(found.table, expected.table)
+
+
+def test_cases_of_a_batch_go_together(model: ReducedModel) -> None:
+    """One number counts for all of them; rows of two lengths do not."""
+    many = transitions(model, speed_rpm=RPM, gravity=[1.0, 2.0, 3.0])
+    assert many.duration.tolist() == [
+        transition(model, speed_rpm=RPM, gravity=gravity).duration for gravity in (1.0, 2.0, 3.0)
+    ]
+    with pytest.raises(InputError, match="need the same number of cases"):
+        transitions(model, speed_rpm=[300.0, 400.0], gravity=[1.0, 2.0, 3.0])
+
+
+def test_gravity_of_a_model_without_it(model: ReducedModel) -> None:
+    """None can be given but none."""
+    bare = replace(model, gravity_m_s2=0.0)
+    assert transition(bare, speed_rpm=RPM, gravity=0.0) is not None
+    assert transition(bare, speed_rpm=RPM).duration == transition(model, speed_rpm=RPM).duration
+    with pytest.raises(InputError, match="sampled without gravity") as caught:
+        transitions(bare, speed_rpm=RPM, gravity=[0.0, 1.0])
+    assert caught.value.evidence["gravity"] == [0.0, 1.0]
+
+
+def test_every_result_comes_from_its_place(model: ReducedModel) -> None:
+    """Rows of the table by name; what lies beyond the last collision is none."""
+    found = transition(model, speed_rpm=RPM)
+    batch = transitions(model, speed_rpm=[RPM, 450.0])
+    rows = {
+        "time": layout.TIME, "cylinder_angle": layout.ANGLE, "approach_rate": layout.APPROACH,
+        "separation_rate": layout.SEPARATION, "impulse": layout.IMPULSE,
+        "energy_lost": layout.ENERGY, "rebound_amplitude": layout.AMPLITUDE,
+        "rebound_time": layout.REBOUND, "time_error": layout.TIME_ERROR,
+        "rate_error": layout.RATE_ERROR, "impulse_error": layout.IMPULSE_ERROR,
+        "amplitude_error": layout.AMPLITUDE_ERROR, "rebound_error": layout.REBOUND_ERROR,
+    }  # fmt: skip
+    count = found.collisions
+    for name, row in rows.items():
+        np.testing.assert_array_equal(getattr(found, name), found.table[row])
+        np.testing.assert_array_equal(getattr(batch, name)[0, :count], found.table[row])
+        assert np.isnan(getattr(batch, name)[0, count:]).all()
+    for result in (found, batch):
+        assert (result.model, result.engine) == ("e62", "reduced")  # type: ignore[attr-defined]
+    assert (found.premise_holds, batch.premise[0]) == (True, layout.HOLDS)
+    for name in ("collisions", "duration", "duration_error", "share", "error_bound"):
+        assert getattr(batch, name)[0] == getattr(found, name), name
+
+
+def without_rest(e62: Mechanism, model: ReducedModel) -> list[tuple[Any, dict[str, Any], Status]]:
+    """Models, cases, and how each ends."""
+    near, far, jump = model.gaps.copy(), model.gaps.copy(), model.equation.copy()
+    near[..., 0, 0] -= 1e-3
+    far[..., 0, 0] += 1e-3
+    # From one cell to the next, within a flight.
+    jump[0, 1:, 0, 0] -= 1e4
+    low = replace(model.arrival, tables=model.arrival.tables._replace(high=1e-6))
+    flying = {"speed_rpm": 690.0, "restitution": 0.3, "stiffness": 7000.0, "preload": 0.0085,
+              "assumed": False}  # fmt: skip
+    return [
+        (build(e62, travel_rad=0.5, gap_max=0.02), {"restitution": 0.3}, Status.LEFT_TRAVEL),
+        (build(e62, gap_max=0.004), {}, Status.LEFT_GAP),
+        (replace(model, gaps=near), {}, Status.OTHER_STOP),
+        (replace(model, gaps=far), {}, Status.AT_REST),
+        (model, {"restitution": 0.0, "preload": -0.05}, Status.NOT_PRESSED),
+        (model, {"restitution": 0.6, "max_collisions": 3}, Status.TOO_MANY_COLLISIONS),
+        (replace(model, equation=jump), {}, Status.UNRESOLVED),
+        (build(e62, turn=False), {"assumed": False}, Status.UNTOLD),
+        (replace(model, arrival=low), flying, Status.UNTOLD),
+    ]
+
+
+def test_a_transition_without_rest_is_refused(
+    e62: Mechanism, model: ReducedModel, words: Words
+) -> None:
+    """With its reason, and marked in a batch, whose other cases come to rest."""
+    said = []
+    for made, keys, status in without_rest(e62, model):
+        given = {"speed_rpm": 650.0, **keys}
+        batch = transitions(made, **given)
+        assert (batch.status.tolist(), np.isnan(batch.duration).tolist()) == (
+            [status], [status != Status.AT_REST],
+        )  # fmt: skip
+        if status == Status.AT_REST:
+            assert transition(made, **given).collisions > 5
+            continue
+        outside = status in (Status.LEFT_TRAVEL, Status.LEFT_GAP)
+        kind: type[NipperError] = InputError if outside else SimulationError
+        with pytest.raises(kind) as caught:
+            transition(made, **given)
+        assert caught.value.evidence == {
+            "status": status.name, "speed_rpm": given["speed_rpm"],
+            "collisions": batch.collisions[0],
+        }  # fmt: skip
+        said.append(str(caught.value))
+    words("\n".join(said) + "\n")
+    mixed = transitions(build(e62, gap_max=0.004), speed_rpm=[450.0, 650.0, 400.0])
+    assert mixed.status.tolist() == [Status.AT_REST, Status.LEFT_GAP, Status.AT_REST]
+    assert np.isnan(mixed.duration).tolist() == [False, True, False]
+
+
+def test_advice_names_what_there_is() -> None:
+    """Each function that a reason names exists, and takes what it says to give it."""
+    knobs = 0
+    for reason in results.REASONS.values():
+        for name, rest in re.findall(r"nipper_pin\.reduced\.(\w+) with ([^;,]*)", reason):
+            taken = inspect.signature(getattr(nipper_pin.reduced, name)).parameters
+            named = re.findall(r"\b[a-z]+_[a-z]+\b|\b\w+(?==)", rest)
+            assert named, reason
+            assert set(named) <= set(taken), reason
+            knobs += len(named)
+    assert knobs >= 4
