@@ -35,13 +35,9 @@ def run() -> Solution:
 
 
 def test_the_machine_shows_what_the_errors_below_need(run: Solution) -> None:
-    """It hits stops on both sides, loses energy in dampers and stores some, and nothing is wrong.
-
-    Otherwise the errors below would be caught for another reason, or be none.
-    """
+    """It hits stops on both sides and loses energy in dampers: else they would be none."""
     assert {hit.stop for hit in run.collisions} >= {"j0 lower", "j0 upper", "j1 upper"}
     assert run.energy.dissipated > 0.01
-    assert violations(run) == []
 
 
 @pytest.mark.parametrize("ratio", [1.0, -1.0])
