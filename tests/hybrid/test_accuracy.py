@@ -114,6 +114,7 @@ def test_of_random_machines_too_and_not_because_the_statement_is_idle(
 
 
 @extended_only
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(("number", "tolerance"), [(782, 1e-8), (932, 1e-4), (1844, 1e-8)])
 def test_a_stop_that_is_hardly_pressed_shut_rests_when_it_is_stated_to(
     monkeypatch: pytest.MonkeyPatch, number: int, tolerance: float

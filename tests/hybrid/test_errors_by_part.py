@@ -52,7 +52,7 @@ def stated(solution: Solution, stop: str) -> list[tuple[float, float]]:
 
 @pytest.mark.sampled(2)
 @pytest.mark.parametrize("upwards", [False, True])
-@pytest.mark.parametrize("count", [3, 20])
+@pytest.mark.parametrize("count", [3, 12])
 def test_errors_of_balls_hold_and_are_of_each_ball(count: int, upwards: bool) -> None:
     """Free fall with e = 0.5: bounces after t1 (3 - 2^(2-k)), rest after 3 t1.
 
@@ -65,11 +65,14 @@ def test_errors_of_balls_hold_and_are_of_each_ball(count: int, upwards: bool) ->
     together = run(balls(heights, upwards=upwards))
     for i, height in enumerate(heights):
         first, found = math.sqrt(2.0 * height / GRAVITY), stated(together, f"floor{i}")
-        alone = stated(run(balls([height], upwards=upwards)), "floor0")
-        assert len(found) == len(alone)
         exact = [first * (3.0 - 2.0 ** (2 - k)) for k in range(1, len(found))] + [3.0 * first]
-        for (t, error), (_, own), right in zip(found, alone, exact, strict=True):
-            assert abs(t - right) <= error <= min(count * own, TOLERANCE * t)
+        for (t, error), right in zip(found, exact, strict=True):
+            assert abs(t - right) <= error <= TOLERANCE * t
+        if i % 6:
+            continue
+        alone = stated(run(balls([height], upwards=upwards)), "floor0")
+        for (_, error), (_, own) in zip(found, alone, strict=True):
+            assert error <= count * own
 
 
 def test_errors_of_rebounds_count_nothing_of_other_balls() -> None:

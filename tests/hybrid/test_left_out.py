@@ -67,21 +67,17 @@ def test_it_is_the_difference_to_a_run_of_more_bounces(tolerance: float, exact: 
     assert later[[1, 3]] == pytest.approx([q[1], v[1]], rel=0.1)
 
 
-@pytest.mark.parametrize("tolerance", TOLERANCES)
-def test_it_is_stated_where_the_other_body_strikes(tolerance: float) -> None:
+def test_it_is_stated_where_the_other_body_strikes() -> None:
     """The block meets a stop of its own 3 ms after the rest: within twice what both runs state.
 
     At a tolerance of 1e-6 the next event was 2.3e-6 s off, and 1.9e-7 s were stated.
     """
     shelf = {"joint": "x", "side": "lower", "at_mm": -17.6, "restitution": 0.3}
-    coarse, fine = run(tolerance, shelf=shelf), run(1e-14, shelf=shelf)
-    assert within_errors(coarse, fine) == []
-    numbers = [
-        next(i for i, e in enumerate(s.events) if "shelf" in e.stops) for s in (coarse, fine)
-    ]
-    hits = [
-        s.events[number].P_N["shelf"] for s, number in zip((coarse, fine), numbers, strict=True)
-    ]
-    off = abs(hits[0] / hits[1] - 1.0)
-    stated = coarse.errors[numbers[0]].impulse
-    assert 0.5 * off <= stated <= 4.0 * off
+    fine = run(1e-14, shelf=shelf)
+    (right, *_) = (event.P_N["shelf"] for event in fine.events if "shelf" in event.stops)
+    for tolerance in TOLERANCES:
+        coarse = run(tolerance, shelf=shelf)
+        assert within_errors(coarse, fine) == []
+        number = next(i for i, event in enumerate(coarse.events) if "shelf" in event.stops)
+        off = abs(coarse.events[number].P_N["shelf"] / right - 1.0)
+        assert 0.5 * off <= coarse.errors[number].impulse <= 4.0 * off

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -57,6 +58,7 @@ def test_no_limit_without_a_series() -> None:
 # --- boxes --------------------------------------------------------------------------------------
 
 
+@cache
 def run(numbers: Numbers, stiffness: float = 0.0, **case: object) -> Solution:
     return simulate(lid_box(numbers, stiffness), Case(**{**CASE, **case}))  # type: ignore[arg-type]
 
@@ -73,6 +75,7 @@ def rest_of(solution: Solution) -> Event:
     return event
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     "numbers",
     [

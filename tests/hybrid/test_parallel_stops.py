@@ -215,10 +215,9 @@ def test_what_is_read_of_a_turn(tmp_path: Path) -> None:
     again = load_solution(save(solution, tmp_path / "run.npz"))
     assert [event.P_N for event in again.events] == [event.P_N for event in solution.events]
     assert again.errors == solution.errors
-    for count in (2, 17):
-        table = turn_table(mechanism, speed_rpm=np.linspace(60.0, 61.0, count), turns=1)
-        share = 1.0 - solution.events[-1].t
-        assert table.clamped_share[0] == pytest.approx(share, rel=1e-9)
+    table = turn_table(mechanism, speed_rpm=[60.0, 61.0], turns=1)
+    share = 1.0 - solution.events[-1].t
+    assert table.clamped_share[0] == pytest.approx(share, rel=1e-9)
 
 
 @pytest.mark.parametrize("at_deg", range(-59, 0, 2))

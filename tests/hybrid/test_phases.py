@@ -1,4 +1,4 @@
-"""Which stops are closed: pure functions of sets, and complementarity on the E62."""
+"""Which stops are closed: complementarity on the E62."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from nipper_pin import Case, EventKind, Mechanism, Window, load, simulate
+from nipper_pin import Case, EventKind, Mechanism, Window, simulate
 from nipper_pin.dynamics import ShaftMotion, System
-from nipper_pin.hybrid.contact.complementarity import after_collision, after_release, pressed
+from nipper_pin.hybrid.contact.complementarity import pressed
 from nipper_pin.mechanism import rad_s_from_rpm
 
 
@@ -17,58 +17,24 @@ def _set(*names: str) -> frozenset[str]:
     return frozenset(names)
 
 
-@pytest.mark.parametrize(
-    ("closed", "released", "after"),
-    [
-        (_set("steeve"), ["steeve"], _set()),
-        (_set("jaw", "steeve"), ["jaw"], _set("steeve")),
-        (_set("jaw"), ["steeve"], _set("jaw")),
-        (_set("jaw", "steeve"), ["jaw", "steeve"], _set()),
-        (_set(), [], _set()),
-    ],
-)
-def test_after_release(closed: frozenset[str], released: list[str], after: frozenset[str]) -> None:
-    """Released stops leave the set, others stay."""
-    assert after_release(closed, released) == after
-
-
-@pytest.mark.parametrize(
-    ("closed", "rates", "after"),
-    [
-        (_set("steeve"), {"jaw": 3.0, "steeve": 0.7}, _set()),
-        (_set("steeve"), {"jaw": 0.0, "steeve": 0.7}, _set("jaw")),
-        (_set("steeve"), {"jaw": 3.0, "steeve": 0.0}, _set("steeve")),
-        (_set("jaw"), {"steeve": 0.0, "jaw": 0.0}, _set("jaw", "steeve")),
-        (_set(), {"jaw": 1.0}, _set()),
-        (_set("other"), {"jaw": 1.0}, _set("other")),
-    ],
-)
-def test_after_collision(
-    closed: frozenset[str], rates: dict[str, float], after: frozenset[str]
-) -> None:
-    """A stop in contact stays only at rate zero; one that took no part keeps its state."""
-    assert after_collision(closed, rates) == after
-
-
 Pressed = Callable[[float, float, frozenset[str]], frozenset[str]]
 
 
 @pytest.fixture(scope="module")
-def pressed_at() -> Pressed:
+def pressed_at(e62: Mechanism) -> Pressed:
     """Stops that stay closed at an index of the cycle, as a function of speed and stops at rest.
 
     While the drives determine everything, a configuration depends on the cylinder angle alone and
     velocities on the speed in proportion. They are taken from the cycle at 450 r/min, where the
     steeve never leaves its stop while the jaw is open.
     """
-    mechanism = load("e62")
-    slow = simulate(mechanism, Case(speed_rpm=450.0, window=Window.CYCLE))
+    slow = simulate(e62, Case(speed_rpm=450.0, window=Window.CYCLE))
 
     def find(speed: float, index: float, at_rest: frozenset[str]) -> frozenset[str]:
         t = (index - 24.0) / 40.0 * slow.shaft.period
         motion = slow.trajectory.evaluate(t)
-        shaft = ShaftMotion(mechanism, rad_s_from_rpm(speed), float(motion.cylinder_angle[0]))
-        system = System(mechanism, shaft)
+        shaft = ShaftMotion(e62, rad_s_from_rpm(speed), float(motion.cylinder_angle[0]))
+        system = System(e62, shaft)
         q, v = motion.q[0], motion.v[0] * speed / 450.0
         _, jacobian = system.body.closures(q[None])
         return pressed(system, system.shaft.driven(np.zeros(1)), q, v, jacobian[0], at_rest)
@@ -105,25 +71,19 @@ def test_without_stops_at_rest_none_is_closed(pressed_at: Pressed) -> None:
     assert pressed_at(450.0, 30.0, _set()) == _set()
 
 
-@pytest.fixture(scope="module")
-def nipper() -> Mechanism:
-    """The E62."""
-    return load("e62")
-
-
 @pytest.mark.parametrize("speed", [450.0, 650.0])
-def test_sets_along_a_cycle_are_complementary(nipper: Mechanism, speed: float) -> None:
+def test_sets_along_a_cycle_are_complementary(e62: Mechanism, speed: float) -> None:
     """Along a whole cycle closed stops push and open gaps are positive, at 2000 times of each.
 
     An index set that lags one event behind breaks one of the two at once. The bounds are the
     round-off of forces of 300 N and of gaps of 4 mm and 0.4 rad.
     """
-    solution = simulate(nipper, Case(speed_rpm=speed, window=Window.CYCLE))
+    solution = simulate(e62, Case(speed_rpm=speed, window=Window.CYCLE))
     first, last = solution.trajectory.span
     times = np.linspace(first, last, 2000)[1:-1]
     q = solution.trajectory.evaluate(times).q
     reactions = solution.trajectory.reactions(times)
-    for stop in nipper.stops:
+    for stop in e62.stops:
         assert q[:, stop.index].min() >= -1e-15
         assert reactions.stops[stop.name].min() >= -1e-9
         # Never both: a gap and a force at the same time.
@@ -132,18 +92,18 @@ def test_sets_along_a_cycle_are_complementary(nipper: Mechanism, speed: float) -
         assert q[:, stop.index].max() > 1e-3
 
 
-def test_at_release_the_force_is_zero_and_the_gap_opens(nipper: Mechanism) -> None:
+def test_at_release_the_force_is_zero_and_the_gap_opens(e62: Mechanism) -> None:
     """Where the steeve leaves its stop its force has just fallen to zero.
 
     The force is found to the round-off of its largest value, 300 N; just after, the gap grows.
     """
-    solution = simulate(nipper, Case(speed_rpm=650.0, window=Window.CYCLE))
+    solution = simulate(e62, Case(speed_rpm=650.0, window=Window.CYCLE))
     release = next(event for event in solution.events if event.kind is EventKind.RELEASE)
     assert release.stops == ("steeve",)
     force = solution.trajectory.reactions(release.t, left=True).stops["steeve"][0]
     assert abs(force) <= 1e-9
     before = solution.trajectory.reactions(release.t - 1e-5, left=True).stops["steeve"][0]
     assert before > 0.0
-    steeve = nipper.stop("steeve").index
+    steeve = e62.stop("steeve").index
     later = solution.trajectory.evaluate(release.t + np.array([1e-4, 2e-4])).q[:, steeve]
     assert 0.0 < later[0] < later[1]

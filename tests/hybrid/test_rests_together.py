@@ -52,9 +52,9 @@ def run(mechanism: Mechanism, last: float, **case: object) -> Solution:
     return simulate(mechanism, Case(**numbers))  # type: ignore[arg-type]
 
 
-def fallen(items: Sequence[Ball], **case: object) -> Solution:
+def fallen(items: Sequence[Ball]) -> Solution:
     """A turn in which all balls come to rest."""
-    return run(balls(items), max(map(rest_in_closed_form, items)), **case)
+    return run(balls(items), max(map(rest_in_closed_form, items)))
 
 
 def rests(solution: Solution) -> dict[str, Event]:
@@ -75,6 +75,7 @@ def check_balls(solution: Solution, items: Sequence[Ball]) -> None:
     assert all(hit.approach_rate < 0.0 for hit in solution.collisions)
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("count", [2, 3, 5])
 @pytest.mark.parametrize("ball", [(0.0, 0.2), (0.4, 0.2), (0.8, 0.05)])
 def test_equal_balls_come_to_rest_in_one_event(ball: Ball, count: int) -> None:
@@ -161,7 +162,7 @@ def test_the_state_of_a_rest_is_that_of_the_balls_that_go_on() -> None:
     assert motion.q[0, 1] + items[1][1] == pytest.approx(height, abs=1e-12)
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("e_N", [0.98, 0.985, 0.99, 0.995, 0.998])
 @pytest.mark.parametrize("height", [0.003, 0.2, 1.0])
 def test_high_restitution(e_N: float, height: float) -> None:
@@ -196,6 +197,7 @@ def test_a_short_fall_in_a_long_turn_is_located_to_round_off() -> None:
 # --- stops of one part --------------------------------------------------------------------------
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("count", [2, 3, 5])
 @pytest.mark.parametrize(("e_N", "mass"), [(0.3, 2.0), (0.7, 0.5), (0.7, 20.0)])
 def test_balls_on_one_carriage_in_step(e_N: float, mass: float, count: int) -> None:
@@ -273,7 +275,7 @@ def stack(items: Sequence[Ball], raised: bool, **keys: object) -> Mechanism:
     return machine(parts, len(items), gravity=GRAVITY, stops=stops, initial=initial, **keys)
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("law", ["newton", "sequential"])
 @pytest.mark.parametrize("raised", [True, False])
 @pytest.mark.parametrize(

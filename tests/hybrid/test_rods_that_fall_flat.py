@@ -52,6 +52,7 @@ def turn(mechanism: Mechanism) -> Solution:
     return simulate(mechanism, Case(speed_rpm=60.0, window=Window.CYCLE))
 
 
+@pytest.mark.sampled(7)
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("arms", [(0.15, 0.15), (0.1166667, 0.1166666), (0.11667, 0.11666)])
 @pytest.mark.parametrize(("mass", "e_N"), [(0.1, 0.0), (1.0, 0.5), (30.0, 0.2), (1.0, 0.7)])
@@ -68,6 +69,7 @@ def test_a_symmetric_rod_bounces_flat(
         assert hit.separation_rate == pytest.approx(-e_N * hit.approach_rate, rel=1e-9)
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("mass", [0.1, 30.0])
 @pytest.mark.parametrize("restitution", [(0.5, 0.5), (0.0, 0.5), (0.2, 0.7)])

@@ -24,38 +24,32 @@ from nipper_pin.mechanism.skeleton import write_skeleton
 BOUNCING_MASS = Path(__file__).parents[1] / "verification" / "models" / "bouncing_mass"
 
 
-@pytest.fixture(scope="module")
-def nipper() -> Mechanism:
-    """The E62."""
-    return load("e62")
-
-
 @pytest.mark.parametrize("rest_rate", [1.0, 0.02, 1e-4])
 def test_a_threshold_ends_the_series_at_the_first_slower_rebound(
-    nipper: Mechanism, rest_rate: float
+    e62: Mechanism, rest_rate: float
 ) -> None:
     """The last rebound is slower than the threshold and the one before is not.
 
     The rest comes with that collision, not at the limit; its state is at rest.
     """
-    solution = simulate(nipper, Case(speed_rpm=650.0, rest_rate=rest_rate))
+    solution = simulate(e62, Case(speed_rpm=650.0, rest_rate=rest_rate))
     rebounds = [item.separation_rate for item in solution.collisions]
     assert rebounds[-1] < rest_rate <= rebounds[-2]
     rest = solution.events[-1]
     assert rest.kind is EventKind.REST
     assert rest.t == solution.collisions[-1].t
-    assert rest.v_after[nipper.stop("jaw").index] == 0.0
+    assert rest.v_after[e62.stop("jaw").index] == 0.0
     assert solution.outcome is Outcome.AT_REST
 
 
-def test_threshold_and_limit_agree_up_to_the_threshold(nipper: Mechanism) -> None:
+def test_threshold_and_limit_agree_up_to_the_threshold(e62: Mechanism) -> None:
     """Until the threshold acts both runs are the same bits; then the limit lies later.
 
     What the threshold cuts off is the rest of the series, 2 w / (a (1 - e)) with w the last
     rebound rate.
     """
-    limit = simulate(nipper, Case(speed_rpm=650.0))
-    threshold = simulate(nipper, Case(speed_rpm=650.0, rest_rate=0.02))
+    limit = simulate(e62, Case(speed_rpm=650.0))
+    threshold = simulate(e62, Case(speed_rpm=650.0, rest_rate=0.02))
     count = len(threshold.collisions)
     assert [c.t for c in threshold.collisions] == [c.t for c in limit.collisions[:count]]
     cut = limit.events[-1].t - threshold.events[-1].t
@@ -113,21 +107,21 @@ def test_without_losses_there_is_no_rest_and_the_run_says_so() -> None:
 
 
 @pytest.mark.parametrize("most", [1, 2, 5])
-def test_the_largest_number_of_collisions_is_kept(nipper: Mechanism, most: int) -> None:
+def test_the_largest_number_of_collisions_is_kept(e62: Mechanism, most: int) -> None:
     """The run stops after exactly that many collisions and says why."""
-    solution = simulate(nipper, Case(speed_rpm=650.0, max_collisions=most))
+    solution = simulate(e62, Case(speed_rpm=650.0, max_collisions=most))
     assert len(solution.collisions) == most
     assert solution.outcome is Outcome.TOO_MANY_COLLISIONS
     assert "max_collisions" in solution.outcome.value
 
 
-def test_the_largest_number_of_collisions_counts_in_every_turn(nipper: Mechanism) -> None:
+def test_the_largest_number_of_collisions_counts_in_every_turn(e62: Mechanism) -> None:
     """A turn at 650 r/min has 21 collisions: 21 are enough for three turns, 20 are not for one."""
     case = {"speed_rpm": 650.0, "window": Window.CYCLE, "cycles": 3, "reuse_cycles": False}
-    whole = simulate(nipper, Case(**case))
+    whole = simulate(e62, Case(**case))
     a_turn = len(whole.collisions) // 3
-    assert simulate(nipper, Case(**case, max_collisions=a_turn + 1)).outcome is Outcome.COMPLETED
-    short = simulate(nipper, Case(**case, max_collisions=a_turn - 1))
+    assert simulate(e62, Case(**case, max_collisions=a_turn + 1)).outcome is Outcome.COMPLETED
+    short = simulate(e62, Case(**case, max_collisions=a_turn - 1))
     assert short.outcome is Outcome.TOO_MANY_COLLISIONS
     assert len(short.collisions) == a_turn - 1
 
@@ -152,15 +146,15 @@ def _copies_of_one_turn(copied: Solution) -> None:
 
 
 @pytest.mark.parametrize("speed", [450.0, 650.0])
-def test_copied_turns_equal_computed_ones(nipper: Mechanism, speed: float) -> None:
+def test_copied_turns_equal_computed_ones(e62: Mechanism, speed: float) -> None:
     """Three turns with copies and three computed ones have the same events to 1e-11 s.
 
     Both start from exact kinematics; the bound is the round-off of the times, some 1e-16 s, and of
     a series of bounces, which amplifies it little.
     """
     case = {"speed_rpm": speed, "window": Window.CYCLE, "cycles": 3}
-    copied = simulate(nipper, Case(**case, reuse_cycles=True))
-    computed = simulate(nipper, Case(**case, reuse_cycles=False))
+    copied = simulate(e62, Case(**case, reuse_cycles=True))
+    computed = simulate(e62, Case(**case, reuse_cycles=False))
     assert copied.repeated_from is not None
     assert computed.repeated_from is None
     assert copied.evaluations < 0.7 * computed.evaluations
@@ -235,17 +229,17 @@ def test_what_is_bound_to_a_winding_hinge_does_not_repeat(bound: str, tmp_path: 
 
 
 @pytest.mark.parametrize("speed", [450.0, 650.0])
-def test_the_jaw_opens_by_the_steeve(nipper: Mechanism, speed: float) -> None:
+def test_the_jaw_opens_by_the_steeve(e62: Mechanism, speed: float) -> None:
     """When the steeve comes back on its stop the closed jaw is torn open by the same impact.
 
     The steeve rebounds by its restitution, the jaw leaves without an impulse of its own.
     """
-    solution = simulate(nipper, Case(speed_rpm=speed, window=Window.CYCLE))
+    solution = simulate(e62, Case(speed_rpm=speed, window=Window.CYCLE))
     opening = next(item for item in solution.collisions if "jaw" in item.event.closed_before)
     assert opening.stop == "steeve"
     assert opening.separation_rate == pytest.approx(-0.2 * opening.approach_rate, rel=1e-14)
     event = opening.event
-    jaw = nipper.stop("jaw").index
+    jaw = e62.stop("jaw").index
     assert event.P_N["jaw"] == 0.0
     assert event.v_before[jaw] == 0.0
     assert event.v_after[jaw] > 0.0
@@ -254,15 +248,15 @@ def test_the_jaw_opens_by_the_steeve(nipper: Mechanism, speed: float) -> None:
     assert solution.phases[-1].number == 1
 
 
-def test_an_inertial_cycle_runs_and_loses_drive_speed_in_impacts(nipper: Mechanism) -> None:
+def test_an_inertial_cycle_runs_and_loses_drive_speed_in_impacts(e62: Mechanism) -> None:
     """With free shafts the whole turn runs; collisions change the shafts' rates and need no drive.
 
     Held drives keep their rates to the last bit and take the impulse; free ones are the reverse.
     """
-    free = simulate(nipper, Case(speed_rpm=650.0, window=Window.CYCLE, drive=DriveMode.INERTIAL))
-    held = simulate(nipper, Case(speed_rpm=650.0, window=Window.CYCLE))
+    free = simulate(e62, Case(speed_rpm=650.0, window=Window.CYCLE, drive=DriveMode.INERTIAL))
+    held = simulate(e62, Case(speed_rpm=650.0, window=Window.CYCLE))
     assert free.outcome is Outcome.COMPLETED
-    driven = [drive.index for drive in nipper.drives]
+    driven = [drive.index for drive in e62.drives]
     for solution, is_free in ((free, True), (held, False)):
         event = max(solution.collisions, key=lambda item: item.impulse).event
         jumped = np.abs(event.v_after[driven] - event.v_before[driven])
@@ -277,15 +271,15 @@ def test_an_inertial_cycle_runs_and_loses_drive_speed_in_impacts(nipper: Mechani
     assert first[0].index != first[1].index
 
 
-def test_progress_is_reported_after_every_turn(nipper: Mechanism) -> None:
+def test_progress_is_reported_after_every_turn(e62: Mechanism) -> None:
     """The callback counts the turns done, and ends with all of them."""
     seen: list[tuple[int, int]] = []
     case = Case(speed_rpm=450.0, window=Window.CYCLE, cycles=3, reuse_cycles=False)
-    simulate(nipper, case, progress=lambda done, total: seen.append((done, total)))
+    simulate(e62, case, progress=lambda done, total: seen.append((done, total)))
     assert seen == [(1, 3), (2, 3), (3, 3)]
     seen.clear()
     case = Case(speed_rpm=450.0, window=Window.CYCLE, cycles=50)
-    simulate(nipper, case, progress=lambda done, total: seen.append((done, total)))
+    simulate(e62, case, progress=lambda done, total: seen.append((done, total)))
     assert seen[-1] == (50, 50)
     assert len(seen) < 50
 
@@ -297,7 +291,7 @@ def test_a_cylinder_that_turns_the_wrong_way_is_an_input_error() -> None:
         simulate(mechanism, Case(speed_rpm=450.0))
 
 
-def test_start_index_shifts_the_window_only(nipper: Mechanism) -> None:
+def test_start_index_shifts_the_window_only(e62: Mechanism) -> None:
     """A turn that starts at another index of phase 1 has its collisions at the same indices.
 
     Phase 1 is kinematic, so nothing remembers the start.
@@ -305,7 +299,7 @@ def test_start_index_shifts_the_window_only(nipper: Mechanism) -> None:
     indices = []
     for start in (20.0, 24.0, 26.5):
         case = Case(speed_rpm=450.0, window=Window.CYCLE, start_index=start)
-        indices.append([item.index for item in simulate(nipper, case).collisions])
+        indices.append([item.index for item in simulate(e62, case).collisions])
     for other in indices[1:]:
         assert other == pytest.approx(indices[0], abs=1e-10)
 

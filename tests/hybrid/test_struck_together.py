@@ -91,6 +91,7 @@ def test_each_stop_has_a_row_with_its_own_loss(three: Solution) -> None:
         assert hit.energy_lost == pytest.approx(mass * G * 0.2 * (1.0 - e_N**2), rel=1e-13)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("sled", [False, True])
 @pytest.mark.parametrize("slow", [0, 1, 2])
 def test_the_time_error_of_an_event_is_that_of_its_least_certain_stop(
@@ -148,6 +149,7 @@ def test_a_saved_run_has_the_same_rows(three: Solution, tmp_path: Any) -> None:
 
 
 # Heights as floats, so that the balls come down at one time but for round-off, or within 1e-13 s.
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("apart", [0.0, 2e-14, -4e-14])
 @pytest.mark.parametrize(
     "rates", [(0.0, 0.0, 0.0), (0.3, -0.2, 0.1), (-0.25, 0.4, 0.0), (0.1, 0.2, 0.3)]

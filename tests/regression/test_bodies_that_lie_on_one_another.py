@@ -72,7 +72,7 @@ def test_what_lies_on_one_another_is_in_contact(
     those above it take: m (1 + e) v.
     """
     rng = np.random.default_rng(7)
-    for _ in range(40):
+    for _ in range(15):
         mechanism = make(rng)
         solution = simulate(mechanism, FALL)
         rest, first = solution.events[:2]

@@ -44,7 +44,7 @@ def moves_as_its_law(solution: nip.Solution) -> None:
     np.testing.assert_allclose(motion.q[:, drive.index], expected, atol=1e-13)
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(7)
 @pytest.mark.parametrize(("machine", "law"), PAIRS)
 def test_no_law_stops_the_machine(machine: str, law: str) -> None:
     mechanism = MACHINES[machine](LAWS[law])

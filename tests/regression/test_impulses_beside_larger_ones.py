@@ -22,7 +22,8 @@ COLLISION = 2
 def runs() -> tuple[Solution, Solution]:
     """The case, and the same at a sixteenth of its tolerance."""
     item = trial(421, 23, ("linkage",))
-    case = Case(**{**item.case, "resolution": Resolution(**item.case["resolution"])})
+    resolution = Resolution(**item.case["resolution"])
+    case = Case(**{**item.case, "resolution": resolution, "max_collisions": 4})
     finer = replace(case.resolution, tolerance=max(case.resolution.tolerance / 16.0, 1e-14))
     mechanism = item.mechanism()
     return simulate(mechanism, case), simulate(mechanism, replace(case, resolution=finer))

@@ -207,6 +207,6 @@ def test_the_round_off_of_a_length_of_nanometres_is_no_violation() -> None:
         dampers={"oil": {"frame_a": "post", "frame_b": "tip",
                          "damping_N_s_per_m": 0.06448430888820239}},
     )  # fmt: skip
-    solution = simulate(arm, replace(turns(2), speed_rpm=152.53))
+    solution = simulate(arm, replace(turns(1), speed_rpm=152.53))
     assert panels(solution, 0.0, 1.0) < 100
     assert violations(solution) == []

@@ -81,6 +81,7 @@ def _jump_rpm(mechanism: nip.Mechanism, k: float) -> float:
     return math.sqrt(least) * 60.0 / math.tau
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("nears", FEW_OR_ALL, ids=["few", "all"])
 @pytest.mark.parametrize("sprung", [True, False])
 @pytest.mark.parametrize(

@@ -40,6 +40,7 @@ def press(tmp_path_factory: pytest.TempPathFactory) -> Mechanism:
     return load(folder)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("speed", [30.0, 120.0, 480.0])
 @pytest.mark.parametrize("drive", DriveMode)
 def test_the_pointer_follows_the_ram(press: Mechanism, drive: DriveMode, speed: float) -> None:

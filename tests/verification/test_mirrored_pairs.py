@@ -38,7 +38,7 @@ def turn(mechanism: Mechanism, share: float = 1.0, **keys: object) -> Case:
     return Case(speed_rpm=speed, window=Window.CYCLE, max_collisions=400, **keys)  # type: ignore[arg-type]
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize(("name", "drive", "share"), table())
 def test_a_machine_beside_its_mirror_image(name: str, drive: str, share: float) -> None:
     """Events of either half are those of the machine alone, each at the time that it has there."""

@@ -32,7 +32,7 @@ def run(seed: int, drive: DriveMode) -> Solution:
     return simulate(mechanism, case)
 
 
-@pytest.mark.campaign
+@pytest.mark.sampled(32)
 @modes
 @pytest.mark.parametrize("seed", SEEDS)
 def test_what_must_hold_of_any_motion(seed: int, drive: DriveMode) -> None:
@@ -47,6 +47,7 @@ def test_what_must_hold_of_any_motion(seed: int, drive: DriveMode) -> None:
     assert solution.collisions
 
 
+@pytest.mark.campaign
 def test_the_machines_show_what_they_are_meant_to() -> None:
     """Several stops closed at once, on either side, series, releases and instants of two impacts.
 

@@ -151,6 +151,7 @@ def test_small_flights_keep_their_relative_precision(sense: float, below: float)
         )
 
 
+@pytest.mark.sampled(3)
 @ways
 def test_what_must_hold_of_any_solution(sense: float, below: float) -> None:
     """Energy balances, gaps stay open and stops push, by checks that know no closed solution."""
