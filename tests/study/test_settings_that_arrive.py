@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from sweep_studies import stored
 
 from nipper_pin import Case, DriveMode, Mechanism, transition_table, turn_table
 from nipper_pin.hybrid import simulate as simulate_module
 from nipper_pin.study import identify, optimise
 from nipper_pin.study.optimise.points import Evaluator
 from nipper_pin.study.sweep import read_plan
-from nipper_pin.study.sweep.chunks import run_chunk
 
 Settings = dict[str, Any]
 # Drives that are another machine for every design; tables would need one each.
@@ -65,8 +65,7 @@ def design(minimise: str) -> Callable[[Mechanism, Path, Settings], None]:
 def sweep(more: Settings) -> Callable[[Mechanism, Path, Settings], None]:
     def compute(_: Mechanism, folder: Path, given: Settings) -> None:
         plan = read_plan(written(folder, "", {"speed_rpm": 500.0, **more, **given}, SWEPT))
-        ((chunk, rows),) = plan.rows(plan.chunks())
-        run_chunk(plan.job.text(), chunk.start, rows)
+        stored(folder / plan.hash, plan)
 
     return compute
 

@@ -1,12 +1,13 @@
 """Solutions that the tests of this folder look at."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
 from runs_shown import run_of, turn
 
-from nipper_pin import Solution, load
+import nipper_pin as nip
+from nipper_pin import Comparison, Solution, load
 
 
 @pytest.fixture(scope="session")
@@ -22,6 +23,17 @@ def cycle() -> Solution:
 @pytest.fixture(scope="session")
 def many_turns() -> Solution:
     return turn(load("e62"), 650.0, 24.0, turns=20)
+
+
+@pytest.fixture(scope="session")
+def page_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., str]:
+    """The page of a run or a comparison, as it is written."""
+    file = tmp_path_factory.mktemp("pages") / "page.html"
+
+    def text(shown: Solution | Comparison, **look: float) -> str:
+        return nip.view(shown, file, **look).read_text(encoding="utf-8")
+
+    return text
 
 
 @pytest.fixture

@@ -26,7 +26,6 @@ from nipper_pin.view.compare.files import curves_figure
 from nipper_pin.view.run import print_solution
 from nipper_pin.view.run.bounces import impulse_figure, transition_figure
 from nipper_pin.view.run.plots import plot_solution
-from nipper_pin.view.run.sampling import lift
 from nipper_pin.view.run.timelines import force_figure, motion_figure, phase_figure
 from nipper_pin.view.studies.speed_limit_plot import speed_limit_figure
 
@@ -97,7 +96,6 @@ def test_a_stop_that_is_open_at_the_end_has_left_and_not_come_back() -> None:
     run = simulate(load("e62"), Case(speed_rpm=650.0, window="cycle", start_index=30.0))
     (released,) = (item for item in run.events if item.kind is EventKind.RELEASE)
     assert released is run.events[-1]
-    assert lift(run, released) is None
     stream = io.StringIO()
     print_solution(run, Console(file=stream, width=400))
     (told,) = (row for row in stream.getvalue().splitlines() if "leaves its stop" in row)

@@ -23,7 +23,7 @@ from nipper_pin.view.live.panel.fields import refusal, refusal_html, typed
 from nipper_pin.view.live.panel.memory import ONE_CHANGE, Memory
 from nipper_pin.view.live.panel.numbers import Number, difference
 from nipper_pin.view.live.panel.text import as_html
-from nipper_pin.view.live.settings import Knob, changed, knobs
+from nipper_pin.view.live.settings import Knob, knobs
 
 
 def asked(mechanism: Mechanism, **values: float) -> Answer:
@@ -174,10 +174,14 @@ def test_sliders_need_the_transition_stop(e62: Mechanism) -> None:
         knobs(replace(e62, stops=(steeve,)), 650.0)
 
 
+def solved(found: Answer) -> Mechanism:
+    assert found.solution is not None
+    return found.solution.mechanism
+
+
 def test_sliders_set_what_they_name(e62: Mechanism) -> None:
     """At their starts they mean the model; each spring is set by its own."""
-    values = {item.key: item.factor * item.start for item in knobs(e62, 650.0)}
-    same = changed(e62, values)
+    same = solved(asked(e62))
     assert same.stops == e62.stops
     for one, other in zip(same.springs, e62.springs, strict=True):
         # Units are converted forth and back: two roundings.
@@ -185,13 +189,14 @@ def test_sliders_set_what_they_name(e62: Mechanism) -> None:
         assert one.preload == pytest.approx(other.preload, rel=4e-16)
     spring = e62.springs[0]
     two = replace(e62, springs=(spring, replace(spring, name="other")))
-    made = changed(two, {
-        "speed": 1.0, "restitution": 0.31, "steeve.stiffness": 5.0, "steeve.preload": 6.0,
+    made = solved(answer(two, knobs(two, 650.0), {
+        "speed": 650.0, "restitution": 0.31, "steeve.stiffness": 5.0, "steeve.preload": 6.0,
         "other.stiffness": 7.0, "other.preload": 8.0,
-    })  # fmt: skip
-    assert [(item.name, item.stiffness, item.preload) for item in made.springs] == [
-        ("steeve", 5.0, 6.0), ("other", 7.0, 8.0),
-    ]  # fmt: skip
+    }))  # fmt: skip
+    for item, wanted in zip(made.springs, (("steeve", 5e3, 6e-3), ("other", 7e3, 8e-3)),
+                            strict=True):  # fmt: skip
+        assert item.name == wanted[0]
+        assert (item.stiffness, item.preload) == pytest.approx(wanted[1:], rel=4e-16)
     known = {stop.name: stop.restitution for stop in e62.stops}
     assert {stop.name: stop.restitution for stop in made.stops} == {**known, "jaw": 0.31}
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import re
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
@@ -22,7 +23,6 @@ from nipper_pin import InputError, load
 from nipper_pin.mechanism import collision_model, find_model, from_sources
 from nipper_pin.view.scene import CYLINDER, FIXED, Look, Solid, film, solids
 from nipper_pin.view.scene.objects import solid_commands
-from nipper_pin.view.scene.page import scene_page
 
 FOLDER = find_model("e62")
 DRAWN = ["e62", "e62_offset_guide"]
@@ -128,11 +128,11 @@ def named(e62, name: str) -> Solid:
     return next(item for item in solids(e62) if item.name == name)
 
 
-def test_springs_stay_between_nut_and_tube() -> None:
+def test_springs_stay_between_nut_and_tube(page_of: Callable[..., str]) -> None:
     """Both ends of the drawn coil, from the meshes' corners, in every frame of a motion whose
     stroke passes 5 mm; meshes are stored in single precision (1e-8 of 0.2 m)."""
     large = film(run_of("e62"), Look(exaggerate=50.0))
-    scene = Scene(scene_page(large))
+    scene = Scene(page_of(large.solution, exaggerate=50.0))
     mechanism = large.solution.mechanism
     stroke = next(item.index for item in mechanism.springs)
     head = mechanism.model.jointPlacements[mechanism.model.getJointId("steeve")].translation

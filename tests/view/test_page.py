@@ -6,6 +6,7 @@ import itertools
 import json
 import math
 import re
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -21,26 +22,24 @@ from three_js import Scene
 from nipper_pin import Case, Solution, Window, load, simulate
 from nipper_pin.cli import main
 from nipper_pin.mechanism import collision_model, known_models
-from nipper_pin.view.scene import Look, film
-from nipper_pin.view.scene.page import scene_page
 
 ARROW = "#D55E00"
 
 
 @pytest.fixture(scope="module")
-def page(cycle: Solution) -> str:
-    return scene_page(film(cycle, Look()))
+def page(cycle: Solution, page_of: Callable[..., str]) -> str:
+    return page_of(cycle)
 
 
 @pytest.mark.parametrize("name", ["e62", "press", "boxed", "balls", "elements", "larger"])
-def test_words_of_the_page(name: str, words: Words) -> None:
+def test_words_of_the_page(name: str, page_of: Callable[..., str], words: Words) -> None:
     """Title, case, note, columns, phases, collisions, names and legends; of other rebounds too."""
-    run, look = run_of("transition" if name == "larger" else name), Look()
+    run, look = run_of("transition" if name == "larger" else name), {}
     if name == "larger":
         title = "a comber </script> & co"
         run = replace(run, mechanism=replace(run.mechanism, title=title))
-        look = Look(slow=20.0, exaggerate=3.0)
-    words(said(scene_page(film(run, look))))
+        look = {"slow": 20.0, "exaggerate": 3.0}
+    words(said(page_of(run, **look)))
 
 
 def test_page_is_one_file_that_asks_for_nothing(page: str) -> None:
@@ -85,7 +84,7 @@ def test_a_page_carries_the_licences_of_what_is_in_it(page: str) -> None:
 
 
 @pytest.mark.parametrize("name", sorted(known_models()))
-def test_the_camera_sees_every_plain_body(name: str) -> None:
+def test_the_camera_sees_every_plain_body(name: str, page_of: Callable[..., str]) -> None:
     """All corners of all collision shapes, as Pinocchio places them, are inside of the picture.
 
     The page lets the camera see 40 degrees from top to bottom: a cone of 20 around its axis in
@@ -95,7 +94,7 @@ def test_the_camera_sees_every_plain_body(name: str) -> None:
     case = Case(speed_rpm=mechanism.cylinder.rated_speed_rpm, window=Window.CYCLE)
     seen = re.search(
         r'"whole": \{"target": (\[.*?\]), "position": (\[.*?\])\}',
-        scene_page(film(simulate(mechanism, case), Look())),
+        page_of(simulate(mechanism, case)),
     )
     target, position = (np.array(json.loads(text)) for text in seen.groups())
     axis = (target - position) / np.linalg.norm(target - position)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +27,6 @@ from nipper_pin.mechanism import known_models
 from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.gallery import GALLERY
 from nipper_pin.view.scene import Film, Look, film
-from nipper_pin.view.scene.page import scene_page
 
 MODELS = Path(__file__).parents[1] / "verification" / "models"
 Array = Any
@@ -51,11 +51,11 @@ def run_called(name: str) -> Solution:
 
 
 @pytest.mark.parametrize("name", [*sorted(known_models()), *FEW, *SMALL, "four_bar"])
-def test_every_link_stands_where_pinocchio_has_it(name: str) -> None:
+def test_every_link_stands_where_pinocchio_has_it(name: str, page_of: Callable[..., str]) -> None:
     """Place and rotation of its node at some moments; a machine without shapes has bars there."""
     run = run_called(name)
     shown, judge = film(run, Look()), Judge(run)
-    scene = Scene(scene_page(shown))
+    scene = Scene(page_of(shown.solution))
     drawn = {path.split("/")[2] for path in scene.objects}
     children = {joint.child for joint in run.mechanism.joints}
     if not re.search("<(visual|collision)", run.mechanism.urdf):
@@ -89,9 +89,9 @@ def shown(run: Solution) -> Film:
 
 
 @pytest.fixture(scope="module")
-def scene(shown: Film) -> Scene:
+def scene(shown: Film, page_of: Callable[..., str]) -> Scene:
     """The page."""
-    return Scene(scene_page(shown))
+    return Scene(page_of(shown.solution))
 
 
 def moments(judge: Judge, shown: Film, count: int = 5) -> list[tuple[int, float, Array, float]]:
@@ -197,13 +197,13 @@ def ends_of(run: Solution, q: Array) -> dict[str, list[Array]]:
     return found
 
 
-def test_lines_go_from_point_to_point(server: Any) -> None:
+def test_lines_go_from_point_to_point(server: Any, page_of: Callable[..., str]) -> None:
     """On the page a cylinder of one radius, on the live page a segment."""
     from nipper_pin.view.live.stage import Stage
 
     run = run_of("elements")
     shown = film(run, Look())
-    scene = Scene(scene_page(shown))
+    scene = Scene(page_of(shown.solution))
     lengths = set()
     for _, at, q, _ in moments(Judge(run), shown):
         wanted = ends_of(run, q)
@@ -280,10 +280,10 @@ def carrier(judge: Judge, name: str) -> tuple[str, Array, Array]:
     return joint.parent, at, judge.stops[name].sense * way / np.linalg.norm(way)
 
 
-def test_arrows_of_the_page(struck: Judge) -> None:
+def test_arrows_of_the_page(struck: Judge, page_of: Callable[..., str]) -> None:
     """Foot at the contact, direction of the push, length by the largest impulse that is drawn."""
     shown = film(struck.run, Look())
-    scene = Scene(scene_page(shown))
+    scene = Scene(page_of(shown.solution))
     found = forces(struck)
     paths = [path.split("/impulse_")[1] for path in scene.objects if "/impulse_" in path]
     forced = {name for name, stop in struck.stops.items() if stop.lever or not stop.turns}

@@ -22,7 +22,7 @@ from runs_shown import TURNS, run_of
 from units_shown import factor, force, impulse, index, kind, rows, unit_of
 
 from nipper_pin import Case, Solution, load, load_solution, record, save, simulate
-from nipper_pin.view.live.answer import Answer, answer
+from nipper_pin.view.live.answer import answer
 from nipper_pin.view.live.settings import knobs
 from nipper_pin.view.run import print_solution
 from nipper_pin.view.run.bounces import impulse_figure
@@ -349,7 +349,7 @@ def test_live_page(setting: dict[str, float]) -> None:
     mechanism = load("e62")
     controls = knobs(mechanism, 650.0)
     asked = {item.key: setting.get(item.key.rpartition(".")[2], item.start) for item in controls}
-    found: Answer = answer(mechanism, controls, asked)
+    found = answer(mechanism, controls, asked)
     values = {"speed": 650.0, "restitution": 0.2, "stiffness": 9.0, "preload": 11.0} | setting
     run = simulate(
         load("e62", {
