@@ -232,4 +232,7 @@ def test_a_stop_that_a_gap_passes_on_the_way_is_met(rate: float, acceleration: f
     found = lowest_gap(gap, rate, acceleration, left)
     if acceleration <= 0.0 or rate < 0.0:
         assert found <= sampled + 1e-15
+    if rate < 0.0 < acceleration:
+        # The lowest sample is beside the lowest point by less than one of 1.6e-8 s.
+        assert found == pytest.approx(sampled, rel=0.0, abs=1e-13)
     assert (found > 0.0) == (sampled > 0.0)

@@ -91,7 +91,6 @@ def test_each_stop_has_a_row_with_its_own_loss(three: Solution) -> None:
         assert hit.energy_lost == pytest.approx(mass * G * 0.2 * (1.0 - e_N**2), rel=1e-13)
 
 
-@pytest.mark.sampled(3)
 @pytest.mark.parametrize("sled", [False, True])
 @pytest.mark.parametrize("slow", [0, 1, 2])
 def test_the_time_error_of_an_event_is_that_of_its_least_certain_stop(
