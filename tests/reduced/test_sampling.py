@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.polynomial import chebyshev
 
-from nipper_pin import Case, DriveMode, InputError, Mechanism, load, simulate
+from nipper_pin import Case, Mechanism, load, simulate
 from nipper_pin.arrays import FloatArray
 from nipper_pin.dynamics import ShaftMotion, System
-from nipper_pin.reduced import ReducedModel, build, transition, unfit
+from nipper_pin.reduced import ReducedModel, build, transition
 
 MODELS = Path(__file__).parents[1] / "verification" / "models"
 
@@ -134,20 +133,3 @@ def test_same_model_every_time(model: ReducedModel, e62: Mechanism) -> None:
     again = build(e62)
     for name in ("equation", "gaps", "inertia", "residual"):
         assert np.array_equal(getattr(again, name), getattr(model, name))
-
-
-def test_unfit_mechanisms(e62: Mechanism) -> None:
-    """What cannot be reduced is refused with its reason."""
-    assert unfit(e62) is None
-    with pytest.raises(InputError, match="held drives"):
-        build(e62, drive=DriveMode.INERTIAL)
-    driven = load(MODELS / "four_bar")
-    assert "one degree of freedom" in str(unfit(driven))
-    assert "no stop" in str(unfit(replace(e62, transition_stop="")))
-    with pytest.raises(InputError, match="direct engine"):
-        build(driven)
-    with pytest.raises(InputError, match="travel_rad"):
-        build(e62, travel_rad=7.0)
-    with pytest.raises(InputError, match="gap_max") as refused:
-        build(e62, gap_max=-0.1)
-    assert (refused.value.evidence["key"], refused.value.evidence["value"]) == ("gap_max", -0.1)

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.polynomial import chebyshev
+from snapshots import Words
 from written_tables import bounded
 
 from nipper_pin import (
@@ -30,6 +31,7 @@ from nipper_pin.reduced.tables import arrival
 from nipper_pin.reduced.tables.arrival import found_opening
 from nipper_pin.reduced.tables.functions import Sampler
 
+MODELS = Path(__file__).parents[1] / "verification" / "models"
 RPM = 450.0
 SPEED = RPM * math.tau / 60.0
 
@@ -202,8 +204,7 @@ def test_models_are_built_once(e62: Mechanism) -> None:
 
 def test_a_domain_without_an_opening_is_a_quarter_of_a_turn() -> None:
     """A mass on a table that rises for ever."""
-    folder = Path(__file__).parents[1] / "verification" / "models" / "bouncing_mass"
-    model = build(load(folder))
+    model = build(load(MODELS / "bouncing_mass"))
     assert math.radians(90.0) <= model.travel_rad <= math.radians(100.0)
     assert not model.arrival.asked
 
@@ -241,62 +242,40 @@ def test_the_opening_is_found_to_round_off(system: System, e62: Mechanism) -> No
     np.testing.assert_allclose(opening.q, row, atol=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("field", "words"), [("tabulated_springs", "table of spring A"), ("dampers", "damper A")]
-)
-def test_what_has_other_elements_is_unfit(e62: Mechanism, field: str, words: str) -> None:
-    """They are told by their names."""
-    why = unfit(replace(e62, **{field: (replace(e62.springs[0], name="A"),)}))
-    assert why == f"the reduced engine has linear springs on joints only, no {words}"
-
-
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"transition_stop": "steeve"}, "stop 'steeve' is closed in the initial phase"),
-        ({"initial_phase": 3}, "leaves a freedom: its velocity does not follow"),
-        ({"drives": ()}, "one degree of freedom in flight, and 3 are left"),
-    ],
-)
-def test_what_moves_otherwise_is_unfit(e62: Mechanism, changes: dict[str, Any], words: str) -> None:
-    """In the third phase all stops are open."""
+def test_what_cannot_be_reduced(e62: Mechanism, words: Words) -> None:
+    """Each for its reason: other elements and stops, or another number of freedoms in flight."""
+    jaw, steeve, spring = e62.stop("jaw"), e62.stop("steeve"), e62.springs[0]
+    assert unfit(e62) is None
+    # In its third phase all stops are open.
     assert e62.phase(3).closed == frozenset()
-    assert words in str(unfit(replace(e62, **changes)))
-
-
-def test_stops_elsewhere_and_on_drives_are_unfit(e62: Mechanism) -> None:
-    jaw, steeve = (e62.stop(name) for name in ("jaw", "steeve"))
-    upper = replace(e62, stops=(jaw, replace(steeve, sense=-1.0, contact=None)))
-    assert "lower stops at coordinate zero, and 'steeve' is another" in str(unfit(upper))
-    driven = replace(e62, stops=(replace(jaw, index=e62.drives[0].index), steeve))
-    assert "stop 'jaw' is on a driven coordinate" in str(unfit(driven))
-
-
-@pytest.mark.parametrize(
-    ("given", "key", "allowed"),
-    [
-        ({"travel_rad": 0.0}, "travel_rad", "0 to 2 pi"),
-        ({"travel_rad": -1.0}, "travel_rad", "0 to 2 pi"),
-        ({"travel_rad": 6.29}, "travel_rad", "0 to 2 pi"),
-        ({"travel_rad": math.nan}, "travel_rad", "0 to 2 pi"),
-        ({"gap_max": 0.0}, "gap_max", "above zero"),
-        ({"gap_max": math.inf}, "gap_max", "above zero"),
-        ({"tolerance": 0.9e-13}, "tolerance", "1e-13 to 1e-3"),
-        ({"tolerance": 1.1e-3}, "tolerance", "1e-13 to 1e-3"),
-        ({"tolerance": math.nan}, "tolerance", "1e-13 to 1e-3"),
-    ],
-)
-def test_domains_that_cannot_be(
-    e62: Mechanism, given: dict[str, float], key: str, allowed: str
-) -> None:
-    """Name, value and limits, in the evidence and in the words."""
-    with pytest.raises(InputError) as caught:
-        build(e62, **given)  # type: ignore[arg-type]
-    value = given[key]
-    evidence = caught.value.evidence
-    assert (evidence["key"], evidence["allowed"]) == (key, allowed)
-    assert repr(evidence["value"]) == repr(value)
-    assert str(caught.value) == f"reduced model: {key} = {value!r} cannot be used: {allowed}"
+    four_bar = load(MODELS / "four_bar")
+    machines = {
+        "no stop": replace(e62, transition_stop=""),
+        "other stop": replace(e62, transition_stop="steeve"),
+        "open phase": replace(e62, initial_phase=3),
+        "no drives": replace(e62, drives=()),
+        "upper stop": replace(e62, stops=(jaw, replace(steeve, sense=-1.0, contact=None))),
+        "stop on a drive": replace(e62, stops=(replace(jaw, index=e62.drives[0].index), steeve)),
+        "table": replace(e62, tabulated_springs=(replace(spring, name="A"),)),  # type: ignore[arg-type]
+        "damper": replace(e62, dampers=(replace(spring, name="A"),)),  # type: ignore[arg-type]
+    }
+    said = [f"{name}: {unfit(machine)}" for name, machine in machines.items()]
+    for machine, drive in ((four_bar, DriveMode.HELD), (e62, DriveMode.INERTIAL)):
+        with pytest.raises(InputError) as caught:
+            build(machine, drive=drive)
+        said.append(str(caught.value))
+    for key, values in (
+        ("travel_rad", (0.0, -1.0, 6.29, 7.0, math.nan)),
+        ("gap_max", (0.0, -0.1, math.inf)),
+        ("tolerance", (0.9e-13, 1.1e-3, math.nan)),
+    ):
+        for value in values:
+            with pytest.raises(InputError) as caught:
+                build(e62, **{key: value})  # type: ignore[arg-type]
+            found = caught.value.evidence
+            assert (found["key"], repr(found["value"])) == (key, repr(value))
+        said.append(str(caught.value))
+    words("\n".join(said) + "\n")
 
 
 def test_the_domain_ends_at_the_opening_without_the_rest_of_the_turn(

@@ -1,18 +1,189 @@
-"""When the tables of a domain are fine enough, on functions that are known."""
+"""Series of two variables and tables of them, on functions that are written down."""
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 import pytest
+from numpy.polynomial import chebyshev
 
 from nipper_pin import ConvergenceError
+from nipper_pin.arrays import FloatArray
 from nipper_pin.reduced.tables import series2d
 from nipper_pin.reduced.tables.functions import Samples
-from nipper_pin.reduced.tables.tables import Domain, resolved
+from nipper_pin.reduced.tables.tables import Domain, checks, residuals, resolved
 
-WEIGHTS = np.ones(1)
+EPS = float(np.finfo(float).eps)
+
+
+def test_a_fit_has_the_coefficients_of_the_function() -> None:
+    """A product of series of lower degree is found in all its coefficients, nodes rising."""
+    given = np.random.default_rng(1).normal(size=(2, 3, 5, 4))
+    u, x = series2d.gauss_nodes(5), series2d.gauss_nodes(4)
+    assert (np.diff(u) > 0.0).all()
+    np.testing.assert_allclose(np.cos(5.0 * np.arccos(u)), 0.0, rtol=0.0, atol=1e-14)
+    values = np.array([[chebyshev.chebgrid2d(u, x, cell) for cell in table] for table in given])
+    np.testing.assert_allclose(series2d.fit(values), given, rtol=0.0, atol=1e-14)
+    places = np.array([-1.0, 0.3, 0.9]), np.array([0.2, -0.7, 1.0])
+    expected = [chebyshev.chebval2d(*places, table[1]) for table in given]
+    np.testing.assert_allclose(series2d.evaluate(given[:, 1], *places), expected, rtol=1e-13)
+
+
+def test_largest_values_and_slopes() -> None:
+    """T_m(u) T_n(x) has the value 1 and the slopes m^2 and n^2 at the corner; the worst cell."""
+    given = np.zeros((3, 2, 5, 4))
+    given[0, 1, 4, 2] = -2.0
+    given[1, 0, 0, 3] = 0.5
+    given[2, 1, 1, 0], given[2, 0, 3, 0] = 1.0, 0.2
+    size, by_u, by_x = series2d.largest(given)
+    np.testing.assert_allclose(size, [2.0, 0.5, 1.0], rtol=1e-12)
+    np.testing.assert_allclose(by_u, [2.0 * 16.0, 0.0, 1.8], rtol=1e-12, atol=1e-14)
+    np.testing.assert_allclose(by_x, [2.0 * 4.0, 0.5 * 9.0, 0.0], rtol=1e-12, atol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("tolerance", "expected"),
+    [(0.05, (5, 6)), (0.15, (4, 6)), (0.35, (4, 4)), (3.5, (2, 2)), (1e9, (2, 2))],
+)
+def test_orders_that_are_needed(tolerance: float, expected: tuple[int, int]) -> None:
+    """What is dropped is the sum of all orders above, weighted, of the worst function and cell."""
+    given = np.zeros((2, 2, 6, 7))
+    given[0, 0, 0, 0] = 9.0
+    given[0, 1, 3, 0], given[1, 0, 4, 0] = 3.0, 0.05
+    given[1, 1, 0, 5], given[0, 0, 0, 3] = -0.15, 1.0
+    assert series2d.needed(given, np.array([1.0, 2.0]), tolerance) == expected
+
+
+class Known:
+    """Two functions, the gap of another stop and an inertia, of travel and coordinate."""
+
+    def __init__(self, bent: float = 0.3, steep: float = 1.0) -> None:
+        self.bent, self.steep = bent, steep
+        self.asked: list[FloatArray] = []
+
+    def grid(self, u: Any, x: Any) -> Any:
+        self.asked.append(u)
+        return np.array([[[at, place] for place in x] for at in u])
+
+    def values(self, u: Any, x: Any) -> Any:
+        return np.array([np.sin(self.steep * u) * np.exp(0.2 * x), 40.0 + self.bent * x**3 + u])
+
+    def at(self, u: Any, x: Any, q: Any) -> Samples:
+        # Configurations that are given have to be near.
+        assert np.abs(q - np.stack([u, x], axis=-1)).max() < 1.5
+        inertia = 2.0 + np.cos(u) * (1.0 + 0.1 * x)
+        slopes = np.array([np.full_like(u, -7.0), np.ones_like(u)])
+        return Samples(q, self.values(u, x), np.array([u - 7.0 * x]), slopes, inertia)
+
+
+@pytest.mark.parametrize("begin", [0.0, -1.3])
+def test_samples_of_a_domain(begin: float) -> None:
+    """Grid, configurations, functions, gaps, and the inertia at x = 0; from the touch outwards."""
+    known = Known()
+    domain = Domain(1.3, -0.1, 0.5, begin=begin)
+    tables, sampled = resolved(known, domain, np.array([1.0, 1.0]), 1e-9)  # type: ignore[arg-type]
+    cells = tables.equation.shape[1]
+    assert cells == 3
+    assert sampled == 3 * 16 * 12
+    assert tables.equation.shape == (2, 3, 16, 12)
+    assert (np.diff(tables.u) > 0.0).all()
+    assert (np.diff(tables.x) > 0.0).all()
+    assert 0.0 < tables.u[0] < tables.u[-1] < 1.3
+    assert -0.1 < tables.x[0] < tables.x[-1] < 0.5
+    past = begin + tables.u
+    np.testing.assert_allclose(tables.q[:, 2, 0], past, rtol=1e-14)
+    np.testing.assert_allclose(tables.q[5, :, 1], tables.x, rtol=1e-14)
+    first = np.abs(known.asked[0])
+    assert (np.diff(first) > 0.0).all()
+    for cell in range(3):
+        for place in (-0.8, 0.5):
+            u = 1.3 / 3.0 * (cell + 0.5 + 0.5 * place)
+            for x in (-0.05, 0.4):
+                across = (2.0 * x - 0.4) / 0.6
+                assert domain.places(np.array([x])) == pytest.approx([across])
+                assert domain.coordinates(np.array([across])) == pytest.approx([x])
+                found = [chebyshev.chebval2d(place, across, row[cell]) for row in tables.equation]
+                assert found == pytest.approx(known.values(begin + u, x), rel=1e-10)
+                gap = chebyshev.chebval2d(place, across, tables.gaps[0, cell])
+                assert gap == pytest.approx(begin + u - 7.0 * x, abs=1e-12)
+            inertia = chebyshev.chebval(place, tables.inertia[cell])
+            assert inertia == pytest.approx(2.0 + math.cos(begin + u), rel=1e-12)
+
+
+def test_a_domain_without_other_stops_has_no_gaps() -> None:
+    class Alone(Known):
+        def at(self, u: Any, x: Any, q: Any) -> Samples:
+            found = super().at(u, x, q)
+            none = np.zeros((0, len(u)))
+            return Samples(q, found.equation, none, none, found.inertia)
+
+    tables, _ = resolved(Alone(), Domain(0.4, -0.1, 0.5), np.ones(2), 1e-9)  # type: ignore[arg-type]
+    assert tables.gaps.shape == (0, 1, 16, 12)
+
+
+@pytest.mark.parametrize(
+    ("known", "domain", "shape"),
+    [
+        (Known(), Domain(0.5, -0.1, 0.5), (1, 12)),
+        (Known(steep=20.0), Domain(0.5, -0.1, 0.5), (2, 12)),
+        (Known(), Domain(0.5, -0.1, 0.5, count_x=4), (1, 8)),
+        (Known(steep=20.0), Domain(0.5, -0.1, 0.5, count_x=4), (2, 8)),
+    ],
+)
+def test_what_is_refined(known: Known, domain: Domain, shape: tuple[int, int]) -> None:
+    """Cells for what changes fast along the travel, orders for what changes across; not both."""
+    tables, sampled = resolved(known, domain, np.ones(2), 1e-9)  # type: ignore[arg-type]
+    assert (tables.equation.shape[1], tables.equation.shape[3]) == shape
+    assert max(series2d.tails(tables.equation, np.ones(2))) <= 1e-9
+    before = 16 * domain.count_x if shape != (1, 12) else 0
+    assert sampled == before + 16 * shape[0] * shape[1]
+
+
+def test_functions_that_no_refinement_resolves() -> None:
+    """A corner: refused, with the tails, the tolerance and what was sampled."""
+
+    class Corner(Known):
+        def values(self, u: Any, x: Any) -> Any:
+            return np.array([np.abs(u - 0.217) ** 0.1, 1.0 + 0.0 * x])
+
+    with pytest.raises(ConvergenceError, match=r"tails 0\.\d+ by travel, .* by gap") as caught:
+        resolved(Corner(), Domain(0.5, -0.1, 0.5), np.ones(2), 1e-9)  # type: ignore[arg-type]
+    evidence = caught.value.evidence
+    assert evidence["tolerance"] == 1e-9
+    assert evidence["residual"] > 1e-3
+    # One cell, then two, which gain too little to go on.
+    assert evidence["iterations"] == 16 * 12 * 3
+
+
+@pytest.mark.parametrize("begin", [0.0, -1.3])
+def test_residuals_are_twice_the_largest_error_at_the_checks(begin: float) -> None:
+    """Errors that are planted into single cells are found, each in its own function."""
+    known, domain = Known(), Domain(1.3, -0.1, 0.5, begin=begin)
+    tables, _ = resolved(known, domain, np.ones(2), 1e-12)  # type: ignore[arg-type]
+    points = checks(known, domain, tables)  # type: ignore[arg-type]
+    good, relative = residuals(points, domain, tables.equation, tables.inertia)
+    largest = np.array([1.2, 43.0])
+    assert (good <= 200.0 * EPS * largest).all()
+    assert relative <= 200.0 * EPS
+    wrong, heavy = tables.equation.copy(), tables.inertia.copy()
+    wrong[0, 2, 0, 0] += 1e-4
+    wrong[1, 0, 0, 0] -= 3e-4
+    heavy[1] *= 1.0 - 2e-5
+    found, relative = residuals(points, domain, wrong, heavy)
+    np.testing.assert_allclose(found, [2e-4, 6e-4], rtol=1e-6)
+    assert relative == pytest.approx(4e-5, rel=1e-5)
+    # An error that grows towards the edges: they are among the points that are checked.
+    wrong = tables.equation.copy()
+    wrong[0, 0, 15, 0] += 1e-4
+    wrong[1, 2, 0, 11] += 1e-4
+    found, _ = residuals(points, domain, wrong, tables.inertia)
+    assert found[0] == pytest.approx(2e-4, rel=1e-6)
+    assert 1.5e-4 <= found[1] <= 2.0001e-4
+    # Lower orders alone are evaluated in the same places.
+    found, _ = residuals(points, domain, tables.equation[:, :, :8, :6], tables.inertia)
+    assert (found < 1e-6).all()
 
 
 class Noisy:
@@ -39,10 +210,10 @@ def test_noise_of_samples_is_accepted_up_to_the_root_of_the_tolerance(tolerance:
     times the noise.
     """
     domain, root = Domain(1.0, -0.1, 1.0), tolerance**0.5
-    tables, _ = resolved(Noisy(0.05 * root), domain, WEIGHTS, tolerance)  # type: ignore[arg-type]
-    assert tolerance < max(series2d.tails(tables.equation, WEIGHTS)) <= root
+    tables, _ = resolved(Noisy(0.05 * root), domain, np.ones(1), tolerance)  # type: ignore[arg-type]
+    assert tolerance < max(series2d.tails(tables.equation, np.ones(1))) <= root
     with pytest.raises(ConvergenceError, match="not resolved") as caught:
-        resolved(Noisy(2.0 * root), domain, WEIGHTS, tolerance)  # type: ignore[arg-type]
+        resolved(Noisy(2.0 * root), domain, np.ones(1), tolerance)  # type: ignore[arg-type]
     assert root < caught.value.evidence["residual"] < 40.0 * root
 
 

@@ -83,7 +83,7 @@ def test_verdicts_do_not_depend_on_the_workers(small: Campaign) -> None:
     Fingerprints are hashes of every bit of all events; a cache that a trial leaves behind for the
     next one would change them with the order of the trials.
     """
-    count = len(FAMILIES)
+    count = len(FAMILIES) // 2
     one = run_campaign(count, SEED, workers=1)
     assert one.verdicts == small.verdicts[:count]
     two = Campaign(SEED, small.verdicts[:count], 0.0)
@@ -91,7 +91,8 @@ def test_verdicts_do_not_depend_on_the_workers(small: Campaign) -> None:
     for number in (0, 8, 10):
         assert judge(trial(SEED, number)) == one.verdicts[number]
     assert run_campaign(2, SEED, workers=1, first=8).verdicts == small.verdicts[8:10]
-    assert len({verdict.fingerprint for verdict in one.verdicts}) == count
+    every = small.verdicts[: len(FAMILIES)]
+    assert len({verdict.fingerprint for verdict in every}) == len(FAMILIES)
 
 
 def test_another_seed_gives_other_trials() -> None:
