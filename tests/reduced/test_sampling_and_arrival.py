@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -30,6 +29,7 @@ from nipper_pin.reduced import ReducedModel, build, reduced_model, sampling, unf
 from nipper_pin.reduced.tables import arrival
 from nipper_pin.reduced.tables.arrival import found_opening
 from nipper_pin.reduced.tables.functions import Sampler
+from nipper_pin.reduced.tables.tables import Tables
 
 MODELS = Path(__file__).parents[1] / "verification" / "models"
 RPM = 450.0
@@ -225,7 +225,8 @@ def test_the_struck_stop_stays_open_while_the_other_one_waits(
     """It has to open further with the other one, and be open where that is closed."""
     q = np.zeros((2, 3, len(e62.joints)))
     q[:, :, e62.stop("jaw").index] = gaps
-    tables: Any = SimpleNamespace(q=q, x=np.array([-0.1, 0.0, 1.0]))
+    none = np.zeros(0)
+    tables = Tables(none, np.array([-0.1, 0.0, 1.0]), q, none, none, none, none)
     if fits:
         arrival._check_open(e62, tables)
     else:

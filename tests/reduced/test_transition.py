@@ -60,15 +60,16 @@ def test_certified_reference(model: ReducedModel, reference: dict[str, Any], nam
         np.testing.assert_allclose(got[:count], expected, rtol=rel, atol=0.0, err_msg=key)
 
 
-@pytest.mark.parametrize("tolerance", [1e-6, 1e-9, 1e-12])
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10, 1e-12])
 @pytest.mark.parametrize("name", CASES)
 def test_stated_bound(
     model: ReducedModel, reference: dict[str, Any], name: str, tolerance: float
 ) -> None:
-    """No true error exceeds its bound, over six decades of tolerance.
+    """No true error exceeds its bound, over six decades of tolerance, and no bound is empty.
 
-    That the bounds are not empty is shown on random cases: a single true error may be small by
-    luck, and whose luck it is depends on the last bits of the tables.
+    In no certified case is the bound a thousand times the true worst of four. A true error below 16
+    units of round-off is luck: it counts as that. A single quantity may cross zero, the worst of
+    four seldom does; measured ratios lie between 20 and 400.
     """
     case = reference[name]
     rows = case["collisions"]
@@ -92,28 +93,7 @@ def test_stated_bound(
         abs(found.rebound_amplitude[0] / float(rows[0]["rebound_amplitude"]) - 1.0),
         *(abs(found.rebound_time[i] / float(rows[i]["rebound_time_s"]) - 1.0) for i in (0, 1)),
     )
-    assert worst <= found.error_bound
-
-
-@pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10, 1e-12])
-@pytest.mark.parametrize("name", CASES)
-def test_stated_bound_is_not_empty(
-    model: ReducedModel, reference: dict[str, Any], name: str, tolerance: float
-) -> None:
-    """In no certified case is the bound a thousand times the true worst of four.
-
-    A true error below 16 units of round-off is luck: it counts as that. A single quantity may cross
-    zero, the worst of four seldom does; measured ratios lie between 20 and 400.
-    """
-    case = reference[name]
-    rows = case["collisions"]
-    found = transition(model, **arguments(case), tolerance=tolerance)
-    worst = max(
-        abs(found.duration / float(case["rest_time_s"]) - 1.0),
-        abs(found.rebound_amplitude[0] / float(rows[0]["rebound_amplitude"]) - 1.0),
-        *(abs(found.rebound_time[i] / float(rows[i]["rebound_time_s"]) - 1.0) for i in (0, 1)),
-    )
-    assert found.error_bound < 1e3 * max(worst, LUCK)
+    assert worst <= found.error_bound < 1e3 * max(worst, LUCK)
 
 
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-7, 1e-10])

@@ -5,7 +5,6 @@ from __future__ import annotations
 import copy
 from dataclasses import replace
 from itertools import groupby
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -27,11 +26,9 @@ from nipper_pin import (
 from nipper_pin.mechanism import from_sources
 from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.gallery import GALLERY
-from nipper_pin.mechanism.restitution import Falling
 from nipper_pin.reduced.kernels.turn_layout import END_COLUMNS, EVENT_COLUMNS, HOLD_COLUMNS
 from nipper_pin.reduced.turns import ReducedTurns, TurnStatus, build_turns, turn_model, turns
 from nipper_pin.reduced.turns import turn as module
-from nipper_pin.reduced.turns.fit import unfit_turns
 
 PERIOD = {"450": 60.0 / 450.0, "650": 60.0 / 650.0}
 KINDS = {EventKind.COLLISION: "collision", EventKind.REST: "rest", EventKind.RELEASE: "release"}
@@ -215,8 +212,9 @@ def test_arguments_and_machines_that_cannot_be_used(e62: Mechanism) -> None:
 @pytest.mark.parametrize(
     ("section", "name", "key", "value", "reason"),
     [
-        ("forces", "added", "", ORIFICE, "'added'"),
-        ("stops", "jaw", "restitution_law", {"law": "falling", "fast": 0.1, "scale": 1.0}, "a law"),
+        ("forces", "added", "", ORIFICE, "springs and linear dampers only, no .* 'added'"),
+        ("stops", "jaw", "restitution_law", {"law": "falling", "fast": 0.1, "scale": 1.0},
+         "'jaw' has a law"),
     ],
 )  # fmt: skip
 def test_laws_that_tables_cannot_hold_are_refused(
@@ -238,19 +236,12 @@ def test_laws_that_tables_cannot_hold_are_refused(
         turns(changed, speed_rpm=650.0)
 
 
-def test_machines_whose_impacts_or_forces_are_not_in_the_tables(e62: Mechanism) -> None:
-    """Refused before anything is sampled: their turns would be followed wrongly."""
+def test_a_stop_on_a_drive_is_refused(e62: Mechanism) -> None:
+    """Before anything is sampled: its turns would be followed wrongly."""
     first, *others = e62.stops
-    lawful = replace(first, law=Falling(fast=0.1, scale=1.0))
-    with pytest.raises(InputError, match="'jaw' has a law"):
-        turns(replace(e62, stops=(lawful, *others)), speed_rpm=450.0)
     driven = replace(first, index=e62.drives[0].index)
     with pytest.raises(InputError, match="on a driven coordinate"):
         turns(replace(e62, stops=(driven, *others)), speed_rpm=450.0)
-    force = SimpleNamespace(kind="drag", name="of the air", index=0, law=None)
-    assert unfit_turns(replace(e62, forces=(force,))) == (  # type: ignore[arg-type]
-        "the reduced engine has springs and linear dampers only, no drag 'of the air'"
-    )
 
 
 def test_a_run_ends_before_its_table_of_events_is_full(e62: Mechanism) -> None:
