@@ -34,6 +34,7 @@ from nipper_pin.mechanism.files import register as registers
 from nipper_pin.mechanism.files.register import DRIVES, FORCES, RESTITUTIONS, STOPS
 from nipper_pin.mechanism.restitution import Falling
 from nipper_pin.mechanism.stops.screw import ScrewStop
+from nipper_pin.reduced import unfit
 
 PROGRAMS = Path(__file__).parents[1] / "scripts/extend"
 EPS = float(np.finfo(float).eps)
@@ -168,6 +169,23 @@ def test_a_stop_on_a_screw(monkeypatch: pytest.MonkeyPatch) -> None:
         from_sources("fall", urdf, data, ".")
     with pytest.raises(InputError, match="a screw adjusts no stop of a hinge"):
         ScrewStop(pitch_mm=1.0, turns=1.0).place("revolute")
+
+
+def test_the_reduced_engine_is_not_used_with_a_law() -> None:
+    """It has one restitution for all rates; the transition is found by the direct one."""
+    e62 = nip.load("e62")
+    jaw = {
+        **e62.description["stops"]["jaw"],
+        "restitution_law": {"law": "falling", "fast": 0.1, "scale": 1.0},
+    }
+    data = {**e62.description, "stops": {**e62.description["stops"], "jaw": jaw}}
+    machine = from_sources("e62", e62.urdf, data, e62.mesh_folder)
+    assert "constant restitutions, and stop 'jaw' has a law" in str(unfit(machine))
+    plain, soft = (
+        nip.simulate(each, nip.Case(speed_rpm=650.0)).collisions for each in (e62, machine)
+    )
+    assert soft[0].approach_rate == plain[0].approach_rate
+    assert soft[0].separation_rate < plain[0].separation_rate
 
 
 def test_commands_print_what_is_added(
