@@ -51,7 +51,6 @@ def saved(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     }
 
 
-@pytest.mark.sampled(3)
 @pytest.mark.parametrize("option", BESIDE, ids=" ".join)
 def test_an_option_beside_a_case_changes_its_run(
     option: list[str], saved: dict[str, str], capsys: pytest.CaptureFixture[str]
