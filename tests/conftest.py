@@ -3,7 +3,6 @@ import signal
 import sys
 import zlib
 from collections import Counter
-from collections.abc import Iterator
 from pathlib import Path
 
 # The matrices are 7 by 7: threads of BLAS only cost time, and with several test workers they
@@ -18,7 +17,6 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 # Machines that several folders of tests build stand beside this file.
 sys.path.insert(0, str(Path(__file__).parent))
 
-import not_tested
 import pytest
 from snapshots import Text, Words, without_the_machine
 from syrupy.assertion import SnapshotAssertion
@@ -90,17 +88,3 @@ def words(snapshot: SnapshotAssertion) -> Words:
         assert without_the_machine(text) == reviewed
 
     return check
-
-
-@pytest.hookimpl(wrapper=True, tryfirst=True)
-def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> Iterator[None]:
-    """Say what was not tested and what to install, after all else but the line of figures."""
-    result = yield
-    found = not_tested.lines(terminalreporter.stats.get("skipped", ()))
-    if terminalreporter.config.option.markexpr == "not slow":
-        found.append("the longer tests: `make test-all` (pages in a browser, clusters, campaigns)")
-    if found:
-        terminalreporter.section("not tested on this machine", sep="-", yellow=True)
-    for line in found:
-        terminalreporter.write_line(line)
-    return result

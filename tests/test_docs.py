@@ -4,11 +4,11 @@ import inspect
 import re
 import shlex
 import subprocess
+import sys
 from importlib import import_module
 from pathlib import Path
 
 import pytest
-import yaml
 
 import nipper_pin as nip
 from nipper_pin.cli import _parser
@@ -18,14 +18,6 @@ DOCS = ROOT / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))
 MOST = 1300
 LINK = re.compile(r"\]\(([^)\s]+)\)")
-
-
-def in_navigation(entry: object) -> list[str]:
-    """Files below an entry of the navigation."""
-    if isinstance(entry, str):
-        return [entry]
-    below = entry.values() if isinstance(entry, dict) else entry
-    return [file for part in below for file in in_navigation(part)]
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(DOCS)))
@@ -116,14 +108,6 @@ def test_every_picture_is_drawn_by_one_command():
     assert [word for word in words if word not in known] == []
 
 
-def test_every_page_is_in_the_navigation_once():
-    site = yaml.safe_load((ROOT / "mkdocs.yml").read_text(encoding="utf-8"))
-    pages = [str(page.relative_to(DOCS)) for page in PAGES]
-    assert sorted(in_navigation(site["nav"])) == pages
-    assert site["strict"] is True
-    assert site["theme"]["font"] is False
-
-
 def test_the_architecture_names_every_room():
     text = (DOCS / "architecture.md").read_text(encoding="utf-8")
     package = ROOT / "nipper_pin"
@@ -134,33 +118,25 @@ def test_the_architecture_names_every_room():
     assert [room for room in rooms if len(room) == 2 and f"`{room[1]}/`" not in text] == []
 
 
-def referenced() -> dict[str, object]:
-    """What the Python reference shows, by its last name."""
+def test_the_reference_shows_every_public_name_and_is_written_for_its_readers():
+    """Docstrings are there, describe every argument, and hold no markup shown as it is."""
     paths = re.findall(r"^::: (\S+)$", (DOCS / "api.md").read_text(encoding="utf-8"), re.MULTILINE)
-    found = {}
-    for path in paths:
-        module, _, name = path.rpartition(".")
-        found[name] = getattr(import_module(module), name)
-    assert len(found) == len(paths)
-    return found
-
-
-def test_every_public_name_is_in_the_reference():
-    shown = referenced()
-    assert set(nip.__all__) <= set(shown)
+    places = [path.rpartition(".") for path in paths]
+    shown = {name: getattr(import_module(module), name) for module, _, name in places}
+    assert len(shown) == len(paths)
     for name in nip.__all__:
-        if name != "view":  # the package's own name is the room of that name, which can be called
-            assert shown[name] is getattr(nip, name)
-
-
-def test_the_reference_is_written_for_its_readers():
-    """Docstrings are there, and hold no markup that the pages would show as it is."""
-    for name, value in referenced().items():
-        texts = [inspect.getdoc(value)]
-        if inspect.isclass(value):
-            texts += [inspect.getdoc(each) for key, each in vars(value).items() if key[0] != "_"]
-        assert len((texts[0] or "").split()) > 1, name
-        assert not [text for text in texts if text and re.search(r":[a-z]+:`", text)], name
+        # The package's own name of the view is the room of that name, which can be called.
+        assert name == "view" or shown[name] is getattr(nip, name)
+    for name, value in shown.items():
+        inner = vars(value).values() if inspect.isclass(value) else ()
+        texts = [inspect.getdoc(each) or "" for each in (value, *inner)]
+        assert len(texts[0].split()) > 1, name
+        assert not [text for text in texts if re.search(r":[a-z]+:`", text)], name
+        for item in filter(inspect.isfunction, (value, *inner)):
+            if "Args:" in (text := inspect.getdoc(item) or ""):
+                described = " ".join(re.findall(r"^ +([\w, *]+): ", text, re.MULTILINE))
+                told = set(re.split(r"[ ,*]+", described))
+                assert set(inspect.signature(item).parameters) - {"self", "cls"} <= told, name
 
 
 def test_comments_beside_code_are_not_cut_off():
@@ -174,3 +150,26 @@ def test_comments_beside_code_are_not_cut_off():
             elif (fenced or line.startswith("    ")) and "# " in line and len(line) > 80:
                 wide.append((page.name, line))
     assert wide == []
+
+
+@pytest.mark.slow
+def test_the_site_is_built_and_loads_nothing_from_elsewhere(tmp_path):
+    """Links, headings and the navigation are checked by the build, whose warnings are errors."""
+    pytest.importorskip("mkdocs")
+    pytest.importorskip("mkdocstrings")
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(tmp_path)]
+    subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
+    pages = [file for file in tmp_path.rglob("*.html") if file.name != "404.html"]
+    assert len(pages) == len(PAGES)
+    for page in pages:
+        text = page.read_text(encoding="utf-8")
+        tags = re.findall(r"<(?:script|img|iframe|link)\b[^>]*>", text)
+        tags = [tag for tag in tags if not re.search(r'rel="?(prev|next|canonical)', tag)]
+        found = re.findall(r'\b(?:src|href)="?([^"\s>]+)', " ".join(tags))
+        assert found, page
+        for file in found:
+            there = (page.parent / file.partition("?")[0]).exists()
+            assert file.startswith("data:") or there, (page, file)
+    for sheet in tmp_path.rglob("*.css"):
+        style = sheet.read_text(encoding="utf-8")
+        assert not re.search(r"url\([\"']?(?:https?:)?//|@import", style), sheet

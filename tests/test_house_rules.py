@@ -1,11 +1,15 @@
-"""Rules of CONTRIBUTING.md that a program can check: comments, docstrings, sizes."""
+"""Rules of CONTRIBUTING.md that ruff does not know: comments, tolerances, what tests import."""
+
+from __future__ import annotations
 
 import ast
-import inspect
 import io
 import re
 import tokenize
 from collections.abc import Iterator
+from functools import cache
+from importlib import import_module
+from inspect import ismodule
 from pathlib import Path
 
 import pytest
@@ -13,167 +17,187 @@ import pytest
 import nipper_pin
 
 ROOT = Path(__file__).resolve().parents[1]
-PACKAGE = [
-    path for room in ("nipper_pin", "benchmarks") for path in sorted((ROOT / room).rglob("*.py"))
-]
-OTHERS = [path for room in ("scripts", "tests") for path in sorted((ROOT / room).rglob("*.py"))]
-EVERY = [*PACKAGE, *OTHERS]
-COMMENT, LINES, PARAMETERS, FILE = 2, 60, 7, 500
-
-# What remains above the limits. An entry that no longer exceeds its limit must go.
-LONG = {
-    "benchmarks/peers/mujoco_shell.py prepare",
-    "reduced/kernels/flight.py flight",
-    "reduced/kernels/kernel.py _transition",
-    "reduced/kernels/panel.py solve_panel",
-    "reduced/kernels/turn.py follow",
-}
-MANY = {
-    "dynamics/impact.py _still",
-    "dynamics/multipliers.py multipliers",
-    "mechanism/drawing/compound.py flap",
-    "mechanism/drawing/visuals.py _box",
-    "mechanism/drawing/visuals.py _shape",
-    "reduced/kernels/arrival_check.py in_flight",
-    "reduced/kernels/arrival_check.py landed",
-    "reduced/kernels/flight.py _ballistic",
-    "reduced/kernels/flight.py _zero",
-    "reduced/kernels/flight.py flight",
-    "reduced/kernels/flight_errors.py flight_errors",
-    "reduced/kernels/kernel.py _clamps",
-    "reduced/kernels/kernel.py _flown",
-    "reduced/kernels/kernel.py _solved",
-    "reduced/kernels/kernel.py _transition",
-    "reduced/kernels/kernel.py run_batch",
-    "reduced/kernels/kernel.py run_one",
-    "reduced/kernels/panel.py _defect",
-    "reduced/kernels/panel.py _sweep",
-    "reduced/kernels/panel.py solve_panel",
-    "reduced/kernels/series.py settles",
-    "reduced/kernels/turn.py follow",
-    "reduced/kernels/turn_charts.py seen_by",
-    "reduced/kernels/turn_events.py collide",
-    "reduced/kernels/turn_events.py errors_after",
-    "reduced/kernels/turn_quantities.py run_turns",
-    "reduced/kernels/turn_quantities.py summed",
-    "reduced/kernels/turn_torques.py run_torques",
-    "reduced/transition.py transition",
-    "reduced/transition.py transitions",
-    "reduced/turns/peak_torques.py turn_torques",
-    "reduced/turns/quantities.py turn_quantities",
-    "reduced/turns/turn.py turns",
-    "study/transitions/engine_choice.py transition_table",
-    "study/turns/engine_choice.py turn_table",
-}
-LARGE: set[str] = set()
+PACKAGE, JUDGES = ROOT / "nipper_pin", ROOT / "benchmarks"
+COMMENT, FILE = 2, 500
 
 
-def comments(text: str) -> Iterator[tuple[int, int]]:
-    """First line and number of lines of each block of comments."""
-    lines = text.splitlines()
-    rows = [
-        token.start[0]
+@cache
+def text_of(path: Path) -> str:
+    return path.read_text(encoding="utf-8")
+
+
+@cache
+def tree_of(path: Path) -> ast.Module:
+    return ast.parse(text_of(path))
+
+
+def modules(*rooms: str) -> list[Path]:
+    return [path for room in rooms for path in sorted((ROOT / room).rglob("*.py"))]
+
+
+def with_small(paths: list[Path]) -> list[Path]:
+    """Those that write a number below 0.1, or the spacing of doubles."""
+    return [path for path in paths if re.search(r"e-\d|0\.0|eps", text_of(path), re.IGNORECASE)]
+
+
+# Sizes.
+
+
+def long_comments(text: str) -> Iterator[int]:
+    """First line of each block of comments that is too long."""
+    if not re.search(r"(^[ \t]*#.*\n){3}", text, re.MULTILINE):
+        return
+    tokens = [
+        token
         for token in tokenize.generate_tokens(io.StringIO(text).readline)
-        if token.type == tokenize.COMMENT and lines[token.start[0] - 1].lstrip()[0] == "#"
+        if token.type == tokenize.COMMENT and token.line.lstrip()[0] == "#"
     ]
-    first = previous = -1
-    for row in [*rows, len(lines) + 2]:
-        if row != previous + 1:
-            if first > 0:
-                yield first, previous - first + 1
-            first = row
-        previous = row
-
-
-def undocumented(tree: ast.AST) -> Iterator[str]:
-    """Public classes, functions and methods without a docstring."""
-    for node in ast.iter_child_nodes(tree):
-        if isinstance(node, ast.ClassDef | ast.FunctionDef) and not node.name.startswith("_"):
-            if ast.get_docstring(node) is None:
-                yield node.name
-            if isinstance(node, ast.ClassDef):
-                yield from undocumented(node)
-
-
-def functions(text: str) -> Iterator[tuple[str, int, int]]:
-    """Name, lines and parameters of each function; self and cls do not count."""
-    for node in ast.walk(ast.parse(text)):
-        if isinstance(node, ast.FunctionDef):
-            every = node.args
-            names = [item.arg for item in (*every.posonlyargs, *every.args, *every.kwonlyargs)]
-            yield (
-                node.name,
-                node.end_lineno - node.lineno + 1,
-                len([name for name in names if name not in {"self", "cls"}]),
-            )
-
-
-def beyond(place: int, limit: int) -> set[str]:
-    """Functions of the package whose lines (1) or parameters (2) exceed a limit."""
-    return {
-        f"{path.relative_to(ROOT).as_posix().removeprefix('nipper_pin/')} {item[0]}"
-        for path in PACKAGE
-        for item in functions(path.read_text(encoding="utf-8"))
-        if item[place] > limit
-    }
+    for first, last in zip(tokens, tokens[COMMENT:], strict=False):
+        if last.start[0] - first.start[0] == COMMENT:
+            yield first.start[0]
 
 
 def test_comments_have_at_most_two_lines() -> None:
-    long = [
-        f"{path.relative_to(ROOT)}:{line}: {count} lines"
-        for path in EVERY
-        for line, count in comments(path.read_text(encoding="utf-8"))
-        if count > COMMENT
-    ]
-    assert not long
-
-
-@pytest.mark.parametrize("name", nipper_pin.__all__)
-def test_arguments_of_the_reference_are_described(name: str) -> None:
-    """All of a function or method of the public module, if it describes any."""
-    public = getattr(nipper_pin, name)
-    of_class = vars(public).values() if inspect.isclass(public) else ()
-    for item in (public, *of_class):
-        if not inspect.isfunction(item) or "Args:" not in (inspect.getdoc(item) or ""):
-            continue
-        described = re.findall(r"^ +([\w, *]+): ", inspect.getdoc(item) or "", re.MULTILINE)
-        told = {word for names in described for word in names.replace("*", "").split(", ")}
-        assert set(inspect.signature(item).parameters) - {"self", "cls"} <= told
-
-
-def test_public_names_have_docstrings() -> None:
-    missing = [
-        f"{path.relative_to(ROOT)}: {name}"
-        for path in PACKAGE
-        for name in undocumented(ast.parse(path.read_text(encoding="utf-8")))
-    ]
-    assert not missing
-
-
-def test_functions_are_short_and_take_few_parameters() -> None:
-    assert beyond(1, LINES) == LONG
-    assert beyond(2, PARAMETERS) == MANY
+    planted = 'x = """\n# a\n# b\n# c\n"""\n# a\n# b\n\nx = 1  # a\n# b\n# c\nif x:\n    # d\n'
+    assert [*long_comments(planted)] == []
+    assert [*long_comments(f"{planted}    # e\n    # f\n    x = 2\n")] == [13]
+    everywhere = modules("nipper_pin", "benchmarks", "scripts", "tests")
+    assert [(path, line) for path in everywhere for line in long_comments(text_of(path))] == []
 
 
 def test_files_are_short() -> None:
-    large = {
-        path.relative_to(ROOT).as_posix()
-        for path in PACKAGE
-        if len(path.read_text(encoding="utf-8").splitlines()) > FILE
+    package = modules("nipper_pin", "benchmarks")
+    assert [path for path in package if text_of(path).count("\n") > FILE] == []
+
+
+# Tolerances stand in one place, each with a unit and a reason.
+
+ROOMS = [f"nipper_pin/{room}" for room in ("mechanism", "dynamics", "hybrid", "reduced", "study")]
+OF_JUDGES = JUDGES / "tolerances.py"
+SETTINGS = {
+    "study/steps.py": "_KINDS",  # steps of differences, each for a unit of the document
+    "benchmarks/paper/counts.py": "LOWEST, HIGHEST",  # range of thresholds
+    "benchmarks/paper/fixed_step.py": "STEPS_S",  # steps of the schemes that are compared
+    "benchmarks/run_time/reduced_work.py": "_TOLERANCES",
+    "benchmarks/run_time/turns.py": "_TOLERANCES",
+    "benchmarks/run_time/work_precision.py": "TOLERANCES, QUICK_TOLERANCES",
+    "study/sweep/plan.py": "_TRANSITIONS, _TURNS",  # run times
+}
+"""Small numbers that are no tolerances, by module."""
+
+
+def is_small(node: ast.AST) -> bool:
+    """A positive float below 1e-3, or the spacing of doubles."""
+    if isinstance(node, ast.Constant):
+        return type(node.value) is float and 0 < node.value < 1e-3
+    name = getattr(node, "attr", getattr(node, "id", ""))
+    return name.strip("_").lower() in {"eps", "epsilon"}
+
+
+def constants(tree: ast.Module) -> str:
+    """Names of a module that are given small numbers."""
+    found = [
+        ast.unparse(node).partition(" = ")[0]
+        for node in tree.body
+        if isinstance(node, ast.Assign | ast.AnnAssign) and node.value
+        if any(map(is_small, ast.walk(node.value)))
+    ]
+    return ", ".join(found)
+
+
+def test_no_other_module_of_these_rooms_holds_a_tolerance() -> None:
+    """Neither as a constant nor in a comparison of a solver or study."""
+    planted = "A = 1e-9\nB, C = 12, 1e-4\nD: float = 8.0 * _EPS\nE = 2 * np.finfo(float).eps\nF = 2"
+    assert constants(ast.parse(planted)) == "A, B, C, D: float, E"
+    found = {
+        path.relative_to(ROOT).as_posix().removeprefix("nipper_pin/"): constants(tree_of(path))
+        for path in with_small(modules(*ROOMS, "benchmarks"))
+        if path != OF_JUDGES
     }
-    assert large == LARGE
+    assert {name: text for name, text in found.items() if text} == SETTINGS
+    compared = [
+        ast.unparse(node)
+        for path in with_small(modules(*ROOMS))
+        for node in ast.walk(tree_of(path))
+        if isinstance(node, ast.Compare)
+        if any(isinstance(part, ast.Constant) and is_small(part) for part in ast.walk(node))
+    ]
+    assert compared == []
 
 
-@pytest.mark.parametrize(("lines", "found"), [
-    (["# a", "# b"], [(1, 2)]),
-    (["x = 1", "# a", "# b", "# c"], [(2, 3)]),
-    (["# a", "", "x = 1  # b", "    # c"], [(1, 1), (4, 1)]),
-])  # fmt: skip
-def test_blocks_of_comments_are_counted(lines: list[str], found: list[tuple[int, int]]) -> None:
-    assert [*comments("\n".join(lines).replace("    #", "#") + "\n")] == found
+@pytest.mark.parametrize(
+    "module", [*(PACKAGE / "tolerances").glob("[a-z]*.py"), OF_JUDGES], ids=lambda path: path.stem
+)
+def test_each_tolerance_has_a_unit_and_a_derivation(module: Path) -> None:
+    """A text below each: its unit in brackets, what it decides, and where it comes from."""
+    body = tree_of(module).body
+    places = [place for place, node in enumerate(body) if isinstance(node, ast.Assign)]
+    assert len(places) > 15
+    for place in places:
+        name, text = ast.unparse(body[place]), ast.literal_eval(ast.unparse(body[place + 1]))
+        found = re.fullmatch(r"\[[^]]+\] (.+?)\. (?=[A-Z`])(.+)", " ".join(text.split()))
+        assert found, name
+        decides, derivation = found.groups()
+        assert len(decides.split()) > 3, name
+        assert len(derivation.split()) > 1, name
 
 
-def test_missing_docstrings_long_functions_and_parameters_are_found() -> None:
-    text = "class A:\n    'd'\n    def b(self, c, *, d):\n        pass\n    def _e(self): pass\n"
-    assert [*undocumented(ast.parse(text))] == ["b"]
-    assert [*functions(text)] == [("b", 2, 2), ("_e", 1, 0)]
+def test_judges_share_no_tolerance_with_what_they_judge() -> None:
+    assert [
+        path
+        for path in modules("benchmarks")
+        if "tolerances" in text_of(path)
+        for node in ast.walk(tree_of(path))
+        if isinstance(node, ast.ImportFrom) and not node.level
+        if "tolerances" in {*str(node.module).split("."), *(item.name for item in node.names)}
+    ] == []
+
+
+# Tests ask for what a redesign keeps: public names, what docs name, fronts of rooms.
+
+INSIDE = {
+    "dynamics": "one impact, one system of equations, one shaft",
+    "hybrid.contact": "which stops stay closed; limits of bounce series",
+    "hybrid.error_estimate": "linear maps of flights, impacts and sequences",
+    "hybrid.event_location": "roots of functions that are known",
+    "hybrid.motion": "panels, series and defects of motions that are known",
+    "hybrid.run": "starts, phases and series of one run",
+    "reduced.kernels": "compiled flights and series of equations that are known",
+    "reduced.tables": "Chebyshev series of functions that are known",
+    "tolerances": "numbers that limits of tests are derived from",
+}
+"""What stays inside, because it is judged part by part, each against closed forms of its own."""
+MOST_OTHERS = 300
+
+
+def is_front(module: str, name: str) -> bool:
+    """A module at the top, or an `__init__` that has the name and does not hide it."""
+    found = import_module(f"nipper_pin.{module}")
+    offered = getattr(found, "__all__", vars(found))
+    return "." not in module or (
+        hasattr(found, "__path__") and name in offered and not ismodule(getattr(found, name))
+    )
+
+
+def test_inner_names_are_few() -> None:
+    pages = [*ROOT.glob("docs/*.md"), ROOT / "README.md"]
+    named = set(re.findall(r"(?<=\bnipper_pin\.)[\w.]*\w", " ".join(map(text_of, pages))))
+    others, parts = set(), set()
+    imports = re.compile(r"^ *from nipper_pin\.(\S+) import (?:\(([^)]+)\)|(.+))$", re.MULTILINE)
+    asked = {
+        (path.relative_to(ROOT).as_posix(), module, word.split()[0])
+        for path in modules("tests")
+        for module, *names in imports.findall(text_of(path))
+        for word in "".join(names).partition("#")[0].split(",")
+        if word.strip()
+    }
+    for path, module, name in asked:
+        if name in nipper_pin.__all__ or {module, f"{module}.{name}"} & named:
+            continue
+        part = next((part for part in INSIDE if f"{module}.".startswith(f"{part}.")), None)
+        if part is not None:
+            parts.add(part)
+        elif not is_front(module, name):
+            others.add((path, f"{module}.{name}"))
+    assert parts == set(INSIDE)
+    assert len(others) <= MOST_OTHERS, sorted(others)
