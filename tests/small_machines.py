@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from nipper_pin import Mechanism
+from nipper_pin import Case, Mechanism, Resolution, Solution, Window, load, simulate
 from nipper_pin.mechanism import from_sources
 
 SHAFT = {"reflected_inertia_kg_m2": 1.0, "shaft_frequency_hz": 10.0, "shaft_damping_ratio": 0.7}
 SLED = {"reflected_mass_kg": 10.0, "shaft_frequency_hz": 10.0, "shaft_damping_ratio": 0.7}
+# A drive that turns joint ``shaft`` as the cylinder does.
+TURNING = {"joint": "shaft", "law": "constant_speed", "ratio": 1.0, **SHAFT}
 # Turning inertia of a body whose turning does not count; a URDF demands a number above zero.
 NOTHING = 1e-300
 
@@ -54,6 +56,29 @@ def machine(
     """Build a mechanism at 60 r/min rated speed; arguments as :func:`sources`."""
     urdf, description = sources(parts, freedom, gravity=gravity, **tables)
     return from_sources("small", urdf, description, ".")
+
+
+def nipper(jaw: float, steeve: float, stiffness: float, preload: float, **more: float) -> Mechanism:
+    """The E62-class model with these restitutions, and the steeve's spring [N/m] and preload [mm].
+
+    Further numbers are called by their paths, with ``__`` for the dot.
+    """
+    numbers = {
+        "stops.jaw.restitution": jaw,
+        "stops.steeve.restitution": steeve,
+        "springs.steeve.stiffness_N_per_m": stiffness,
+        "springs.steeve.preload_length_mm": preload,
+    }
+    return load("e62", numbers | {key.replace("__", "."): more[key] for key in more})
+
+
+def turn(
+    mechanism: Mechanism, speed_rpm: float = 60.0, tolerance: float = 1e-12, **keys: Any
+) -> Solution:
+    """One turn from index 0, or what further keys of the case say."""
+    given = {"window": Window.CYCLE, "start_index": 0.0, **keys}
+    given.setdefault("resolution", Resolution(tolerance=tolerance))
+    return simulate(mechanism, Case(speed_rpm=speed_rpm, **given))
 
 
 def sources(

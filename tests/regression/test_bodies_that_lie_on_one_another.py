@@ -13,12 +13,15 @@ from math import sqrt
 import numpy as np
 import pytest
 from rows_of_balls import row
-from small_machines import hinge, link, machine, slide
+from small_machines import hinge, link, machine, slide, turn
 
 from benchmarks.stress.checks.invariants import violations
-from nipper_pin import Case, EventKind, Mechanism, Solution, Window, record, simulate
+from nipper_pin import EventKind, Mechanism, Solution, record
 
-FALL = Case(speed_rpm=20.0, window=Window.CYCLE, start_index=0.0, max_collisions=3)
+
+def fall(mechanism: Mechanism, most: int = 3) -> Solution:
+    """A turn of three seconds, of so many collisions."""
+    return turn(mechanism, 20.0, max_collisions=most)
 
 
 def blocks(rng: np.random.Generator, *, gap_mm: float = 0.0, rate: float = 0.0) -> Mechanism:
@@ -74,7 +77,7 @@ def test_what_lies_on_one_another_is_in_contact(
     rng = np.random.default_rng(7)
     for _ in range(15):
         mechanism = make(rng)
-        solution = simulate(mechanism, FALL)
+        solution = fall(mechanism)
         rest, first = solution.events[:2]
         assert (rest.kind, rest.t, list(rest.stops)) == (EventKind.REST, 0.0, lying)
         assert first.kind is EventKind.COLLISION
@@ -108,7 +111,7 @@ def test_a_pendulum_on_a_pendulum_is_pressed_by_more_than_round_off(sense: float
                      "s1": {"joint": "high", "restitution": 0.5}},
         initial={"low": {"rate_rad_per_s": -1.0}},
     )  # fmt: skip
-    solution = simulate(mechanism, FALL)
+    solution = fall(mechanism)
     start = [event.stops for event in solution.events if event.t == 0.0]
     assert start == ([("s1",)] if sense > 0.0 else [])
     assert violations(solution) == []
@@ -119,7 +122,7 @@ def cradle(law: str, gap_mm: float) -> Solution:
     starts = {f"z{i}": {"at_mm": gap_mm} for i in range(1, 5)}
     starts["z0"] = {"at_mm": -100.0, "rate_mm_per_s": 1000.0}
     starts["z1"] = {"at_mm": 100.0, "rate_mm_per_s": -1000.0}
-    return simulate(row([1.0] * 5, 1.0, law=law, initial=starts), FALL)
+    return fall(row([1.0] * 5, 1.0, law=law, initial=starts))
 
 
 @pytest.mark.parametrize("gap_mm", [0.0, 1e-14])
@@ -142,21 +145,15 @@ def test_both_laws_run_a_cradle(gap_mm: float) -> None:
 
 def test_with_real_gaps_no_law_is_chosen() -> None:
     """Gaps of 1 um: the balls strike one after the other by themselves, the last one leaves."""
-    solution = simulate(
-        row([1.0] * 5, 1.0, initial={
-            "z0": {"rate_mm_per_s": 1000.0}, "z1": {"at_mm": 1e-3, "rate_mm_per_s": -1000.0},
-            **{f"z{i}": {"at_mm": 1e-3} for i in (2, 3, 4)}
-        }), until(10),
-    )  # fmt: skip
+    starts = {f"z{i}": {"at_mm": 1e-3} for i in range(1, 5)}
+    starts["z1"]["rate_mm_per_s"] = -1000.0
+    initial = {"z0": {"rate_mm_per_s": 1000.0}, **starts}
+    solution = fall(row([1.0] * 5, 1.0, initial=initial), 10)
     assert [event.stops for event in solution.events] == [(f"s{i}",) for i in range(1, 5)]
     last = solution.events[-1]
     assert np.cumsum(last.v_after) == pytest.approx([0.0, 0.0, 0.0, 0.0, 1.0], abs=1e-14)
     assert solution.warnings == ()
     assert "warnings" not in record(solution)
-
-
-def until(most: int) -> Case:
-    return Case(speed_rpm=20.0, window=Window.CYCLE, start_index=0.0, max_collisions=most)
 
 
 def test_forty_on_one_floor_and_forty_on_one_another() -> None:
@@ -169,7 +166,7 @@ def test_forty_on_one_floor_and_forty_on_one_another() -> None:
     )  # fmt: skip
     stack = row([1.0] * 40, 0.5, wall=True, gravity=9.81, initial={"z0": {"at_mm": 200.0}})
     for mechanism in (beside, stack):
-        solution = simulate(mechanism, until(1))
+        solution = fall(mechanism, 1)
         hit = solution.events[-1]
         assert hit.t == pytest.approx(sqrt(0.4 / 9.81), rel=1e-14)
         assert len(hit.stops) == 40
