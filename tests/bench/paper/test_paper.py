@@ -4,10 +4,6 @@ from __future__ import annotations
 
 import io
 import json
-import math
-import shutil
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -23,17 +19,16 @@ from benchmarks.paper.counts import counted
 from benchmarks.paper.figures import NAMES as NAMES_OF_FIGURES
 from benchmarks.paper.figures import figures
 from benchmarks.paper.phases import branch, kinematics, phase_one, touch_index
-from benchmarks.paper.published import conditions, published
+from benchmarks.paper.published import published
 from benchmarks.paper.ratios import agreement
 from benchmarks.paper.report import _percent, print_paper, sheet
-from benchmarks.paper.shares import MAP_RESTITUTIONS, shares
+from benchmarks.paper.shares import MAP_RESTITUTIONS
 from benchmarks.paper.studies import run_studies
 from benchmarks.paper.study import PaperStudy, paper_study
 from benchmarks.run_time.certified import certified
 from benchmarks.stress.machines.small_machines import bouncing_mass
 from nipper_pin import (
     Case,
-    InputError,
     Mechanism,
     SimulationError,
     load,
@@ -45,7 +40,8 @@ from nipper_pin.terms import digits
 # The studies of the paper take a quarter of a minute.
 pytestmark = pytest.mark.slow
 
-NAMES = {
+# Typed a second time.
+PUBLISHED = {
     "speed.first_rebound_amplitude_increase": 1.184,
     "speed.second_rebound_amplitude_increase": 1.136,
     "speed.first_two_share_450": 0.9647,
@@ -66,14 +62,9 @@ def study(e62: Mechanism) -> PaperStudy:
     return paper_study(e62, print)
 
 
-def test_published_numbers_and_names_stand(study):
-    """Scripts read these names; the values are those of the publication, typed a second time."""
-    assert {item.name: item.published for item in study.ratios} == NAMES
-    assert list(NAMES) == [item.name for item in study.ratios]
-
-
 def test_agreement_with_the_published_ratios(study):
     """All within 10 %, eight within 4 %; as many a coincidence as the fit of twelve numbers is."""
+    assert {item.name: item.published for item in study.ratios} == PUBLISHED
     found = agreement(study.ratios)
     assert found["within_10_percent"] == 12
     assert found["within_4_percent"] >= 8
@@ -128,7 +119,7 @@ def test_first_impulses_are_proportional_to_the_speed(study):
     assert per_speed == pytest.approx(per_speed[0], rel=1e-11)
 
 
-@pytest.mark.parametrize("threshold", [0.003, 0.02, 0.06, 0.3])
+@pytest.mark.parametrize("threshold", [0.003, 0.06])
 def test_a_count_is_that_of_a_run_with_this_threshold(study, threshold):
     """Counted from one list of rates; the phase manager decides step by step."""
     data = study.studies.restitution
@@ -162,15 +153,11 @@ def test_thresholds_for_the_published_growth(study):
             inside(counts.matches["rebounds_grow_as_published"])
             and inside(counts.matches["unchanged_by_stiffness"])
         )
-
-
-def test_no_threshold_gives_the_published_growth_of_collisions_but_some_do_of_rebounds(study):
-    assert study.counts.matches["collisions_grow_as_published"] == ()
-    assert study.counts.largest_increase == 2.0
-    ((low, high),) = study.counts.matches["rebounds_as_published_and_unchanged_by_stiffness"]
+    assert counts.matches["collisions_grow_as_published"] == ()
+    assert counts.largest_increase == 2.0
     # Two rebound rates: the second at e = 0.05 and the fourth at e = 0.25.
-    assert low == study.studies.restitution.rates[0, 1]
-    assert high == study.studies.restitution.rates[-1, 3]
+    wanted = restitution.rates[0, 1], restitution.rates[-1, 3]
+    assert counts.matches["rebounds_as_published_and_unchanged_by_stiffness"] == (wanted,)
 
 
 def test_time_at_a_threshold_tends_to_the_limit(study):
@@ -214,22 +201,6 @@ def test_effects_of_inertial_shafts_are_those_of_two_runs(study, e62):
     hit = free.collisions[0].event
     kept = hit.v_after[free.system.driven] / hit.v_before[free.system.driven]
     assert effect.shaft_jump == pytest.approx(np.abs(kept - 1.0).max(), rel=1e-9)
-
-
-def test_the_published_numbers_for_another_machine(e62):
-    given = conditions(e62)
-    assert given == published()
-    assert (given.speeds_rpm, given.common_speed_rpm) == ((450.0, 550.0, 650.0), 650.0)
-    assert given.stiffnesses == (7e3, 8e3, 9e3, 10e3, 11e3)
-    assert (given.common_restitution, given.count_increase) == (given.restitutions[3], 3.0)
-    other = load("hanging_pendulum")
-    found = conditions(other)
-    rated, own = other.cylinder.rated_speed_rpm, other.springs[0].stiffness
-    assert found.speeds_rpm == tuple(round(rated * s / 450.0) for s in given.speeds_rpm)
-    assert found.common_speed_rpm == found.speeds_rpm[2]
-    assert found.stiffnesses == pytest.approx([own * k / 9.0 for k in (7, 8, 9, 10, 11)])
-    assert (found.ratios, found.count_increase) == ({}, None)
-    assert found.restitutions == given.restitutions
 
 
 def test_marks_of_a_turn(e62):
@@ -285,18 +256,10 @@ def test_the_threshold_speed_separates_turns_that_release_from_those_that_do_not
     )
     assert below
     assert not above
-
-
-def test_the_steeve_leaves_its_stop_at_650_only(study):
-    indices = [item.index for item in study.phase_one.releases]
-    assert indices[:2] == [None, None]
-    assert indices[2] == pytest.approx(28.838, abs=1e-3)
-    assert study.phase_one.releases[2].lift == pytest.approx(4.3e-6, abs=0.05e-6)
-
-
-def test_a_preload_that_is_never_overcome_has_no_threshold(study):
-    pushed = replace(study.phase_one, per_speed2=np.abs(study.phase_one.per_speed2))
-    assert pushed.threshold_rpm(11e-3) == math.inf
+    *slower, fast = study.phase_one.releases
+    assert [item.index for item in slower] == [None, None]
+    assert fast.index == pytest.approx(28.838, abs=1e-3)
+    assert fast.lift == pytest.approx(4.3e-6, abs=0.05e-6)
 
 
 def test_fixed_steps_are_of_first_order_and_meet_ours(study):
@@ -326,15 +289,6 @@ def test_small_restitutions_tend_to_the_constant_force(study):
     early, later = (int(np.argmin(np.abs(data.restitutions - e))) for e in (0.02, 0.2))
     assert (difference[:, early] < 0.02 * difference[:, later]).all()
     assert data.largest_difference < 0.01
-
-
-@pytest.mark.campaign
-def test_shares_that_do_not_exist_are_left_out(e62):
-    """No transition of a fast machine that rests too late is taken for one of no length."""
-    given = replace(published(), speeds_rpm=(650.0, 3000.0, 6000.0))
-    found = shares(e62, given).shares
-    assert np.isfinite(found[0]).all()
-    assert np.isnan(found[-1]).any()
 
 
 def test_the_map_holds_single_transitions(study):
@@ -379,15 +333,10 @@ def test_what_is_said(study, words):
     words(f"{told(document)}\n\n{stream.getvalue()}\n{sheet(study).markdown()}\n")
 
 
-@pytest.mark.parametrize("name", NAMES_OF_FIGURES)
-def test_figures(study, words, name):
-    """Each says what its numbers are, and has its labels."""
-    words(drawn(figures(study)[name]))
-
-
-def test_figures_are_of_the_study(study):
-    """Curves by name in the units of their labels, beside the study's own numbers."""
+def test_figures_are_of_the_study(study, words):
+    """Each says what its numbers are; curves by name in the units of their labels."""
     drawn_figures, studies = figures(study), study.studies
+    words("\n".join(f"{name}\n{drawn(drawn_figures[name])}" for name in NAMES_OF_FIGURES))
     curves = {
         ("figure_12", 0, 2): studies.speed.bounces.impulse[2, :8],
         ("figure_13", 0, 0): 1e3 * studies.restitution.table.duration,
@@ -410,11 +359,12 @@ def test_a_jaw_that_does_not_rest_is_refused_with_its_value(e62):
         run_studies(e62, given)
 
 
-def test_other_mechanisms_are_refused():
-    """A mass on a table has no spring; the command says so and leaves with status 2."""
-    mass = bouncing_mass(0.7, 60.0, 0.2, 9.81).mechanism()
-    with pytest.raises(InputError, match="one spring"):
-        paper_study(mass, print)
+def test_other_mechanisms_are_refused(capsys):
+    four_bar = Path(__file__).parents[2] / "verification" / "models" / "four_bar"
+    assert main(["paper", str(four_bar), "--json", "-"]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert "one spring" in said.err
 
 
 @pytest.mark.campaign
@@ -448,60 +398,6 @@ def test_the_same_is_done_for_another_comber(name):
     own = mechanism.springs[0].stiffness
     assert found.studies.stiffness.values == pytest.approx(own * np.arange(7.0, 12.0) / 9.0)
     changes = found.record()["changes"]
-    assert len(changes) == len(NAMES)
+    assert len(changes) == len(PUBLISHED)
     low, high = found.studies.speed.amplitudes[[0, -1], 0]
     assert changes["speed.first_rebound_amplitude_increase"] == high / low - 1.0
-
-
-def test_json_on_stdout_is_all_and_values_of_the_model_reach_it(tmp_path):
-    """No folder is written; a larger preload moves the speed from which the steeve leaves."""
-    words = ["paper", "--set", "springs.steeve.preload_length_mm=13", "--json", "-"]
-    done = subprocess.run(
-        [sys.executable, "-m", "benchmarks", *words],
-        capture_output=True, text=True, check=False, cwd=tmp_path,
-    )  # fmt: skip
-    assert done.returncode == 0
-    assert done.stderr == ""
-    document = json.loads(done.stdout)
-    assert [item["name"] for item in document["ratios"]] == list(NAMES)
-    assert set(document["ratios"][0]) == {"name", "published", "ours", "relative_deviation"}
-    assert document["phase_1"]["preload"] == pytest.approx(0.013)
-    assert document["phase_1"]["threshold_rpm"] > 650.0
-    assert [turn["index"] for turn in document["phase_1"]["turns"]] == [None, None, None]
-    assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize(
-    ("arguments", "word"),
-    [
-        (["--out", "file"], "not a folder"),
-        (["--out", "file/below"], "not a folder"),
-        (["--out", "/proc/nowhere"], "cannot be written"),
-        (["--json", "absent/result.json"], "no folder"),
-    ],
-)
-def test_what_cannot_be_written_or_read_is_refused_before_the_study(
-    tmp_path, monkeypatch, capsys, arguments, word
-):
-    """The study takes many seconds; here it would fail the test by being begun."""
-    (tmp_path / "file").write_text("mine", encoding="utf-8")
-    monkeypatch.chdir(tmp_path)
-
-    def begun(*_, **__):
-        pytest.fail("the study was begun")
-
-    monkeypatch.setattr("benchmarks.paper.study.paper_study", begun)
-    assert main(["paper", *arguments]) == 2
-    said = capsys.readouterr()
-    assert said.out == ""
-    assert word in " ".join(said.err.split())
-    assert [item.name for item in tmp_path.iterdir()] == ["file"]
-
-
-def test_a_folder_of_another_kind_of_model_is_unusable(tmp_path: Path, capsys):
-    four_bar = Path(__file__).parents[2] / "verification" / "models" / "four_bar"
-    shutil.copytree(four_bar, tmp_path / "four_bar")
-    assert main(["paper", str(tmp_path / "four_bar"), "--json", "-"]) == 2
-    said = capsys.readouterr()
-    assert said.out == ""
-    assert said.err.startswith("nipper-pin: ")

@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 
 from benchmarks.peers import Four, Setting, available
-from benchmarks.peers.protocol import MOST_COLLISIONS, Bounces
-from nipper_pin import Case, InputError, Mechanism, SimulationError, load, simulate
+from benchmarks.peers.protocol import Bounces
+from nipper_pin import Case, Mechanism, load, simulate
 from nipper_pin.dynamics import System
 
 SPEED_RPM = 650.0
@@ -107,15 +107,6 @@ def test_the_hand_derived_equation_agrees_with_the_reference(case: str) -> None:
     assert max(_errors(four, case)) <= 1e-11
 
 
-def test_the_first_rebound_rate(e62: Mechanism) -> None:
-    """The rate after the first collision is the reference's to round-off: twelve digits of one."""
-    _peer("rk4", "numba")
-    planar = import_module(f"{ROOM}.planar_model")
-    rate = planar.first_rebound_rate(planar.planar_model(e62, SPEED_RPM))
-    wanted = float(CASES["650"]["collisions"][0]["separation_rate"])
-    assert rate == pytest.approx(wanted, rel=1e-12)
-
-
 def test_the_equation_is_that_of_the_engine(e62: Mechanism) -> None:
     """Jaw acceleration against Pinocchio's constrained dynamics, at states along a flight.
 
@@ -177,15 +168,6 @@ def test_peers_say_what_they_are() -> None:
     assert len({peer.NAME for peer, _ in peers}) == len(peers)
 
 
-def test_another_mechanism_is_refused() -> None:
-    """The hand-derived equation is that of one topology, and says so."""
-    _peer("rk4", "numba")
-    model = import_module(f"{ROOM}.planar_model")
-    folder = Path(__file__).parents[2] / "verification" / "models" / "four_bar"
-    with pytest.raises(InputError, match="hand-derived"):
-        model.planar_model(load(folder), SPEED_RPM)
-
-
 def test_bounces_close_a_series_at_its_limit() -> None:
     """A ball on the ground: flights 2 w / g with w falling by e rest at 2 w_0 / (g (1 - e)).
 
@@ -200,12 +182,3 @@ def test_bounces_close_a_series_at_its_limit() -> None:
         over = bounces.add(t, w, g)
     four = bounces.four(7)
     assert four == Four(0.2, pytest.approx(0.1), amplitude, pytest.approx(0.4, rel=1e-12), 7)
-
-
-def test_bounces_that_do_not_end_are_an_error() -> None:
-    """Rebounds that do not get slower have no limit: the loop must not run for ever."""
-    bounces = Bounces(0.5, 1.0, 10.0, 1e-9)
-    for number in range(1, MOST_COLLISIONS):
-        assert not bounces.add(float(number), 1.0, 10.0)
-    with pytest.raises(SimulationError, match="do not come to an end"):
-        bounces.add(float(MOST_COLLISIONS), 1.0, 10.0)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,17 +10,12 @@ import pytest
 from benchmarks.stress import run_campaign, trial
 from benchmarks.stress.linkages import random_linkage, write_linkage
 from benchmarks.stress.linkages.dyads import KINDS, Growing, add_dyad, crank
-from benchmarks.stress.linkages.freedoms import open_at, struck
 from benchmarks.stress.linkages.motion import (
     ANGLES,
     NoAssemblyError,
-    Output,
-    Rod,
-    rod_on_line,
-    unit,
 )
-from nipper_pin import Case, SimulationError, UnknownNameError, load, simulate
-from nipper_pin.mechanism.drawing import Drawing, Drive, Spring, Stop, drawn_mechanism
+from nipper_pin import Case, UnknownNameError, load, simulate
+from nipper_pin.mechanism.drawing import Drawing, Drive, drawn_mechanism
 
 COUNT = 40
 
@@ -38,23 +32,6 @@ def test_every_linkage_is_a_model(linkages: list[Drawing]) -> None:
         mechanism = drawn_mechanism(drawing)
         free.add(mechanism.degrees_of_freedom - len(mechanism.drives))
     assert free == {1, 2, 3}
-
-
-def test_stops_springs_and_dyads_of_every_kind_come_out(linkages: list[Drawing]) -> None:
-    stops = [[p for p in item.parts if isinstance(p, Stop)] for item in linkages]
-    assert any(stop.joint.startswith("turn") for group in stops for stop in group)
-    assert any(stop.joint.startswith("slide") for group in stops for stop in group)
-    assert any(stop.side == "upper" and stop.at for group in stops for stop in group)
-    assert all(group for group in stops)
-    names = {name for item in linkages for name in _joints(item)}
-    assert {"rod", "turn", "slide", "slot", "ride", "flap", "box"} <= names
-    assert any(isinstance(p, Spring) and p.joint.startswith("turn")
-               for item in linkages for p in item.parts)  # fmt: skip
-
-
-def _joints(drawing: Drawing) -> set[str]:
-    names = [joint.name for joint in drawn_mechanism(drawing).joints]
-    return {name.rstrip("0123456789") for name in names}
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -87,55 +64,6 @@ def _with_dyad(rng: np.random.Generator, kind: str) -> Growing | None:
     except NoAssemblyError:
         return None
     return linkage
-
-
-def test_a_stop_is_met_within_the_reach(linkages: list[Drawing]) -> None:
-    """Stops on what dyads move: without them the coordinate goes past their place."""
-    met = 0
-    for drawing in linkages[:16]:
-        stops = [p for p in drawing.parts
-                 if isinstance(p, Stop) and p.joint.startswith(("turn", "slide"))]  # fmt: skip
-        if not stops:
-            continue
-        kept = tuple(p for p in drawing.parts if p not in stops)
-        # So stiff that nothing gives way.
-        kept = tuple(replace(p, preload=1e6 * p.preload) if isinstance(p, Spring) else p
-                     for p in kept)  # fmt: skip
-        free = drawn_mechanism(replace(drawing, parts=kept, struck=""))
-        try:
-            solution = simulate(free, Case(speed_rpm=1.0, window="cycle"))
-        except SimulationError:
-            continue
-        q = solution.trajectory.evaluate(np.linspace(*solution.trajectory.span, 721)).q
-        full = drawn_mechanism(drawing)
-        for part in stops:
-            stop = full.stop(part.joint)
-            met += 1
-            gap = stop.gaps(q)
-            # Drawn between 0.03 and 0.4 of the reach, or one step of the crank before that.
-            assert 0.02 < -gap.min() / np.ptp(gap) < 0.75
-    assert met > 3
-
-
-def test_the_rod_gives_way_to_the_side_that_the_stop_asks_for() -> None:
-    """A block beyond the crank: one that is kept from going on needs a shorter rod, one that is
-    kept from coming back a longer one; and before it is met a stop is open."""
-    pin = 20.0 * unit(ANGLES)
-    travel = rod_on_line(pin, 100.0, 0j, 0.0, 1.0, 0.1)
-    rod = Rod("rod", 100.0, pin, complex)
-    sides = set()
-    for seed in range(8):
-        step = 1 if seed % 2 else -1
-        found = struck(np.random.default_rng(seed), Output("x", travel, False, rod), rod, step)
-        assert found is not None
-        assert found.longer == found.lower
-        assert found.gap[found.contact] == 0.0
-        assert found.gap[found.contact - step] > 0.0 > found.gap[found.contact + step]
-        best = open_at([found])
-        assert best is not None
-        assert found.gap[best] > 20.0
-        sides.add(found.lower)
-    assert sides == {True, False}
 
 
 def test_a_linkage_is_written_as_a_model_folder(tmp_path: Path) -> None:

@@ -12,16 +12,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from xml.etree import ElementTree
 
-import numpy as np
 import pytest
 
-from benchmarks.stress.linkages.dyads import KINDS, add_dyad, crank
-from benchmarks.stress.linkages.motion import NoAssemblyError
 from benchmarks.stress.space import FAMILIES, trial
 
 KEPT = Path(__file__).with_name("machines_of_a_seed.json")
 SEED, TRIALS = 421, 48
-DYADS = 400
 # Families that are written quickly, or have forms that are seldom drawn.
 MORE = {
     "dead centre": 240, "grazing": 96, "together": 240, "many cycles": 96, "bouncing mass": 240,
@@ -64,33 +60,6 @@ def digest(family: str) -> str:
     return found.hexdigest()[:16]
 
 
-def digest_of_dyads(kind: str) -> str:
-    """Of dyads on a crank with a rod and a rocker: where their points are, or that none closes."""
-    found = hashlib.sha256()
-    for number in range(DYADS):
-        rng = np.random.default_rng([SEED, number])
-        linkage = crank(rng, 0.1)
-        try:
-            add_dyad(rng, linkage, "RRR")
-            add_dyad(rng, linkage, kind)
-        except NoAssemblyError:
-            found.update(b"none")
-            continue
-        for name, place in linkage.places.items():
-            # To a millionth of a millimetre.
-            numbers = [float(x) + 0.0 for x in np.round(place[::17].copy().view(float), 6)]
-            found.update(f"{name} {written(numbers)}".encode())
-        found.update(f"{linkage.on} {written(linkage.bodies)}".encode())
-    return found.hexdigest()[:16]
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_a_seed_gives_the_dyads_that_it_gave(kind: str) -> None:
-    """Of all kinds, and those that do not close."""
-    kept = json.loads(KEPT.read_text(encoding="utf-8"))
-    assert digest_of_dyads(kind) == kept[f"dyad {kind}"]
-
-
 @pytest.mark.sampled(4)
 @pytest.mark.parametrize("family", FAMILIES)
 def test_a_seed_gives_the_machines_that_it_gave(family: str) -> None:
@@ -100,5 +69,4 @@ def test_a_seed_gives_the_machines_that_it_gave(family: str) -> None:
 
 if __name__ == "__main__":
     digests = {family: digest(family) for family in FAMILIES}
-    digests |= {f"dyad {kind}": digest_of_dyads(kind) for kind in KINDS}
     KEPT.write_text(json.dumps(digests, indent=1) + "\n", encoding="utf-8")

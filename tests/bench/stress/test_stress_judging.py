@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import warnings
 from collections.abc import Callable
 from dataclasses import replace
@@ -14,14 +12,12 @@ import mpmath
 import numpy as np
 import pytest
 from machine_of_all_elements import CASE, everything
-from programs import main
 
 from benchmarks.stress import (
     FAMILIES,
     REFUSED,
     RIGHT,
     WRONG,
-    Campaign,
     Excess,
     Trial,
     Verdict,
@@ -29,9 +25,8 @@ from benchmarks.stress import (
     judge,
     judging,
     trial,
-    violations,
 )
-from benchmarks.stress.checks.agreement import bits, mirror_images, within_errors
+from benchmarks.stress.checks.agreement import mirror_images, within_errors
 from benchmarks.stress.checks.engines import engines_agree
 from benchmarks.stress.machines.small_machines import (
     e62 as e62_source,
@@ -39,7 +34,6 @@ from benchmarks.stress.machines.small_machines import (
 from benchmarks.stress.refusals import MEASURED, allowed_share
 from nipper_pin import (
     Case,
-    Event,
     EventKind,
     Mechanism,
     Outcome,
@@ -48,9 +42,6 @@ from nipper_pin import (
     Window,
     simulate,
 )
-from nipper_pin.dynamics import Elements
-from nipper_pin.hybrid.result.rebounds import Rebounds
-from nipper_pin.mechanism.build import mechanism as build
 
 EPS = np.finfo(float).eps
 
@@ -110,16 +101,6 @@ def test_events_that_only_one_run_has(e62: Mechanism) -> None:
         other.__dict__["errors"] = [run.errors[place] for place in kept]
         for pair in ((run, other), (other, run)):
             assert (within_errors(*pair) == []) is alike, left_out
-
-
-def test_nothing_is_compared_after_a_rate_that_is_all_error(transition: Solution) -> None:
-    """It is undecided whether the stop is reached: no collision says more."""
-    other = later(stronger(transition, 2, 0.5), 3, 1e-3)
-    assert within_errors(other, transition) != []
-    errors = list(transition.errors)
-    errors[1] = replace(errors[1], impulse=1.0)
-    other.__dict__["errors"] = errors
-    assert within_errors(other, transition) == within_errors(transition, other) == []
 
 
 def test_the_engines_may_differ_by_what_they_state_and_no_more(transition: Solution) -> None:
@@ -240,91 +221,19 @@ def test_what_an_engine_does_is_judged(
     assert kind in f"{verdict.kind}: {verdict.detail}"
 
 
-@pytest.mark.sampled(4)
 @pytest.mark.parametrize(
-    ("tolerance", "evaluations", "tolerances"),
-    [
-        (1e-8, 100_000, [1e-8, 1e-8, 6.25e-10, 1e-8]),
-        (1e-8, 100_001, [1e-8]),
-        (1.5e-14, 100_000, [1.5e-14, 1.5e-14, 1e-14, 1.5e-14]),
-        (1e-14, 100_000, [1e-14, 1e-14, 1e-14]),
-    ],
+    ("evaluations", "tolerances"), [(100_000, [1e-8, 1e-8, 6.25e-10, 1e-8]), (100_001, [1e-8])]
 )
 def test_a_trial_is_run_again_finer_and_mirrored(
-    engine: Engine, tolerance: float, evaluations: int, tolerances: list[float]
+    engine: Engine, evaluations: int, tolerances: list[float]
 ) -> None:
-    """Without a change it is right; one of many evaluations is run once, the finest not finer."""
-    item = small()
-    item.case["resolution"] = {"tolerance": tolerance}
+    """Without a change it is right; one of many evaluations is run once."""
     runs = engine(lambda _m, _c, solution, _run: replace(solution, evaluations=evaluations))
-    verdict = judge(item)
+    verdict = judge(small())
     assert (verdict.word, verdict.kind, verdict.detail) == (RIGHT, "COMPLETED", "")
-    assert verdict.fingerprint == hashlib.sha256(bits(runs[0])).hexdigest()
     assert [run.case.resolution.tolerance for run in runs] == tolerances
     images = [run.mechanism.stop("j0 lower").sense < 0.0 for run in runs]
     assert sum(images) == images[-1] == (len(runs) > 1)
-
-
-def test_runs_that_may_be_refused(engine: Engine) -> None:
-    """A finer or mirrored run that ends with an error is an answer; nothing is compared then."""
-
-    def refused(_m: Mechanism, _c: Case, solution: Solution, run: int) -> Solution:
-        if run < 2:
-            return solution
-        message = "a tolerance finer than round-off"
-        raise SimulationError(message)
-
-    runs = engine(refused)
-    assert judge(small()).word == RIGHT
-    assert len(runs) == 4
-
-
-def without_heat(_: Elements, q: np.ndarray, _v: np.ndarray) -> np.ndarray:
-    return np.zeros(len(q))
-
-
-def pushing(_: Elements, q: np.ndarray, v: np.ndarray) -> np.ndarray:
-    return np.zeros_like(q) + 0.01 * v
-
-
-def with_more_energy(_: Elements, q: np.ndarray) -> np.ndarray:
-    return np.abs(q).sum(axis=1)
-
-
-def heavier(
-    text: str, gravity: float, file: str, right: Callable[..., Any] = build.build_model
-) -> Any:
-    return right(text, gravity * (1.0 + 1e-7), file)
-
-
-def higher(
-    self: Rebounds, event: Event, stop: str, right: Callable[..., Any] = Rebounds.amplitude
-) -> float | None:
-    found = right(self, event, stop)
-    return None if found is None else found * (1.0 + 1e-6)
-
-
-@pytest.mark.sampled(5)
-@pytest.mark.parametrize(
-    ("item", "place", "name", "wrong", "kinds"),
-    [
-        (small, build, "build_model", heavier, ("model",)),
-        (usual, Rebounds, "amplitude", higher, ("tables",)),
-        (small, Elements, "dissipation", without_heat, ("springs and dampers", "energy")),
-        (small, Elements, "forces", pushing, ("springs and dampers", "energy")),
-        (small, Elements, "energy", with_more_energy, ("energy",)),
-    ],
-)
-def test_a_fault_of_all_runs_is_seen(
-    monkeypatch: pytest.MonkeyPatch, engine: Engine, item: Callable[[], Trial], place: Any,
-    name: str, wrong: Any, kinds: tuple[str, ...],
-) -> None:  # fmt: skip
-    """Gravity, heights, heat, forces or energies that are wrong from the start: by one run."""
-    monkeypatch.setattr(place, name, wrong)
-    runs = engine(lambda _m, _c, solution, _run: replace(solution, evaluations=100_001))
-    assert judge(item()).word == WRONG
-    # The verdict names the first few of its violations.
-    assert set(kinds) <= {found.kind for found in violations(runs[0])}
 
 
 def verdicts(word: Callable[[str, int], str], each: int = 39) -> list[Verdict]:
@@ -342,14 +251,21 @@ def measured(family: str, place: int) -> str:
 
 
 def test_measured_refusals_are_the_published_ones() -> None:
-    """All families, as in the table of benchmarks/README.md; of none may all be refused."""
+    """All families, as in the table of benchmarks/README.md; one that is refused is named."""
     text = (Path(__file__).parents[3] / "benchmarks/README.md").read_text(encoding="utf-8")
     table = text.partition("| family | what varies | refused |\n")[2].partition("\n\n")[0]
     rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in table.splitlines()[1:]]
     assert {name: int(refused) for name, _, refused in rows} == MEASURED
     assert set(MEASURED) == set(FAMILIES)
-    for family, refused in MEASURED.items():
-        assert refused / 385 < allowed_share(family) < 1.0
+    assert excesses(verdicts(measured)) == []
+    for family in FAMILIES:
+
+        def refuses(name: str, place: int, family: str = family) -> str:
+            return REFUSED if name == family else measured(name, place)
+
+        # Three in four at dead centres are refused rightly: it takes more of them.
+        found = excesses(verdicts(refuses, 39 if MEASURED[family] < 200 else 390))
+        assert [item.family for item in found if item.family != "all"] == [family]
 
 
 @pytest.mark.parametrize(("family", "cases"), [("spring", 40), ("grazing", 60), ("reach", 385)])
@@ -374,62 +290,14 @@ def test_excesses_are_those_of_the_binomial_law(family: str, cases: int) -> None
         assert found == ([Excess(family, least, cases, float(share))] if refused == least else [])
 
 
-def test_as_many_refusals_as_were_measured_are_no_excess() -> None:
-    assert excesses(verdicts(measured)) == []
-
-
-@pytest.mark.parametrize("family", sorted(FAMILIES))
-def test_an_engine_that_refuses_a_family_is_found(family: str) -> None:
-    """All cases of one family refused, the others as measured: that family is named, no other."""
-
-    def refuses(name: str, place: int) -> str:
-        return REFUSED if name == family else measured(name, place)
-
-    # Three in four at dead centres are refused rightly: it takes more of them.
-    each = 39 if MEASURED[family] < 200 else 390
-    found = [item.family for item in excesses(verdicts(refuses, each)) if item.family != "all"]
-    assert found == [family]
-
-
-def test_an_engine_that_refuses_everything_fails_a_short_campaign(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Status 1 after two cases of each family, with a family and both shares in the sentence."""
-    import benchmarks.stress as stress
-
-    refused = Campaign(1, tuple(verdicts(lambda *_: REFUSED, 2)), 1.0)
-    monkeypatch.setattr(stress, "run_campaign", lambda *_, **__: refused)
-    assert main(["stress", "--cases", "54"]) == 1
-    assert "54 of 54 cases" in capsys.readouterr().err
-    assert [item["family"] for item in refused.record()["refused_too_often"]] == ["all"]
-    fine = Campaign(1, tuple(verdicts(measured)), 1.0)
-    monkeypatch.setattr(stress, "run_campaign", lambda *_, **__: fine)
-    assert main(["stress", "--cases", "54", "--json", "-"]) == 0
-    assert json.loads(capsys.readouterr().out) == fine.record()
-
-
-def test_verdicts_are_the_same_however_long_they_took() -> None:
-    """Wall times differ from process to process; nothing else may."""
-    verdict = Verdict(3, "chain", RIGHT, "COMPLETED", "", "abc", 1.0)
-    assert verdict == replace(verdict, wall_s=2.0)
-    for name, other in (("number", 4), ("family", "spring"), ("word", WRONG), ("kind", "energy"),
-                        ("detail", "x"), ("fingerprint", "abd")):  # fmt: skip
-        assert verdict != replace(verdict, **{name: other})
-
-
-# Of seed 1; each ends at its largest number of collisions.
-CUT_OFF = (181, 262)
-
-
 @pytest.mark.campaign
-@pytest.mark.parametrize("number", CUT_OFF)
-@pytest.mark.parametrize(("which", "kind"), [(2, "tolerance"), (3, "mirror")])
+@pytest.mark.parametrize(("number", "which", "kind"), [(181, 2, "tolerance"), (262, 3, "mirror")])
 def test_a_case_that_ends_at_its_largest_number_of_collisions_is_judged_on_what_it_has(
     engine: Engine, number: int, which: int, kind: str
 ) -> None:
     """It is right as it is, and wrong if one collision of one of its runs has another impulse.
 
-    Runs are made in this order: the case, the same again, the finer one, the mirrored one.
+    Of seed 1, each; the finer run is the third one, the mirrored one the fourth.
     """
 
     def other(_m: Mechanism, _c: Case, solution: Solution, run: int) -> Solution:

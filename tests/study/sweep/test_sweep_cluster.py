@@ -22,7 +22,7 @@ from nipper_pin.study.sweep import cluster as cluster_module
 from nipper_pin.study.sweep import read_plan
 from nipper_pin.study.sweep.cluster import on_scheduler
 
-MANY = GEOMETRY.replace("points = 5", "points = 20")
+MANY = GEOMETRY.replace("points = 5", "points = 12")
 
 
 class Cluster:
@@ -75,7 +75,7 @@ def test_a_worker_of_a_cluster_dies(tmp_path: Path) -> None:
     """
     path, out = study(tmp_path, MANY), tmp_path / "cluster"
     whole = chunk_files(stored(tmp_path / "local", read_plan(path)))
-    assert len(whole) == 30
+    assert len(whole) == 18
 
     def count() -> int:
         return len(list((out / "chunks").glob("*.parquet")))
@@ -85,7 +85,7 @@ def test_a_worker_of_a_cluster_dies(tmp_path: Path) -> None:
         client.wait_for_workers(2, timeout=180)
         names = {item["name"]: at for at, item in client.scheduler_info()["workers"].items()}
         command = started(path, "--out", str(out), "--scheduler", cluster.address)
-        wait_for(lambda: count() >= 8 or command.poll() is not None)
+        wait_for(lambda: count() >= 4 or command.poll() is not None)
         under_way = client.processing()[names["doomed"]]
         doomed.kill()
         before = count()
@@ -93,8 +93,8 @@ def test_a_worker_of_a_cluster_dies(tmp_path: Path) -> None:
         left = [item["name"] for item in client.scheduler_info()["workers"].values()]
         assert other.poll() is None
     assert command.returncode == 0, complained
-    assert "120 computed" in said
-    assert 8 <= before < 26
+    assert "72 computed" in said
+    assert 4 <= before < 16
     assert len(under_way) >= 1
     assert left == ["other"]
     assert chunk_files(out) == whole
@@ -235,4 +235,4 @@ def test_a_cluster_is_lost(tmp_path: Path, lost: str) -> None:
     assert complained.startswith(f"nipper-pin: {sentence}; what is finished is kept")
     assert complained.count("\n") == 1
     assert said == ""
-    assert 12 <= read_sweep(out).stored < 120
+    assert 12 <= read_sweep(out).stored < 72
