@@ -1,4 +1,4 @@
-"""Processes of a study."""
+"""Processes of a study, and the same bits whatever the environment says of threads of BLAS."""
 
 from __future__ import annotations
 
@@ -8,16 +8,14 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from concurrent.futures import wait
 from functools import partial
 from multiprocessing import active_children, get_context
 from pathlib import Path
 
 import pytest
 
-from nipper_pin.study import processes
 from nipper_pin.study.processes import WorkerError, Workers, fresh_processes
-from tests.study.sweep.sweep_studies import wait_for
+from tests.study.sweep.sweep_studies import COMMAND, wait_for
 
 # What a copy of this process would know.
 MARKS: list[str] = []
@@ -37,6 +35,17 @@ def test_results_in_order_and_as_they_come() -> None:
         assert dict(pool.as_completed(tasks)) == {k: divmod(k, 3) for k in range(7)}
         (elsewhere,) = pool.in_order(eval, ["__import__('os').getpid()"])
         assert elsewhere != os.getpid()
+        # Samples of a long sweep are not all made before the first result.
+        drawn: list[int] = []
+
+        def drawing() -> Iterator[tuple[int, partial[int]]]:
+            for k in range(50):
+                drawn.append(k)
+                yield k, partial(abs, k)
+
+        key, result = next(pool.as_completed(drawing()))
+        assert key == result
+        assert len(drawn) <= 6
 
 
 def deaf(_: int) -> tuple[bool, bool]:
@@ -90,6 +99,7 @@ def test_who_computes(tmp_path: Path) -> None:
 
 PARENT = """
 import time
+from collections.abc import Iterator
 from nipper_pin.study.processes import _nothing, fresh_processes
 
 if __name__ == "__main__":
@@ -117,22 +127,6 @@ def runs(process: int) -> bool:
         return Path(f"/proc/{process}/stat").read_text(encoding="utf-8").rsplit(")")[-1][1] != "Z"
     except FileNotFoundError:
         return False
-
-
-def test_tasks_are_drawn_as_processes_need_them() -> None:
-    """Samples of a long sweep are not all made before the first result."""
-    drawn: list[int] = []
-
-    def tasks() -> Iterator[tuple[int, partial[int]]]:
-        for k in range(50):
-            drawn.append(k)
-            yield k, partial(abs, k)
-
-    with Workers(1, nothing, apart=True) as pool:
-        key, result = next(pool.as_completed(tasks()))
-        # Two may be done at the first look, in any order.
-        assert key == result <= 1
-        assert len(drawn) <= 3
 
 
 def test_a_worker_that_dies_is_an_error() -> None:
@@ -173,24 +167,6 @@ def test_a_worker_that_cannot_start_is_an_error(monkeypatch: pytest.MonkeyPatch)
     assert set(active_children()) <= before
 
 
-def test_an_interrupt_ends_what_waits(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What runs ends, what waits does not begin."""
-    futures = []
-
-    def look(running: object) -> Iterator[object]:
-        futures.extend(running)  # type: ignore[call-overload]
-        raise KeyboardInterrupt
-        yield
-
-    monkeypatch.setattr(processes, "_finished", look)
-    with pytest.raises(KeyboardInterrupt), Workers(1, nothing, apart=True) as pool:
-        list(pool.as_completed((k, partial(abs, k)) for k in range(9)))
-    assert len(futures) == 2
-    # Of what is cancelled in a pool that ends, `wait` may never hear.
-    wait([future for future in futures if not future.cancelled()], 30.0)
-    assert all(future.done() for future in futures)
-
-
 def test_nothing_runs_after_a_failure() -> None:
     """Otherwise a process that ends at once complains of what still runs."""
     before = set(active_children())
@@ -204,3 +180,72 @@ def test_nothing_runs_after_a_failure() -> None:
     with pytest.raises(ZeroDivisionError):
         failing()
     assert set(active_children()) <= before
+
+
+FILMED = Path(__file__).resolve().parents[2] / "scripts" / "identify_camera.toml"
+SENSITIVITIES = """
+from nipper_pin import load
+from nipper_pin.study.sensitivity import sensitivities
+
+if __name__ == "__main__":
+    paths = ["stops.jaw.restitution", "springs.steeve.preload_length_mm"]
+    found = sensitivities(load("e62"), 650.0, paths, workers=1)
+    print([(row.per.tolist(), row.control.tolist()) for row in found.rows])
+"""
+DESIGN = """
+format = 1
+model = "e62"
+minimise = "rebound_amplitude_1"
+case.speed_rpm = 650.0
+parameters."drives.tension.ratio" = { low = 2.15, high = 2.25 }
+"""
+OPTIMUM = """
+from pathlib import Path
+from nipper_pin.study.optimise import optimise, read_problem
+
+if __name__ == "__main__":
+    found = optimise(read_problem(Path("design.toml")), starts=1, check=False, workers=1)
+    print(found.best, found.account)
+"""
+
+
+def said(threads: str, words: list[str], folder: Path) -> str:
+    """What a program writes that is started with so many threads."""
+    env = os.environ | dict.fromkeys(THREADS, threads)
+    run = subprocess.run(
+        [sys.executable, *words], env=env, cwd=folder, capture_output=True, text=True, check=False
+    )
+    assert run.stdout, run.stderr
+    return run.stdout
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize(
+    "words",
+    [
+        # One start, its deviations, and a profile: the last bits of all numbers.
+        [*COMMAND[1:], "identify", str(FILMED), "--starts", "1", "--workers", "1", "--profiles",
+         "1", "--json", "-"],
+        # By a caller whose BLAS has several threads, too.
+        ["sensitivities.py"], ["optimum.py"],
+        ["-m", "benchmarks", "paper", "--json", "-"],
+    ],
+    ids=["identify", "sensitivities", "optimum", "published study"],
+)  # fmt: skip
+def test_threads_change_no_bit(words: list[str], tmp_path: Path) -> None:
+    (tmp_path / "sensitivities.py").write_text(SENSITIVITIES, encoding="utf-8")
+    (tmp_path / "optimum.py").write_text(OPTIMUM, encoding="utf-8")
+    (tmp_path / "design.toml").write_text(DESIGN, encoding="utf-8")
+    one, two = (said(threads, words, tmp_path) for threads in ("1", "2"))
+    assert len(one) > 100
+    assert one == two
+
+
+def test_the_command_computes_in_one_thread(tmp_path: Path) -> None:
+    """Whatever the environment says, and before numpy has read it."""
+    program = (
+        "import os; import nipper_pin.cli; "
+        "from nipper_pin.study.processes import in_one_thread; "
+        "print(in_one_thread(), os.environ['OPENBLAS_NUM_THREADS'])"
+    )
+    assert said("2", ["-c", program], tmp_path).split() == ["True", "1"]

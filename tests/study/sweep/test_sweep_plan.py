@@ -17,7 +17,6 @@ from snapshots import Words
 from sweep_studies import FULL, GEOMETRY, TABLE, chunk_files, plan, stored, study
 
 from nipper_pin import InputError
-from nipper_pin.cli import main
 from nipper_pin.mechanism import find_model
 from nipper_pin.study.sweep import Plan, read_plan, run_sweep
 from nipper_pin.study.sweep.job import read_job
@@ -69,6 +68,9 @@ def test_samples_are_those_of_scipy(tmp_path: Path) -> None:
     rows = all_rows(found)
     np.testing.assert_allclose(rows[:, 0], 420.0 + 260.0 * unit[:, 0], rtol=1e-14)
     np.testing.assert_allclose(np.log(rows[:, 2] / 7e3) / np.log(11 / 7), unit[:, 2], atol=1e-14)
+    for seed in ("0", "8"):
+        other = all_rows(plan(tmp_path, TABLE.replace("seed = 7", f"seed = {seed}")))
+        assert not np.isin(other, rows).any()
     # A resumed sweep asks for some parts only.
     for chunk, part in found.rows(found.chunks()[5::4]):
         assert (part == rows[chunk.start : chunk.stop]).all()
@@ -81,20 +83,6 @@ def test_latin_hypercube_has_one_sample_in_every_layer(tmp_path: Path) -> None:
     for column, low, high in ((0, 420.0, 680.0), (1, 0.05, 0.25), (3, 9.0, 13.0)):
         layer = np.floor(200.0 * (rows[:, column] - low) / (high - low)).astype(int)
         assert sorted(layer) == list(range(200))
-
-
-@pytest.mark.parametrize("method", ["sobol", "latin_hypercube"])
-def test_a_seed_names_its_points(tmp_path: Path, method: str) -> None:
-    """The same seed gives the same points in a plan of its own, and two seeds share none."""
-    text = TABLE.replace("sobol", method).replace("600", "64")
-    first = all_rows(plan(tmp_path, text))
-    assert (all_rows(plan(tmp_path, text)) == first).all()
-    for seed in ("0", "8", "70"):
-        other = all_rows(plan(tmp_path, text.replace("seed = 7", f"seed = {seed}")))
-        assert not np.isin(other, first).any()
-    # Without a seed it is 1, whenever it is run.
-    plain = all_rows(plan(tmp_path, text.replace("seed = 7\n", "")))
-    assert (plain == all_rows(plan(tmp_path, text.replace("seed = 7", "seed = 1")))).all()
 
 
 def test_samples_cross_grids(tmp_path: Path) -> None:
@@ -135,8 +123,8 @@ def sizes(found: Plan) -> list[int]:
 @pytest.mark.parametrize(
     ("count", "number"),
     # 64 chunks, as long as they have no fewer than 8192 and no more than 65 536 scenarios.
-    [(600, 1), (8192, 1), (8193, 2), (100_000, 13), (524_288, 64), (600_000, 64), (4_194_304, 64),
-     (4_194_305, 65), (10**9, 15_259)],
+    [(600, 1), (8192, 1), (8193, 2), (524_288, 64), (4_194_304, 64), (4_194_305, 65),
+     (10**9, 15_259)],
 )  # fmt: skip
 def test_chunks_of_one_mechanism(tmp_path: Path, count: int, number: int) -> None:
     """None so small that it changes the engine; rows of a thousand million would take 32 GB."""
@@ -145,9 +133,9 @@ def test_chunks_of_one_mechanism(tmp_path: Path, count: int, number: int) -> Non
     assert len(made) == number
     assert max(made) - min(made) <= 1
     assert min(made) > REDUCED_PAYS_FROM
-    last = found.chunks()[-1:] if count < 10**9 else found.chunks()[1000:]
-    _, rows = next(found.rows(last))
-    assert rows.shape == (last[0].stop - last[0].start, 4)
+    (second, *_) = found.chunks()[1:] or found.chunks()
+    _, rows = next(found.rows([second]))
+    assert rows.shape == (second.stop - second.start, 4)
 
 
 ONE_RATIO = GEOMETRY.replace("chunk = 4\n", "").replace("2.0, 2.2, 2.4", "2.0")
@@ -158,9 +146,9 @@ ONE_RATIO = GEOMETRY.replace("chunk = 4\n", "").replace("2.0, 2.2, 2.4", "2.0")
     [
         # Two scenarios of 2.5 ms after 6 ms of a mechanism: 23 of them last a quarter of a second,
         # 182 two seconds; 64 chunks between these.
-        (20, 2, 20), (1000, 2, 23), (3200, 2, 50), (20_000, 2, 182),
+        (20, 2, 20), (1000, 2, 23), (3200, 2, 50), (12_000, 2, 182),
         # 100 scenarios of 20 us after 46 ms of a mechanism and its tables: 48 ms.
-        (1000, 100, 16), (200, 100, 6), (9600, 100, 42), (1000, 31, 16), (300, 31, 5),
+        (1000, 100, 16), (200, 100, 6), (300, 31, 5),
     ],
 )  # fmt: skip
 def test_chunks_of_whole_mechanisms(tmp_path: Path, radii: int, speeds: int, of_chunk: int) -> None:
@@ -177,9 +165,8 @@ TEN = ONE_RATIO.replace("values = [450.0, 650.0]", "low = 450.0\nhigh = 650.0\np
     ("text", "chunk", "begin"),
     [
         # Ten speeds of a mechanism: divided evenly, none above the size; or whole mechanisms.
-        (TEN, 5, [5, 5]), (TEN, 9, [5, 5]), (TEN, 4, [3, 3, 4]), (TEN, 10, [10]), (TEN, 25, [20]),
-        (TEN, 1, [1]), (TEN, 10**6, [50]), (TABLE, 1, [1]), (TABLE, 7, [6, 7]),
-        (TABLE, 100, [100]), (TABLE, 10**6, [600]),
+        (TEN, 9, [5, 5]), (TEN, 4, [3, 3, 4]), (TEN, 25, [20]), (TEN, 10**6, [50]),
+        (TABLE, 7, [6, 7]), (TABLE, 10**6, [600]),
     ],
 )  # fmt: skip
 def test_chunks_of_a_size(tmp_path: Path, text: str, chunk: int, begin: list[int]) -> None:
@@ -190,7 +177,8 @@ def test_chunks_of_a_size(tmp_path: Path, text: str, chunk: int, begin: list[int
 
 def test_chunks_that_are_chosen(tmp_path: Path) -> None:
     """A folder that holds these and no others has nothing left to compute."""
-    found = plan(tmp_path, GEOMETRY)
+    speeds = "[parameters.speed_rpm]\nlow = 450.0\nhigh = 485.0\npoints = 8\n"
+    found = plan(tmp_path, f"chunk = 1\n{speeds}")
     out = stored(tmp_path / "out", found)
     whole = [*chunk_files(out).items()]
     for bounds, few in ((None, whole), ((0, 0), whole[:1]), ((2, 3), whole[2:4]),
@@ -312,7 +300,8 @@ def test_a_worker_rebuilds_the_job_from_its_text(
 ) -> None:
     """Plain data: JSON, without visuals, whose files a worker may lack; versions must agree."""
     job = plan(tmp_path, GEOMETRY).job
-    assert read_job(job.text()) == job
+    turns = plan(tmp_path, f'{GEOMETRY}[case]\nwindow = "cycle"\nturns = 3\n').job
+    assert read_job(turns.text()) == turns != read_job(job.text()) == job
     document = json.loads(job.text())
     assert "<visual" not in document["urdf"]
     assert "<collision" in document["urdf"]
@@ -382,18 +371,12 @@ def test_targets_and_units(tmp_path: Path) -> None:
         assert (found.mechanisms, found.axes[0].target.path) == (2, path)
 
 
-def test_workers_that_cannot_be_used(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Refused before anything is written, or timed."""
+def test_workers_beside_a_scheduler(tmp_path: Path) -> None:
+    """Refused before anything is written."""
     found = plan(tmp_path, TABLE)
-    with pytest.raises(InputError, match="workers = 0 cannot be used: a whole") as caught:
-        run_sweep(found, tmp_path / "out", workers=0)
-    assert caught.value.evidence["key"] == "workers"
     with pytest.raises(InputError, match="and --scheduler has its own") as caught:
         run_sweep(found, tmp_path / "out", workers=1, scheduler="tcp://a")
     assert caught.value.evidence == {"workers": 1, "scheduler": "tcp://a"}
-    words = ["sweep", str(tmp_path / "study.toml"), "--dry-run", "--workers", "0"]
-    assert main(words) == 2
-    assert "workers = 0 cannot be used" in capsys.readouterr().err
     assert [item.name for item in tmp_path.iterdir()] == ["study.toml"]
 
 
