@@ -31,7 +31,7 @@ MODELS = {
     },
 }
 PLACES = ("xyz", "rpy")
-COIL, SWING = file(HEAD + LINES, ..., ...), swings(..., ...)
+COIL, SWING = file(HEAD + LINES), swings()
 LID = 'springs.lid = { joint = "pivot", file = "lid.csv" }'
 TURNS = b"coordinate_deg,torque_N_m\n-10,4.0\n0,4.7\n20,7.0\n60,11.0\n"
 

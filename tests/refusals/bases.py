@@ -1,15 +1,14 @@
-"""Machines of which models with one mistake are made, and what `load` and `check` say of these."""
+"""Machines of which models with one mistake are made."""
 
 from __future__ import annotations
 
 import shutil
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from small_machines import frame, hinge, link, slide, sources
 
-from nipper_pin import InputError, ModelError, UnknownNameError
 from nipper_pin.mechanism import find_model
 
 # A lever and a wheel on hinges, and a sled on an inclined slide.
@@ -34,31 +33,14 @@ stops.end = { joint = "rail", restitution = 0.1, at_mm = -4.0 }
 
 
 Edits = str | Sequence[str]
+"""Old and new text in turn, of either file; a single text comes below the TOML."""
 
 
 class Row(NamedTuple):
-    """A model with a mistake, and what its refusal is to hold.
-
-    Attributes:
-        edits: Old and new text in turn, of either file; a single text comes below the TOML.
-        place: Key, or column, of the value; of a name that nothing has, what it should name.
-        value: What cannot be used; ``...`` here or above: the sentence is enough.
-        files: Other files of the folder.
-    """
+    """A mistake that lies in other files of the folder."""
 
     edits: Edits
-    place: Any
-    value: Any
-    files: Mapping[str, bytes] = {}
-
-
-class Refusal(NamedTuple):
-    """An error of `load`, status and words of the command of the same folder, and that folder."""
-
-    error: InputError
-    status: int
-    said: str
-    home: Path
+    files: Mapping[str, bytes]
 
 
 def model(base: str, edits: Edits, folder: Path) -> Path:
@@ -88,13 +70,3 @@ def edited(texts: Mapping[str, str], edits: Sequence[str]) -> dict[str, str]:
         (kind,) = (kind for kind, text in changed.items() if old in text)
         changed[kind] = changed[kind].replace(old, new, 1)
     return changed
-
-
-def evidence(error: InputError) -> tuple[Any, Any]:
-    """Place and value of a refusal."""
-    told = error.evidence
-    if isinstance(error, ModelError):
-        return told["key"], told["value"]
-    if isinstance(error, UnknownNameError):
-        return told["kind"], told["name"]
-    return told.get("key", told.get("column")), told.get("value", told.get("name"))

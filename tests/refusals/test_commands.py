@@ -45,7 +45,7 @@ def home(tmp_path_factory: pytest.TempPathFactory, e62: Mechanism) -> Path:
         (folder / name).write_text(text, encoding="utf-8")
     (folder / "broken.npz").write_bytes(b"PK\x03\x04 not an archive")
     (folder / "loop").symlink_to("loop")
-    coil, swing = file(HEAD + LINES, ..., ...), swings(..., ...)
+    coil, swing = file(HEAD + LINES), swings()
     small = model("small", f"{coil.edits}\n{swing.edits}", folder)
     for name, content in {**coil.files, **swing.files}.items():
         (small / name).write_bytes(content)

@@ -54,11 +54,6 @@ def first_refusal(value: object, kind: Any, path: tuple[Step, ...] = ()) -> Refu
     inner = member_of(kind, value)
     if is_table(inner) and isinstance(value, Mapping):
         return _in_table(value, inner, path)
-    tag = _tag_field(inner)
-    if tag is not None and isinstance(value, Mapping):
-        if tag not in value:
-            return Refusal(path, value, inner, missing=tag)
-        return Refusal((*path, tag), value[tag], None, text="no such choice")
     for step, item, hint in _items(value, inner):
         found = first_refusal(item, hint, (*path, step))
         if found is not None:
@@ -82,7 +77,7 @@ def member_of(kind: Any, value: object) -> Any:
 
     Args:
         kind: A type hint.
-        value: Plain data; a table's tag tells which type it belongs to.
+        value: Plain data; a table belongs to the only table of the union.
     """
     if typing.get_origin(kind) is Annotated and isinstance(value, Mapping | list):
         kind = typing.get_args(kind)[0]
@@ -92,17 +87,13 @@ def member_of(kind: Any, value: object) -> Any:
     tables = [item for item in members if is_table(item)]
     if isinstance(value, list):
         return next((item for item in members if typing.get_origin(item) is tuple), kind)
-    if not isinstance(value, Mapping):
-        return kind
-    if len(tables) == 1:
-        return tables[0]
-    return next((item for item in tables if value.get(_tag_field(item)) == _tag(item)), kind)
+    return tables[0] if isinstance(value, Mapping) and len(tables) == 1 else kind
 
 
 def _in_table(value: Mapping[Any, object], kind: Any, path: tuple[Step, ...]) -> Refusal | None:
     hints = typing.get_type_hints(kind, include_extras=True)
     for key, item in value.items():
-        if key == _tag_field(kind):
+        if key == kind.__struct_config__.tag_field:
             continue
         if key not in hints:
             return Refusal(path, value, kind, unknown=key)
@@ -139,13 +130,3 @@ def _whole(value: object, kind: Any, path: tuple[Step, ...]) -> Refusal | None:
 
 def _is_union(kind: Any) -> bool:
     return typing.get_origin(kind) in (typing.Union, types.UnionType)
-
-
-def _tag_field(kind: Any) -> str | None:
-    """The key that tells the tables of a union apart."""
-    tables = [item for item in (kind, *typing.get_args(kind)) if is_table(item)]
-    return tables[0].__struct_config__.tag_field if tables else None
-
-
-def _tag(kind: Any) -> object:
-    return kind.__struct_config__.tag
