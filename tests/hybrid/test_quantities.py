@@ -1,20 +1,92 @@
-"""The one table of quantities: names with true units, stops of both kinds, earlier names."""
+"""What a run is asked, and what is read of it: cases, quantities by their names, the document."""
 
 from __future__ import annotations
 
+import json
 import math
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from judge import press
 
-from nipper_pin import Case, InputError, Mechanism, UnknownNameError, simulate, transition_table
+from nipper_pin import (
+    Case,
+    DriveMode,
+    InputError,
+    Mechanism,
+    Resolution,
+    Solution,
+    UnknownNameError,
+    Window,
+    load,
+    record,
+    simulate,
+    transition_table,
+)
 from nipper_pin.hybrid.result.quantities import COLLISION, TRANSITION, of_transition
 from nipper_pin.study.cases import spring_values
 from nipper_pin.study.identify import QUANTITIES as IDENTIFIED
 from nipper_pin.study.optimise.problem.quantities import QUANTITIES as OPTIMISED
 from nipper_pin.study.optimise.problem.quantities import units
 from nipper_pin.study.sweep.quantities import check_quantities, default, quantity
+
+WRONG = {
+    "speed_rpm": (0.0, -450.0),
+    "cycles": (0,),
+    "max_collisions": (0,),
+    "rest_rate": (0.0, -0.1),
+    "tolerance": (0.0, 0.1),
+    "flight_nodes": (2,),
+    "kinematic_nodes": (65,),
+    "panels_per_turn": (0,),
+}
+
+ALLOWED = {
+    "tolerance": "1e-14 to 1e-3",
+    "flight_nodes": "a whole number from 3 to 64",
+    "kinematic_nodes": "a whole number from 3 to 64",
+    "panels_per_turn": "a whole number from 1 to 1,000,000",
+}
+
+
+@pytest.mark.parametrize(("key", "values"), WRONG.items())
+def test_a_value_out_of_range_is_named_with_what_is_allowed(
+    key: str, values: tuple[float, ...]
+) -> None:
+    """The message holds the key, the value found and what may stand there."""
+    make: Callable[..., object] = Resolution if key in ALLOWED else partial(Case, speed_rpm=450.0)
+    for value in values:
+        words = f"{key} = {value!r} cannot be used: {ALLOWED.get(key, '')}"
+        with pytest.raises(InputError, match=words) as caught:
+            make(**{key: value})
+        assert caught.value.evidence["key"] == key
+        assert caught.value.evidence["allowed"]
+
+
+@pytest.mark.parametrize(("key", "value"), [("window", "turn"), ("drive", "elastic")])
+def test_an_unknown_choice_lists_the_known_ones(key: str, value: str) -> None:
+    with pytest.raises(InputError, match=value) as caught:
+        Case(**{"speed_rpm": 450.0, key: value})
+    for known in ("transition", "cycle", "held", "inertial"):
+        assert known in caught.value.message
+
+
+def test_choices_may_be_given_as_text() -> None:
+    """Text becomes the typed choice, so later comparisons by identity hold."""
+    case = Case(speed_rpm=450.0, window="cycle", drive="inertial")  # type: ignore[arg-type]
+    assert case.window is Window.CYCLE
+    assert case.drive is DriveMode.INERTIAL
+
+
+def test_a_case_cannot_be_changed() -> None:
+    case = Case(speed_rpm=450.0)
+    with pytest.raises(AttributeError):
+        case.speed_rpm = -1.0  # type: ignore[misc]
+
 
 PUSHED = ("rad", "s", "J", "N s", "N m s")
 
@@ -91,3 +163,53 @@ def test_springs_by_the_names_of_the_model_file(e62: Mechanism) -> None:
         transition_table(e62, speed_rpm=650.0, preload_length_mm=11_000.0)
     with pytest.raises(InputError, match="no spring"):
         spring_values(press(), {"preload_length_mm": 3.0})
+
+
+FOUR_BAR = Path(__file__).parents[1] / "verification" / "models" / "four_bar"
+
+
+def document_of(solution: Solution) -> Any:
+    """The document, as someone who reads the file gets it."""
+    return json.loads(json.dumps(record(solution), allow_nan=False))
+
+
+@pytest.mark.parametrize("window", Window)
+def test_what_was_simulated_with_what_work(window: Window) -> None:
+    """Model, speed, window, the values behind the command line's shortcuts, residuals, work."""
+    overrides = {"stops.jaw.restitution": 0.3, "springs.steeve.stiffness_N_per_m": 10_000.0}
+    solution = simulate(load("e62", overrides), Case(speed_rpm=650.0, window=window))
+    document = document_of(solution)
+    # The keys carry their unit, so they are the last steps of the shortcuts' paths.
+    wanted = {
+        "model": "e62", "speed_rpm": 650.0, "window": window.value, "drive": "held",
+        "rest_rate": None, "restitution": 0.3, "stiffness_N_per_m": 10_000.0,
+        "preload_length_mm": 11.0,
+    }  # fmt: skip
+    assert document["case"].items() >= wanted.items()
+    assert set(solution.mechanism.shortcuts) == {"restitution", "stiffness", "preload"}
+    checks, work = document["checks"], document["work"]
+    assert 0.0 <= checks["closure_m"] <= 1e-12
+    assert checks.keys() >= {"closure_rate_m_s"}
+    assert 0.0 <= checks["energy_balance"] <= 1e-9
+    assert work["evaluations"] == solution.evaluations > 0
+    assert work["wall_s"] > 0.0
+
+
+def test_an_unfinished_run_has_nulls_and_no_nan() -> None:
+    document = document_of(simulate(load("e62"), Case(speed_rpm=650.0, max_collisions=2)))
+    assert document["collisions"][-1]["rebound_time_s"] is None
+    assert document["collisions"][-1]["rebound_amplitude"] is None
+    assert document["transition"]["duration_s"] is None
+    assert document["transition"]["first_two_share"] is None
+    assert document["transition"]["collisions"] == len(document["collisions"])
+
+
+def test_a_run_without_collisions_counts_from_its_start() -> None:
+    """A four-bar has no stops: no collisions, no transition, one phase from zero to the end."""
+    case = Case(speed_rpm=60.0, window=Window.CYCLE, start_index=0.0)
+    document = document_of(simulate(load(FOUR_BAR), case))
+    assert document["collisions"] == []
+    assert len(document["phases"]) == 1
+    assert document["phases"][0]["start_s"] == 0.0
+    assert document["phases"][0]["end_s"] == pytest.approx(1.0, rel=1e-15)
+    assert document["transition"]["duration_s"] is None

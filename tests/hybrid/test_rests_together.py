@@ -1,4 +1,4 @@
-"""Several stops that bounce: in step, nearly in step, or each for itself."""
+"""Several stops that bounce, in step or each for itself, and the states in which they rest."""
 
 from __future__ import annotations
 
@@ -9,11 +9,19 @@ import pytest
 from mpmath import mp, mpf
 from small_machines import SLED, link, machine, slide
 
-from nipper_pin import Case, Event, EventKind, Mechanism, Outcome, Solution, Window, simulate
+from nipper_pin import Case, Event, EventKind, Mechanism, Outcome, Solution, Window, load, simulate
+from nipper_pin.dynamics import Impact, ShaftMotion, System
 from nipper_pin.dynamics.parts import parts as parts_of
+from nipper_pin.hybrid.contact.complementarity import Closed
+from nipper_pin.hybrid.run.event_log import EventLog
+from nipper_pin.hybrid.run.start import initial_state
+from nipper_pin.hybrid.state import State
+from nipper_pin.mechanism import with_numbers
 
 GRAVITY = 9.81
+
 Ball = tuple[float, float]
+
 """Restitution, height of fall [m]."""
 
 
@@ -194,9 +202,6 @@ def test_a_short_fall_in_a_long_turn_is_located_to_round_off() -> None:
     assert solution.collisions[0].approach_rate == pytest.approx(-GRAVITY * exact, rel=1e-12)
 
 
-# --- stops of one part --------------------------------------------------------------------------
-
-
 @pytest.mark.sampled(4)
 @pytest.mark.parametrize("count", [2, 3, 5])
 @pytest.mark.parametrize(("e_N", "mass"), [(0.3, 2.0), (0.7, 0.5), (0.7, 20.0)])
@@ -233,9 +238,6 @@ def test_balls_on_one_carriage_out_of_step(items: list[Ball], mass: float) -> No
     assert solution.segments[-1].closed == {"floor0", "floor1"}
     assert all(hit.approach_rate < 0.0 for hit in solution.collisions)
     assert solution.checks.energy_balance < 1e-8
-
-
-# --- parts --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -305,3 +307,73 @@ def test_balls_above_one_another_rest(items: list[Ball], raised: bool, law: str)
     forces = solution.trajectory.reactions(np.array([0.99 * solution.shaft.period]))
     for i in range(len(items)):
         assert forces.stops[f"stop{i}"][0] == pytest.approx(GRAVITY * sum(masses[i:]), rel=1e-12)
+
+
+def _assembled(
+    mechanism: Mechanism, closed: frozenset[str], angle: float
+) -> tuple[np.ndarray, ...]:
+    """Positions and rates with these stops closed, assembled anew along the drives."""
+    phase = mechanism.phase_of(closed)
+    assert phase is not None
+    there = with_numbers(mechanism, {"initial_phase": phase.number})
+    shaft = ShaftMotion(there, 450.0 * np.pi / 30.0, angle)
+    state = initial_state(System(there, shaft), 0.0)
+    return state.q, state.v
+
+
+@pytest.mark.parametrize("window", ["transition", "cycle"])
+def test_it_is_that_of_the_links_at_its_time(window: str) -> None:
+    """Held drives and closed stops determine every link at a rest, without what came before."""
+    mechanism = load("e62")
+    solution = simulate(mechanism, Case(speed_rpm=450.0, window=window))
+    rest = next(item for item in solution.events if item.kind is EventKind.REST)
+    assert rest.closed_after == frozenset({"jaw"})
+    motion = solution.motion_at(rest)
+    expected = _assembled(mechanism, rest.closed_after, float(solution.shaft.angle(rest.t)))
+    assert motion.t[0] == rest.t
+    np.testing.assert_allclose(motion.q[0], expected[0], rtol=0.0, atol=2e-13)
+    np.testing.assert_allclose(motion.v[0], expected[1], rtol=0.0, atol=1e-10)
+    jaw = mechanism.stop("jaw").index
+    assert motion.q[0, jaw] == motion.v[0, jaw] == 0.0
+    # The fields of the event are those of the collision before it.
+    assert np.abs(rest.q - expected[0]).max() > 1e-6
+
+
+def test_a_free_coordinate_goes_on_to_the_time_of_rest() -> None:
+    """A ball comes to rest on its floor while a second one falls on: z = -g t2 / 2."""
+    mechanism = balls([(0.5, 1e-3), (0.5, 1e3)])
+    solution = simulate(mechanism, Case(speed_rpm=60.0, window="cycle"))
+    rest = next(item for item in solution.events if item.kind is EventKind.REST)
+    # sqrt(2 h / g) (1 + e) / (1 - e) for a fall from h.
+    assert rest.t == pytest.approx(3.0 * np.sqrt(2e-3 / 9.81), rel=1e-12)
+    motion = solution.motion_at(rest)
+    assert motion.q[0] == pytest.approx([-1e-3, -0.5 * 9.81 * rest.t**2], abs=1e-13)
+    assert motion.v[0] == pytest.approx([0.0, -9.81 * rest.t], abs=1e-12)
+    (hit, *_) = solution.collisions
+    same = solution.motion_at(hit.event)
+    assert (same.q[0] == hit.event.q).all()
+    assert (same.v[0] == hit.event.v_after).all()
+
+
+def _recorded(rest: float, later: float) -> EventLog:
+    """A rest whose limit lies at a time, with an error of 1e-6 s, and a collision after it."""
+    none = np.zeros(1)
+    impact = Impact(none, none, np.zeros(0), {}, 0.0)
+    state = State(0.5, none, none, np.zeros((0, 1)), (none, none, none), Closed())
+    log = EventLog(lambda _: frozenset({"jaw", "steeve"}))
+    log.record(EventKind.REST, state, rest, ["jaw"], impact, Closed(), series_error=1e-6)
+    log.record(EventKind.COLLISION, state, later, ["steeve"], impact, Closed())
+    return log
+
+
+def test_a_rest_that_is_brought_forward_is_off_by_what_it_was_moved() -> None:
+    """A limit that lies beyond the next event is put there, and its error grows by the way."""
+    rest, hit = _recorded(1.0, 0.9).events
+    assert rest.t == hit.t == 0.9
+    assert rest.series_error == pytest.approx(0.1 + 1e-6, rel=1e-12)
+
+
+def test_a_rest_before_the_next_event_stays_where_it_is() -> None:
+    rest, hit = _recorded(0.8, 0.9).events
+    assert (rest.t, hit.t) == (0.8, 0.9)
+    assert rest.series_error == 1e-6

@@ -1,7 +1,8 @@
-"""The phase manager: how series end, how runs end, and turns that repeat."""
+"""The phase manager: how series end, how runs end, turns that repeat, and several threads."""
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -343,11 +344,10 @@ def test_a_drive_that_winds_on_is_not_copied(start_index: float) -> None:
 
 
 def test_slow_inertial_shafts_shorten_the_panels(e62: Mechanism) -> None:
-    """Guards against: a panel of a slow turn is long against the period of the elastic shafts.
+    """A panel of a slow turn is long against the period of the elastic shafts.
 
     Its iteration ran away, Pinocchio returned NaN, and the run ended with "the closures lose rank"
-    at index 24, where nothing is singular. The panel has to be shortened until it converges; the
-    energy balance shows that the motion is then right.
+    at index 24, where nothing is singular.
     """
     case = Case(speed_rpm=90.0, window=Window.CYCLE, drive=DriveMode.INERTIAL)
     solution = simulate(e62, case)
@@ -357,10 +357,10 @@ def test_slow_inertial_shafts_shorten_the_panels(e62: Mechanism) -> None:
 
 @pytest.mark.slow
 def test_tables_of_many_turns_grow_with_their_number(e62: Mechanism) -> None:
-    """Guards against: every rebound searched all segments, so 10,000 turns never ended.
+    """Every rebound searched all segments, so that 10,000 turns never ended.
 
-    Copies of a turn share their arrays. The dynamics is evaluated for the tables of one turn, and
-    no more for those of 2,000: the evaluations after the run are counted.
+    Copies of a turn share their arrays: the dynamics is evaluated for the tables of one turn, and
+    no more for those of 2,000.
     """
     counts = []
     for cycles in (2, 2000):
@@ -370,3 +370,21 @@ def test_tables_of_many_turns_grow_with_their_number(e62: Mechanism) -> None:
         assert len(solution.errors) == len(solution.events)
         counts.append(solution.system.body.evaluations - before)
     assert counts[0] == counts[1] > 0
+
+
+def test_threads_share_a_mechanism() -> None:
+    """Eight threads, three cases each of another speed, have the bits of runs alone.
+
+    A shared `pin.Data` would mix them up.
+    """
+    mechanism = load("e62")
+    cases = [Case(speed_rpm=450.0 + 25.0 * k) for k in range(8)]
+    alone = [simulate(mechanism, case).events for case in cases]
+    with ThreadPoolExecutor(8) as pool:
+        together = list(pool.map(lambda case: simulate(mechanism, case).events, cases * 3))
+    for events, expected in zip(together, alone * 3, strict=True):
+        assert len(events) == len(expected) > 2
+        for one, other in zip(events, expected, strict=True):
+            assert (one.t, one.kind, one.P_N) == (other.t, other.kind, other.P_N)
+            assert np.array_equal(one.q, other.q)
+            assert np.array_equal(one.v_after, other.v_after)

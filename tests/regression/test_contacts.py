@@ -129,9 +129,7 @@ def test_a_stop_that_opens_from_below_zero_and_closes_is_not_passed(gap: float) 
 
 @pytest.mark.parametrize("start", [0.0, 1e-9, 1e-3])
 def test_a_stop_that_opens_without_a_pull_and_is_pressed_shut_closes_at_once(start: float) -> None:
-    """Accelerations of 1e-34 opened a stop of a machine without weight, and pushed it shut from
-    there.
-    """
+    """Of a machine without weight, which accelerations of 1e-34 opened, and pushed shut again."""
     order, h, pull = 13, 0.02, 1e-33
     t = h * nodes(order).sigma[:, None]
     a = -pull * (start + t / h)
@@ -342,7 +340,7 @@ def test_events_of_coarse_runs_meet_the_closures() -> None:
 
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-10])
 def test_the_gap_closes_where_it_does(tolerance: float) -> None:
-    """On a closed jaw the steeve stands just off its stop: -4e-17 m, which open by 5e-12 m and
+    """A steeve stands just off its stop on a closed jaw: by -4e-17 m, which open by 5e-12 m and
     close.
 
     That was before the first place at which a coarse panel was looked at: it went 1 mm through its

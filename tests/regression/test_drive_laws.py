@@ -36,7 +36,7 @@ def turns_of(mechanism: nip.Mechanism, speed: float, cycles: int = 1) -> nip.Sol
 
 
 def moves_as_its_law(solution: nip.Solution) -> None:
-    """What the law moves is where the law has it, at every place of the turns_of."""
+    """What the law moves is where the law has it, at every place of the turn."""
     mechanism = solution.mechanism
     begin, end = solution.trajectory.span
     assert end == pytest.approx(solution.shaft.period, rel=1e-12)
