@@ -1,8 +1,6 @@
-"""Lips of every pair of shapes, touching up to a misfit of the drawing, against statics.
+"""Lips of every pair of shapes, touching up to a misfit of the drawing: statics and geometry."""
 
-A rod of 0.9 m and 2 kg, hinged at the origin, rests on a peg at 0.6875 m: the contact carries
-m g (L/2) / x at x, the middle of what lies together, and all of m g if the rod is on a slide.
-"""
+from __future__ import annotations
 
 import itertools
 import math
@@ -14,13 +12,18 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from any_plane import rewritten
-from small_machines import hinge, link, slide
+from small_machines import frame, hinge, link, machine, slide
 
 import nipper_pin as nip
+from nipper_pin import Mechanism, ModelError, load
+from nipper_pin.mechanism import collision_model
 
 STRANGERS = Path(__file__).parents[1] / "strangers"
+
 PLACE, HALF, LENGTH = 0.6875, 0.01, 0.9
+
 QUARTER = 0.5 * math.pi
+
 # Of each shape: its element in units of the scale, its turn, and half the width of its face.
 SHAPES = {
     "box": ('<box size="{0} {0} {0}"/>', (0.0, 0.0, 0.0), HALF),
@@ -115,15 +118,15 @@ def test_lips_have_the_lever_of_what_lies_together(
     flat = any(SHAPES[kind][2] for kind in pair)
     # A micrometre is refused beyond, so that the largest misfits leave room for their round-off.
     misfits = [0.0, 1e-10, -1e-10, 1e-9, -1e-9, 2e-7, -2e-7, 0.9e-6, -0.9e-6]
-    tried = [(frame, misfit) for frame in FRAMES[:1] for misfit in misfits]
-    tried += [(frame, misfit) for frame in FRAMES for misfit in random.uniform(-9e-7, 9e-7, 2)]
-    for frame, size in tried:
-        misfit = float(size) * min(1.0, frame.scale)
+    tried = [(drawn, misfit) for drawn in FRAMES[:1] for misfit in misfits]
+    tried += [(drawn, misfit) for drawn in FRAMES for misfit in random.uniform(-9e-7, 9e-7, 2)]
+    for drawn, size in tried:
+        misfit = float(size) * min(1.0, drawn.scale)
         shift = 0.004 if flat and misfit else 0.0
-        found = nip.load(draw(tmp_path, pair, joint, misfit, shift, frame)).stops[0].lever
-        right = 1.0 if joint == "slide" else middle(pair, shift) * frame.scale
-        within = accuracy(pair, misfit, frame.scale)
-        assert found == pytest.approx(right, rel=within), (frame, misfit)
+        found = nip.load(draw(tmp_path, pair, joint, misfit, shift, drawn)).stops[0].lever
+        right = 1.0 if joint == "slide" else middle(pair, shift) * drawn.scale
+        within = accuracy(pair, misfit, drawn.scale)
+        assert found == pytest.approx(right, rel=within), (drawn, misfit)
 
 
 @pytest.mark.parametrize("joint", ["hinge", "slide"])
@@ -134,6 +137,11 @@ def test_lips_have_the_lever_of_what_lies_together(
 def test_lips_carry_the_weight(
     pair: tuple[str, str], joint: str, misfit: float, tmp_path: Path
 ) -> None:
+    """A rod of 0.9 m and 2 kg, hinged at the origin, rests on a peg at 0.6875 m.
+
+    The contact carries m g (L/2) / x at x, the middle of what lies together, and all of m g if the
+    rod is on a slide.
+    """
     mechanism = nip.load(draw(tmp_path, pair, joint, misfit, 0.0, Frame()))
     case = nip.Case(speed_rpm=60.0, window=nip.Window.CYCLE)
     carried = nip.simulate(mechanism, case).trajectory.reactions(0.5).contacts["peg"]
@@ -141,17 +149,30 @@ def test_lips_carry_the_weight(
     assert carried == pytest.approx(force, rel=accuracy(pair, misfit, 1.0))
 
 
+@pytest.mark.parametrize("joint", ["slide", "hinge"])
 @pytest.mark.parametrize("kind", ["box", "cube", "upright"])
 @pytest.mark.parametrize("misfit", [3e-4, 2e-6, -2e-6, -3e-4])
-def test_lips_that_do_not_touch_say_their_gap(kind: str, misfit: float, tmp_path: Path) -> None:
-    """Also of meshes that overlap; where they would touch is told."""
-    folder = draw(tmp_path, (kind, kind), "slide", misfit, 0.0, Frame())
+def test_lips_that_do_not_touch_say_their_gap(
+    kind: str, misfit: float, joint: str, tmp_path: Path
+) -> None:
+    """Also of meshes that overlap; where they would touch is told, of a hinge by its lever.
+
+    A hinge that closes 0.3 mm over 0.6875 m tilts the lips, whose ends are 10 mm from the middle.
+    """
+    folder = draw(tmp_path, (kind, kind), joint, misfit, 0.0, Frame())
     with pytest.raises(nip.ModelError, match="must touch within") as caught:
         nip.load(folder)
-    gap = float(caught.value.evidence["value"].rpartition(", ")[2].partition(" mm")[0])
-    closing = float(caught.value.evidence["allowed"].rpartition("j = ")[2].partition(" mm")[0])
-    assert gap == pytest.approx(1e3 * misfit, abs=1e-6)
-    assert closing == pytest.approx(-1e3 * misfit, abs=1e-6)
+    evidence = caught.value.evidence
+    assert (evidence["file"], evidence["key"]) == ("rod.toml", "stops.peg.contact")
+    pair, _, gap = evidence["value"].rpartition(", ")
+    assert pair == "peg and pad"
+    assert float(gap.partition(" mm")[0]) == pytest.approx(1e3 * misfit, abs=1e-6)
+    closing, unit = evidence["allowed"].rpartition("j = ")[2].split()
+    if joint == "slide":
+        assert float(closing.removesuffix(unit)) == pytest.approx(-1e3 * misfit, abs=1e-6)
+    else:
+        way = math.radians(float(closing)) * PLACE
+        assert way == pytest.approx(-misfit, rel=2.0 * HALF / PLACE, abs=1e-9)
 
 
 def test_faces_that_are_not_parallel_touch_at_an_edge(tmp_path: Path) -> None:
@@ -175,3 +196,100 @@ def test_what_opening_drives_together_is_refused(kind: str, tmp_path: Path) -> N
     folder = draw(tmp_path, (kind, kind), "slide", -0.04, 0.0, Frame())
     with pytest.raises(nip.ModelError, match="growing"):
         nip.load(folder)
+
+
+POINT = np.array([9.2e-3, 0.0, 65.5e-3])
+
+PIVOT = np.array([-72.6e-3, 0.0, 101.9e-3])
+
+
+def test_contact_is_where_it_was_built() -> None:
+    contact = load().stop("jaw").contact
+    assert contact is not None
+    arm = POINT - PIVOT
+    lever = float(np.linalg.norm(arm))
+    np.testing.assert_allclose(contact.point, POINT, rtol=0.0, atol=1e-10)
+    np.testing.assert_allclose(
+        contact.normal, np.array([-arm[2], 0.0, arm[0]]) / lever, rtol=0.0, atol=1e-12
+    )
+    assert contact.lever_m == pytest.approx(lever, rel=1e-12)
+    assert abs(contact.closing_coordinate) < 1e-11
+
+
+def test_stop_along_its_joint_has_no_contact() -> None:
+    stop = load().stop("steeve")
+    assert stop.contact is None
+    assert stop.lever == 1.0
+    assert load().stop("jaw").lever == pytest.approx(0.0895332340530599, rel=1e-12)
+
+
+def test_shapes_carry_their_names_and_links() -> None:
+    mechanism = load()
+    geometry, shapes = collision_model(mechanism)
+    assert {item.name for item in geometry.geometryObjects} == {
+        name for names in shapes.values() for name in names
+    }
+    assert shapes["frame"][0] == "cylinder_drum"
+    assert shapes["rod_head"] == ()
+    joint = geometry.geometryObjects[geometry.getGeometryId("top_lip")].parentJoint
+    assert mechanism.model.names[joint] == "jaw"
+
+
+def ball(part: str, name: str, x: float, z: float = 0.0) -> str:
+    """A link or a frame with a ball of 10 mm."""
+    shape = (
+        f'<collision name="{name}"><origin xyz="{x!r} 0 {z!r}"/><geometry><sphere radius="0.01"/>'
+        "</geometry></collision></link>"
+    )
+    whole = part if "</link>" in part else part.replace("/>", "></link>", 1)
+    return whole.replace("</link>", shape, 1)
+
+
+@pytest.mark.parametrize(("side", "place"), [("lower", -40.0), ("upper", 40.0)])
+def test_shapes_meet_where_the_stop_is(side: str, place: float) -> None:
+    """Two balls of 10 mm, 60 mm apart, meet at 40 mm on either side; the lever is one, outwards.
+
+    The contact point is the middle between their centres at that coordinate, and the normal points
+    from the ball on the frame to the one that leaves it.
+    """
+    sense = 1.0 if side == "lower" else -1.0
+    parts = [ball(frame("post", "frame"), "post_ball", -sense * 0.06),
+             ball(link("cart"), "cart_ball", 0.0), slide("x", "frame", "cart")]  # fmt: skip
+
+    def build(at: float) -> Mechanism:
+        contact = {"lower": "post_ball", "upper": "cart_ball"}
+        stop = {"joint": "x", "restitution": 0.5, "side": side, "at_mm": at, "contact": contact}
+        return machine(parts, 1, stops={"touch": stop})
+
+    contact = build(place).stops[0].contact
+    assert contact is not None
+    assert contact.closing_coordinate == pytest.approx(1e-3 * place, abs=1e-12)
+    assert contact.point == pytest.approx([-sense * 0.05, 0.0, 0.0], abs=1e-9)
+    assert contact.normal == pytest.approx([sense, 0.0, 0.0], abs=1e-9)
+    assert contact.lever_m == pytest.approx(1.0, rel=1e-12)
+    with pytest.raises(ModelError, match=r"10 mm apart at x = .*touch at x = -?40 mm"):
+        build(0.75 * place)
+
+
+@pytest.mark.parametrize(
+    ("post", "hand", "key", "found", "right"),
+    [("arm", "tip", "", "", ""), ("frame", "tip", "lower", "peg of link post", "arm"),
+     ("arm", "finger", "upper", "pad of link hand", "tip")],
+)  # fmt: skip
+def test_lips_are_on_the_bodies_of_their_joint(
+    post: str, hand: str, key: str, found: str, right: str
+) -> None:
+    """Or on links fixed to them; a body that moves against both is refused, the right one named."""
+    parts = [link("arm"), hinge("arm", "frame", "arm"), link("tip"), hinge("tip", "arm", "tip"),
+             link("finger"), hinge("finger", "tip", "finger"),
+             ball(frame("post", post), "peg", 0.1, -0.01),
+             ball(frame("hand", hand), "pad", 0.1, 0.01)]  # fmt: skip
+    contact = {"lower": "peg", "upper": "pad"}
+    stops = {"s": {"joint": "tip", "restitution": 0.5, "contact": contact}}
+    if not key:
+        assert machine(parts, 3, stops=stops).stops[0].lever == pytest.approx(0.1, rel=1e-12)
+        return
+    with pytest.raises(ModelError, match=f"a lip on link {right},") as caught:
+        machine(parts, 3, stops=stops)
+    evidence = caught.value.evidence
+    assert (evidence["key"], evidence["value"]) == (f"stops.s.contact.{key}", found)

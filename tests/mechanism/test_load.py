@@ -1,15 +1,19 @@
-"""Loading by name, by folder and from plain data; overrides."""
+"""Loading by name, by folder and from plain data: files that are a model, and overrides."""
+
+from __future__ import annotations
 
 import json
 import math
-import os
+import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from nipper_pin import Mechanism, UnknownNameError, load
+from nipper_pin import InputError, Mechanism, ModelError, UnknownNameError, load
 from nipper_pin.mechanism import find_model, from_sources
+from nipper_pin.mechanism.new_folder import check_new_folder, new_folder
+from nipper_pin.texts import no_file
 
 
 def same(one: Mechanism, other: Mechanism) -> None:
@@ -48,12 +52,6 @@ def test_index_scale() -> None:
     touch = np.array([cylinder.angle_at_touch_rad])
     for drive in mechanism.drives:
         assert drive.law.evaluate(touch)[0][0] - drive.law_at_touch == 0.0
-
-
-def test_works_from_any_directory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    same(load("e62"), load(find_model("e62")))
-    assert os.listdir(tmp_path) == []
 
 
 def test_rebuilt_from_plain_data() -> None:
@@ -120,3 +118,143 @@ def test_names_that_a_mechanism_has_not(e62: Mechanism) -> None:
     assert "99" in caught.value.message
     assert all(str(phase.number) in caught.value.message for phase in e62.phases)
     assert e62.links == tuple(joint.child for joint in e62.joints)
+
+
+E62 = find_model("e62")
+
+
+@pytest.fixture
+def copied(tmp_path: Path) -> Path:
+    """A copy of a model's folder, which has another name."""
+    return Path(shutil.copytree(E62, tmp_path / "e62 (copy)"))
+
+
+def test_a_copied_folder_is_a_model_of_its_own_name(copied: Path) -> None:
+    mechanism = load(copied)
+    assert mechanism.name == "e62 (copy)"
+    assert mechanism.urdf == load("e62").urdf
+    assert mechanism.mesh_folder == str(copied)
+    assert find_model(copied) == copied
+
+
+@pytest.mark.parametrize(("urdf", "toml"), [("robot.urdf", "stops.toml"), ("A.URDF", "b.TOML")])
+def test_any_names_of_two_files(copied: Path, urdf: str, toml: str) -> None:
+    (copied / "e62.urdf").rename(copied / urdf)
+    (copied / "e62.toml").rename(copied / toml)
+    (copied / "._e62.toml").write_text("what another system leaves behind", encoding="utf-8")
+    assert load(str(copied)).name == "e62 (copy)"
+
+
+def test_files_with_the_name_of_the_folder_come_before_others(copied: Path) -> None:
+    for kind in ("urdf", "toml"):
+        shutil.copy(copied / f"e62.{kind}", copied / f"{copied.name}.{kind}")
+        (copied / f"e62.{kind}").write_text("", encoding="utf-8")
+    assert load(copied).name == copied.name
+
+
+@pytest.mark.parametrize("kind", ["urdf", "toml"])
+def test_one_file_of_a_kind_is_a_model(copied: Path, kind: str) -> None:
+    shutil.copy(copied / f"e62.{kind}", copied / f"other.{kind}")
+    with pytest.raises(ModelError, match=rf"several.*: e62\.{kind}, other\.{kind}$"):
+        load(copied)
+    for name in ("e62", "other"):
+        (copied / f"{name}.{kind}").unlink()
+    with pytest.raises(ModelError, match=f"holds one {kind.upper()} file.*found .*e62"):
+        load(copied)
+
+
+def test_names_that_nothing_has() -> None:
+    for name in ("a\0b", "x" * 5000, "gone.toml"):
+        assert no_file(Path(name)) == ""
+        with pytest.raises(UnknownNameError):
+            load(name)
+
+
+def test_one_of_several_toml_files_is_named(copied: Path) -> None:
+    text = (copied / "e62.toml").read_text(encoding="utf-8")
+    (copied / "fast.toml").write_text(text.replace("450.0", "650.0"), encoding="utf-8")
+    fast = load(copied / "fast.toml")
+    assert (fast.name, fast.cylinder.rated_speed_rpm) == ("fast", 650.0)
+    assert load(copied / "e62.toml").name == "e62"
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new"),
+    [("toml", "restitution = 0.2", "restitution = 2.0"), ("toml", 'joint = "jaw"', 'joint = "jw"'),
+     ("toml", "format = 1", "format = "), ("urdf", '<mass value="', '<mass value="-'),
+     ("urdf", "<robot", "<robt")],
+)  # fmt: skip
+def test_messages_call_files_by_their_names(copied: Path, file: str, old: str, new: str) -> None:
+    """Not by that of the folder."""
+    path = copied / f"e62.{file}"
+    path.write_text(path.read_text(encoding="utf-8").replace(old, new, 1), encoding="utf-8")
+    with pytest.raises(InputError, match=rf"^e62\.{file}: ") as caught:
+        load(copied)
+    named = caught.value.evidence.get("file") or caught.value.evidence["where"]
+    assert str(named).startswith(f"e62.{file}")
+
+
+def test_what_is_no_model(tmp_path: Path) -> None:
+    with pytest.raises(UnknownNameError, match="no model or model folder named"):
+        load(tmp_path / "nothing")
+    with pytest.raises(ModelError, match="found nothing"):
+        load(tmp_path)
+
+
+def test_a_urdf_alone_is_no_model(copied: Path) -> None:
+    with pytest.raises(ModelError, match=r"'e62\.urdf' cannot be used: a folder .* TOML file"):
+        load(copied / "e62.urdf")
+
+
+def test_the_urdf_that_counts_is_renamed(copied: Path) -> None:
+    """Of several beside a TOML file that was named, the one of its name is taken."""
+    (copied / "e62.toml").rename(copied / "fast.toml")
+    for name in ("a.urdf", "b.urdf"):
+        shutil.copy(copied / "e62.urdf", copied / name)
+    (copied / "e62.urdf").unlink()
+    told = r"one called fast\.urdf; found several; rename the one that counts: a\.urdf, b\.urdf"
+    with pytest.raises(ModelError, match=told):
+        load(copied / "fast.toml")
+    (copied / "b.urdf").rename(copied / "fast.urdf")
+    assert load(copied / "fast.toml").name == "fast"
+
+
+def test_new_folders(tmp_path: Path) -> None:
+    """Whole or not at all; what is there stays, and nothing is left behind."""
+    target = tmp_path / "deep" / "model"
+    with new_folder(target) as partial:
+        assert partial.name == "model"
+        # Renaming is one step within one file system only.
+        assert target.parent in partial.parents
+        (partial / "file").write_text("x", encoding="utf-8")
+        assert not target.exists()
+    assert (target / "file").read_text(encoding="utf-8") == "x"
+    assert [item.name for item in target.parent.iterdir()] == ["model"]
+    for occupied in (target, target / "file"):
+        with pytest.raises(InputError, match="is there already and is not empty") as caught:
+            check_new_folder(occupied)
+        assert caught.value.evidence == {"folder": str(occupied)}
+    (tmp_path / "empty").mkdir()
+    assert check_new_folder(tmp_path / "empty") == (tmp_path / "empty").resolve()
+
+    def fails() -> None:
+        with new_folder(tmp_path / "other") as partial:
+            (partial / "file").write_text("x", encoding="utf-8")
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        fails()
+    assert sorted(item.name for item in tmp_path.iterdir()) == ["deep", "empty"]
+
+
+@pytest.mark.parametrize(
+    "name", ["file/below", "file/deep/below", "/proc/model", "/proc/deep/model", "x" * 300]
+)
+def test_folders_that_cannot_be_made(name: str, tmp_path: Path) -> None:
+    """Nor by root; refused with the folder, and nothing is left of them."""
+    (tmp_path / "file").write_text("x", encoding="utf-8")
+    target = tmp_path / name
+    with pytest.raises(InputError, match="cannot be") as caught, new_folder(target):
+        pass
+    assert caught.value.evidence == {"folder": str(target)}
+    assert [item.name for item in tmp_path.iterdir()] == ["file"]
