@@ -33,13 +33,20 @@ BYTES = 10**9
 READ = """
 import json, resource, sys
 from pathlib import Path
+from numpy import linspace
 from nipper_pin import NipperError, load, load_case, load_solution
+from nipper_pin.reduced.turns import turn_quantities, turns
 from nipper_pin.study.identify.problem.measured import read_measured
 from nipper_pin.study.sweep.results.chunk_file import read_file
 from nipper_pin.view.scene.meshes import read_mesh
+def most_turns(_):
+    many = {"mechanism": load("e62"), "speed_rpm": linspace(300.0, 600.0, 100)}
+    turns(load("e62"), speed_rpm=450.0, cycles=10_000)
+    turn_quantities(**many, turns=10_000, last=8_600)
+    turn_quantities(**many, max_collisions=1_000_000)
 resource.setrlimit(resource.RLIMIT_CPU, (120, 120))
 readers = {"model": load, "case": load_case, "run": load_solution, "measured": read_measured,
-           "chunk": read_file, "mesh": read_mesh}
+           "chunk": read_file, "mesh": read_mesh, "turns": most_turns}
 said = ""
 try:
     readers[sys.argv[1]](Path(sys.argv[2]))
@@ -237,6 +244,7 @@ LARGEST: dict[str, tuple[str, Made, str]] = {
     "mesh": ("mesh", lambda folder: triangles(folder / "a.stl"), ""),
     "mesh that touches": ("model", mesh_that_touches, "apart at jaw"),
     "chunk": ("chunk", chunk, ""),
+    "turns": ("turns", lambda folder: folder, ""),
 }
 
 

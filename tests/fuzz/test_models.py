@@ -14,7 +14,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
-from documents import GONE, VALUES, changed, holder, places
+from documents import GONE, VALUES, changed, places
 from hypothesis import given
 from hypothesis import strategies as st
 from refusals import one_line
@@ -44,15 +44,6 @@ def test_anything_missing_from_the_toml() -> None:
     refused = sum(isinstance(item, InputError) for item in found)
     assert 0.5 * len(PLACES) < refused < len(PLACES)
     assert isinstance(_built(URDF, TOML), Mechanism)
-
-
-@pytest.mark.slow
-@given(st.sampled_from(PLACES), st.text(min_size=1, max_size=12), VALUES)
-def test_unknown_keys_are_refused(path: tuple[object, ...], key: str, value: object) -> None:
-    held = holder(TOML, path)
-    if isinstance(held, dict) and key not in held:
-        found = _built(URDF, changed(TOML, (*path[:-1], key), value))
-        assert path[0] == "shortcuts" or isinstance(found, InputError)
 
 
 _ROOT = ElementTree.fromstring(URDF)
@@ -95,12 +86,6 @@ def test_elements_lost_doubled_and_moved(place: int, change: str, other: int) ->
     else:
         list(root.iter())[other].append(copy.deepcopy(element))
     _built(ElementTree.tostring(root, encoding="unicode"), TOML)
-
-
-@pytest.mark.slow
-@given(st.integers(0, len(URDF)), st.integers(0, 400), st.text(max_size=6))
-def test_text_cut_out_of_the_urdf(start: int, count: int, instead: str) -> None:
-    _built(URDF[:start] + instead + URDF[start + count :], TOML)
 
 
 @given(st.sampled_from(["e62.toml", "e62.urdf"]), st.binary(max_size=40), st.floats(0.0, 1.0))

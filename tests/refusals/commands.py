@@ -23,6 +23,17 @@ optimise two.toml --points 0
 plot full
 plot nowhere
 study speed-limit e62 --plot x.svg
+speed-limit --speeds 1000000000
+speed-limit --turns 1000000000
+speed-limit --least-force nan
+speed-limit --from nan
+speed-limit --to inf
+speed-limit --to 1e300
+speed-limit --from=-1e-300
+speed-limit --plot limit.xyz
+speed-limit --plot limit
+speed-limit --plot /dev/null
+speed-limit --plot missing/limit.svg
 study paper --out here
 paper no-such-model
 paper --set x
@@ -56,6 +67,7 @@ simulate --restitution 0.1 --set stops.jaw.restitution=0.2
 simulate --out file
 simulate --json missing/x.json
 simulate --json full
+simulate --json /dev/full
 simulate --case full
 check full
 check no-such-model

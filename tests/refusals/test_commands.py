@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -27,7 +26,6 @@ at = {{ speed_rpm = 650.0 }}
 value = 0.8
 sigma = 0.1
 """
-_KNOWN: dict[str, tuple[int, str, str]] = {}
 
 
 @pytest.fixture(scope="module")
@@ -61,34 +59,20 @@ def held(folder: Path) -> dict[Path, bytes]:
     return {path: path.read_bytes() if path.is_file() else b"" for path in folder.rglob("*")}
 
 
-@pytest.fixture
-def refused(
-    home: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> Callable[[str], tuple[int, str, str]]:
-    """Status, stdout and stderr of a line."""
-
-    def find(line: str) -> tuple[int, str, str]:
-        if line not in _KNOWN:
-            monkeypatch.chdir(home)
-            there = held(home)
-            status = main(shlex.split(line))
-            assert held(home) == there
-            out, err = capsys.readouterr()
-            _KNOWN[line] = status, out, err.replace(str(home), "HOME")
-        return _KNOWN[line]
-
-    return find
-
-
-@pytest.mark.parametrize("line", [line for lines in TABLES.values() for line in lines])
-def test_a_line_is_refused(line: str, refused: Callable[[str], tuple[int, str, str]]) -> None:
-    status, out, err = refused(line)
-    assert (status, out, err.count("\n")) == (2, "", 1)
-    assert err.startswith("nipper-pin: ")
-
-
 @pytest.mark.parametrize("table", TABLES)
 def test_sentences(
-    table: str, refused: Callable[[str], tuple[int, str, str]], words: Words
+    table: str,
+    home: Path,
+    words: Words,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
-    words("".join(f"{line}\n    {refused(line)[2][12:]}" for line in TABLES[table]))
+    monkeypatch.chdir(home)
+    there, text = held(home), ""
+    for line in TABLES[table]:
+        status = main(shlex.split(line))
+        out, err = capsys.readouterr()
+        assert (status, out, err.count("\n")) == (2, "", 1), (line, err)
+        assert held(home) == there, line
+        text += f"{line}\n    {err.removeprefix('nipper-pin: ').replace(str(home), 'HOME')}"
+    words(text)
