@@ -140,9 +140,6 @@ def test_the_order_of_many_stops_tells_nothing() -> None:
     ]
 
 
-GRAVITY, RESTITUTION = 9.81, 0.5
-
-
 def stated(solution: Solution, stop: str) -> list[tuple[float, float]]:
     """Times of the events of a stop and what is stated of them [s]."""
     return [

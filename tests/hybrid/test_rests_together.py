@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 from mpmath import mp, mpf
-from small_machines import SLED, link, machine, slide
+from small_machines import SLED, link, machine, slide, turn
 
 from nipper_pin import Case, Event, EventKind, Mechanism, Outcome, Solution, Window, load, simulate
 from nipper_pin.dynamics import Impact, ShaftMotion, System
@@ -238,6 +238,24 @@ def test_balls_on_one_carriage_out_of_step(items: list[Ball], mass: float) -> No
     assert solution.segments[-1].closed == {"floor0", "floor1"}
     assert all(hit.approach_rate < 0.0 for hit in solution.collisions)
     assert solution.checks.energy_balance < 1e-8
+
+
+def test_a_rebound_that_is_left_out_has_its_height_past_the_strikes_of_others() -> None:
+    """On one carriage another ball strikes while the last rebound of this one goes on unseen.
+
+    A finer run computes that very rebound, before its own rest is known.
+    """
+    bouncing = carriage([(0.4, 0.2), (0.5, 0.2)], 20.0, 10.0)
+    coarse, fine = (turn(bouncing, 20.0, tolerance) for tolerance in (1e-8, 1e-10))
+    last = coarse.collisions[-1]
+    _, flown = last.rebounds.until(last.event, last.stop)
+    assert flown is not None
+    assert len(flown) > 2
+    hits = [hit for hit in fine.collisions if hit.stop == last.stop]
+    same = min(hits, key=lambda hit: abs(hit.t - last.t))
+    assert same is not hits[-1]
+    assert last.rebound_amplitude == pytest.approx(same.rebound_amplitude, rel=1e-8)
+    assert last.rebound_time == pytest.approx(same.rebound_time, rel=1e-8)
 
 
 @pytest.mark.parametrize(

@@ -309,6 +309,16 @@ def test_an_archive_that_would_grow_too_large_is_refused(tmp_path: Path) -> None
         tracemalloc.stop()
 
 
+def test_an_archive_of_too_many_arrays_is_refused(tmp_path: Path) -> None:
+    """By its directory, as those that would grow too large."""
+    path = tmp_path / "many.npz"
+    with zipfile.ZipFile(path, "w") as archive:
+        for number in range(50_001):
+            archive.writestr(f"{number}.npy", b"")
+    with pytest.raises(InputError, match="it holds 50001 arrays; at most 50000 are read"):
+        load_solution(path)
+
+
 @pytest.mark.parametrize("length", [10**15, 1])
 def test_an_array_is_as_long_as_it_says(tmp_path: Path, length: int) -> None:
     """One that says more would be given memory before its content is read."""

@@ -291,7 +291,7 @@ def test_either_of_two_stops_may_be_the_transition_stop() -> None:
         assert one == pytest.approx(other, rel=1e-11)
 
 
-FALL, G = 0.1, 9.81
+FALL = 0.1
 
 LAWS: tuple[Simultaneous, ...] = ("newton", "sequential")
 

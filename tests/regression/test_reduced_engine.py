@@ -10,7 +10,7 @@ import pytest
 from benchmarks.stress.machines.small_machines import bouncing_mass
 from nipper_pin import InputError
 from nipper_pin.mechanism import rad_s_from_rpm
-from nipper_pin.reduced import build, transitions
+from nipper_pin.reduced import build, transition, transitions
 
 
 def test_a_mass_that_nothing_presses_on_the_table_is_refused_with_the_reason() -> None:
@@ -43,3 +43,17 @@ def test_a_ballistic_flight_is_as_accurate_as_is_stated_at_any_speed() -> None:
     exact = 2.0 * 0.2 * approach / (9.81 * 0.8)
     assert abs(batch.duration[0] - exact) <= 2.0 * batch.duration_error[0] + 4e-16 * exact
     assert batch.duration[0] == pytest.approx(exact, rel=1e-14)
+
+
+def test_a_rebound_higher_than_the_tables_is_refused() -> None:
+    """Of a mass that is thrown up by e V: (e V)^2 / (2 g), and tables that end just above or below.
+
+    What they do not hold is extrapolated without a word, unless it is refused at their end.
+    """
+    mechanism = bouncing_mass(mass=0.7, lead_mm=60.0, restitution=0.2, gravity=9.81).mechanism()
+    height = (0.2 * 0.06 * 457.0 / 60.0) ** 2 / (2.0 * 9.81)
+    found = transition(build(mechanism, gap_max=1.001 * height), speed_rpm=457.0)
+    assert found.rebound_amplitude[0] == pytest.approx(height, rel=1e-12)
+    with pytest.raises(InputError) as caught:
+        transition(build(mechanism, gap_max=0.999 * height), speed_rpm=457.0)
+    assert caught.value.evidence["status"] == "LEFT_GAP"
