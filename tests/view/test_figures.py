@@ -6,8 +6,6 @@ That the curves of a run are the motion is what test_motion_shown says.
 from __future__ import annotations
 
 import io
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -110,7 +108,6 @@ def test_a_stop_that_is_open_at_the_end_has_left_and_not_come_back() -> None:
             {}, Case(speed_rpm=650.0, window="cycle"),
             ["motion", "phases", "transition", "impulses", "forces"],
         ),
-        ({}, Case(speed_rpm=650.0), ["motion", "phases", "transition", "impulses"]),
         ({"stops.jaw.restitution": 0.9}, Case(speed_rpm=650.0), ["motion", "phases", "impulses"]),
         ({"stops.jaw.restitution": 0.0}, Case(speed_rpm=450.0), ["impulses"]),
     ],
@@ -143,8 +140,3 @@ def test_a_failure_leaves_no_half_file(
     with pytest.raises(InputError, match="cannot be written"):
         plot_solution(transition, tmp_path)
     assert list(tmp_path.iterdir()) == []
-
-
-def test_plots_leave_pyplot_alone() -> None:
-    code = "import sys, nipper_pin.view.run.plots; assert 'matplotlib.pyplot' not in sys.modules"
-    subprocess.run([sys.executable, "-c", code], check=True)

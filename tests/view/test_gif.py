@@ -8,6 +8,7 @@ compare with the run.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,11 +16,12 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 import pytest
-from matplotlib.colors import to_rgba
+from matplotlib.colors import to_hex, to_rgba
 from matplotlib.lines import Line2D
-from matplotlib.patches import Circle, Polygon
+from matplotlib.patches import Circle, Polygon, Rectangle
 from PIL import Image, ImageSequence
 from runs_shown import turn, with_elements
+from snapshots import Words
 
 from nipper_pin import InputError, Mechanism, Solution, load
 from nipper_pin.mechanism.drawing import drawn_mechanism
@@ -27,7 +29,6 @@ from nipper_pin.mechanism.gallery import GALLERY
 from nipper_pin.view.scene import Film, Look, film
 from nipper_pin.view.scene.gif import MovingSketch, write_gif
 from nipper_pin.view.scene.pace import pace
-from nipper_pin.view.scene.readings import readings
 from nipper_pin.view.sketch import sketch
 
 ARROW = "#D55E00"
@@ -51,15 +52,11 @@ def moving(shown: Film) -> MovingSketch:
 Box = tuple[float, ...]
 
 
-def texts(moving: MovingSketch) -> list[tuple[str, Box, Any]]:
-    """All texts, each with its left, top, right and bottom [px] and its colour."""
-    found = []
-    for item in moving.figure.texts:
-        box = item.get_window_extent()
-        ends = (box.x0, SIZE[1] - box.y1, box.x1, SIZE[1] - box.y0)
-        if item.get_text():
-            found.append((item.get_text(), ends, item.get_color()))
-    return found
+def texts(moving: MovingSketch) -> list[tuple[str, Box]]:
+    """All texts, each with its left, top, right and bottom [px]."""
+    found = [(item.get_text(), item.get_window_extent()) for item in moving.figure.texts]
+    return [(text, (box.x0, SIZE[1] - box.y1, box.x1, SIZE[1] - box.y0))
+            for text, box in found if text]  # fmt: skip
 
 
 def arrows(moving: MovingSketch) -> list[np.ndarray]:
@@ -146,58 +143,49 @@ def test_every_link_stands_where_the_solution_has_it(name: str) -> None:
     assert travel > 20.0
 
 
-def test_texts_of_a_picture(shown: Film, moving: MovingSketch) -> None:
-    """Title, case and note on all; phase, numbers with units, and the last collision by frame.
+def seen(moving: MovingSketch, frame: int) -> Iterator[str]:
+    """Texts and boxes with their colours, and arrows from their feet to their tips [px]."""
+    moving.picture(frame)
+    for item in moving.figure.texts:
+        if item.get_text():
+            x, y = np.array(item.get_position()) * SIZE
+            yield f"{x:.0f}, {SIZE[1] - y:.0f} {item.get_color()} {item.get_text()!r}"
+    for box in moving.figure.artists:
+        if isinstance(box, Rectangle):
+            (x, y), (right, top) = box.get_bbox().get_points() * SIZE
+            ends = f"{x:.0f}..{right:.0f}, {SIZE[1] - top:.0f}..{SIZE[1] - y:.0f}"
+            yield f"box {ends} {to_hex(box.get_facecolor())}"
+    for corners in arrows(moving):
+        foot, tip = 0.5 * (corners[0] + corners[-2]), corners[3]
+        yield "arrow " + " to ".join(f"{x:.0f}, {SIZE[1] - z:.0f}" for x, z in (foot, tip))
 
-    All stand inside of the picture, below one another, and none on another or on the machine.
+
+def test_words_of_pictures(cycle: Solution, words: Words) -> None:
+    """The first, those around a collision, whose arrow stays and then shrinks, and the last.
+
+    Of each what differs from the one before. All texts stand inside of the picture, and none on
+    another one, on the bar or on the machine.
     """
-    said: Any = readings(shown)
-    for frame in moving.frames[:: len(moving.frames) // 4]:
-        moving.picture(int(frame))
-        found = texts(moving)
-        words = [" ".join(text.split()) for text, *_ in found]
-        boxes = dict(zip(words, (box for _, box, _ in found), strict=True))
-        common = [said["title"], "650 r/min, window cycle (1 turn from index 24), held drive"]
-        caption = "jaw cut along its hinge; bar 2 mm"
-        phase = said["phases"][said["phase_of_frame"][frame]]["name"]
-        assert {*common, said["note"], caption, phase} <= set(words)
-        title, case = (boxes[text] for text in common)
-        assert title[3] < case[1] < case[3] < MACHINE[1]
-        assert boxes[said["note"]][1] > BAR[3]
-        assert LIPS[3] <= boxes[caption][1] < boxes[caption][3] <= BAR[1] - 3
-        ends = []
-        for column in said["columns"]:
-            left = boxes[column["label"]]
-            (right, value) = next(
-                (box, text) for text, box in boxes.items()
-                if abs(box[1] - left[1]) < 6.0 and left[2] < box[0] < MACHINE[0]
-            )  # fmt: skip
-            digits, _, unit = value.partition(" ")
-            assert float(digits) == pytest.approx(column["values"][frame], rel=6e-4)
-            assert unit == column["unit"]
-            ends.append(right[2])
-        # Values end below one another.
-        assert np.ptp(ends) < 2.0
-        now = float(shown.pace.playback[frame])
-        done = [item["text"] for item in said["collisions"] if item["at"] <= now]
-        last = [text for text, (_, _, fill) in zip(words, found, strict=True) if fill == ARROW]
-        assert last == done[-1:]
-        for place, (text, box, _) in enumerate(found):
+    shown = film(cycle, Look())
+    moving, playback = MovingSketch(shown), shown.pace.playback
+    hit = next(hit for hit in cycle.collisions if hit.stop == "jaw")
+    at = float(shown.pace.playback_at(hit.t))
+    frames = [int(np.searchsorted(playback, at + delay)) for delay in (0.0, 0.58, 0.8, 1.01)]
+    told, before = [], list[str]()
+    for frame in (0, frames[0] - 1, *frames, len(playback) - 1):
+        lines = list(seen(moving, frame))
+        told += [f"{playback[frame]:.2f} s of the film",
+                 *(f"  {line}" for line in lines
+                   if line not in before or line.startswith("arrow"))]  # fmt: skip
+        before, found = lines, texts(moving)
+        for place, (text, box) in enumerate(found):
             assert min(box) >= 0.0, text
             assert box[2] <= SIZE[0], text
             assert box[3] <= SIZE[1], text
             assert apart(box, BAR), text
-            assert text in common or apart(box, MACHINE), text
-            assert all(apart(box, other) for _, other, _ in found[:place]), text
-
-
-def test_a_collision_is_told_from_its_own_frame_on(shown: Film, moving: MovingSketch) -> None:
-    """Not before it, and the last of several."""
-    hit = shown.solution.collisions[0]
-    at = int(np.searchsorted(shown.pace.machine, hit.t))
-    for frame, told in ((at - 1, False), (at, True)):
-        moving.picture(frame)
-        assert any(f"collision {hit.number} " in text for text, *_ in texts(moving)) == told
+            assert box[3] < MACHINE[1] or apart(box, MACHINE), text
+            assert all(apart(box, other) for _, other in found[:place]), text
+    words("\n".join(told) + "\n")
 
 
 def test_the_machine_fills_its_part_of_the_picture(moving: MovingSketch) -> None:
@@ -224,65 +212,10 @@ def test_the_machine_fills_its_part_of_the_picture(moving: MovingSketch) -> None
     assert max((high - low) / (right - left, bottom - top)) > 0.7
 
 
-def test_bar_and_mark_of_a_picture(shown: Film, moving: MovingSketch) -> None:
-    """The phases along the film by their colours, and where the film is."""
-    said: Any = readings(shown)
-    left, top, right, bottom = BAR
-    starts = [item["start"] / said["duration"] for item in said["phases"]]
-    for frame in moving.frames[:: len(moving.frames) // 5]:
-        picture = np.asarray(moving.picture(int(frame)), int)
-        here = left + (right - left) * float(shown.pace.playback[frame]) / said["duration"]
-        dark = np.flatnonzero(picture[top - 3, left - 4 : right + 4].max(axis=-1) < 120) + left - 4
-        assert abs(float(dark.mean()) + 0.5 - here) < 1.0
-        assert (picture[bottom + 3, dark[0]] < 120).all()
-        for pixel in range(left + 1, right - 1, 3):
-            share = (pixel + 0.5 - left) / (right - left)
-            if abs(pixel - here) < 3 or min(abs(share - item) for item in starts) < 2e-3:
-                continue
-            phase = max(k for k, start in enumerate(starts) if start <= share)
-            wanted = bytes.fromhex(said["phases"][phase]["colour"][1:])
-            for row in (top + 1, bottom - 1):
-                assert tuple(picture[row, pixel]) == tuple(wanted)
-        # The phase itself: a square of its colour before its name.
-        wanted = bytes.fromhex(said["phases"][said["phase_of_frame"][frame]]["colour"][1:])
-        square = picture[MACHINE[1] + 2 : MACHINE[1] + 15, left + 2 : left + 15]
-        assert (square == list(wanted)).all()
-    assert {item["colour"] for item in said["phases"]} == {*PHASES, ELSEWHERE}
-
-
-def test_arrows_shrink_after_a_while(cycle: Solution) -> None:
-    """Whole for 0.6 s after a collision, then evenly less until nothing is left after 1 s."""
-    hits, shown = cycle.collisions, film(cycle, Look())
-    moving = MovingSketch(shown)
-    at = np.interp([hit.t for hit in hits], shown.pace.machine, shown.pace.playback)
-    # Of these no other arrow is there; smaller ones are wider than long.
-    lone = [
-        k for k, hit in enumerate(hits[:-1])
-        if (k == 0 or at[k] > at[k - 1] + 1.1) and at[k + 1] > at[k] + 1.2
-        and hit.impulse > 0.04 * max(item.impulse for item in hits)
-    ]  # fmt: skip
-    assert {hits[k].stop for k in lone} == {"jaw", "steeve"}
-    units = []
-    for k in lone:
-        for delay in (0.02, 0.55, 0.7, 0.8, 0.95, 1.05):
-            frame = int(np.searchsorted(shown.pace.playback, at[k] + delay))
-            moving.picture(frame)
-            gone = float(shown.pace.playback[frame]) - at[k]
-            left = min(1.0, max(0.0, (1.0 - gone) / 0.4))
-            found = arrows(moving)
-            assert len(found) == (left > 0.0)
-            for points in found:
-                foot = 0.5 * (points[0] + points[-2])
-                length = np.linalg.norm(points - foot, axis=1).max()
-                units.append(length / (left * hits[k].impulse))
-    assert len(units) >= 10
-    np.testing.assert_allclose(units, units[0], rtol=1e-6)
-
-
 def test_long_titles_end_before_the_edge(shown: Film) -> None:
     mechanism = replace(shown.solution.mechanism, title="word " * 60)
     long = replace(shown, solution=replace(shown.solution, mechanism=mechanism))
-    title, box, _ = next(item for item in texts(MovingSketch(long)) if "word" in item[0])
+    title, box = next(item for item in texts(MovingSketch(long)) if "word" in item[0])
     assert title.endswith("word ...")
     assert 0.8 * SIZE[0] < box[2] <= MACHINE[2]
 
