@@ -1,9 +1,10 @@
-"""`nipper-pin new`, the tutorial and what `check` says next: from an empty folder to a run."""
+"""`nipper-pin new`, the tutorial and what `check` advises: from an empty folder to a run."""
 
 from __future__ import annotations
 
 import math
 import re
+import shlex
 from pathlib import Path
 
 import numpy as np
@@ -177,7 +178,7 @@ def test_a_path_of_any_length_is_printed_whole(
     width = len(str(tmp_path)) + 60
     monkeypatch.setenv("COLUMNS", str(width))
     headings, commands = set(), set()
-    for letters in range(1, 121, 2):
+    for letters in range(1, 121, 5):
         path = str(tmp_path / (letters * "q"))
         assert main(["new", path]) == 0
         heading, end, rest = capsys.readouterr().out.partition("explained\n")
@@ -217,3 +218,62 @@ def test_every_table_of_the_skeleton_is_explained() -> None:
     for table in tables:
         above = text[: text.index(table)].rstrip().splitlines()[-1]
         assert above.startswith("#") or table == "[stops.buffer]", table
+
+
+# What `check` advises works when it is pasted.
+
+
+def advised_by(capsys: pytest.CaptureFixture[str], *words: str) -> list[list[str]]:
+    """Commands that `check` ends with, in words."""
+    assert main(["check", *words]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    commands = [line.partition(": nipper-pin ")[2] for line in lines]
+    return [shlex.split(command) for command in commands if command]
+
+
+@pytest.mark.sampled(2)
+@pytest.mark.parametrize(
+    ("name", "transition"),
+    [("press", True), ("sieve", False), ("klann", False)],
+)
+def test_what_is_advised_works(
+    name: str,
+    transition: bool,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """In a folder with a space, with a number changed; a transition only where there is one."""
+    monkeypatch.chdir(tmp_path)
+    folder = f"my machines/{name}"
+    drawn = [] if name == "press" else ["--from", name]
+    assert main(["new", *drawn, folder]) == 0
+    printed = [shlex.split(line) for line in capsys.readouterr().out.splitlines()
+               if line.startswith("  nipper-pin ")]  # fmt: skip
+    assert [words[2] for words in printed] == [folder] * len(printed)
+    assert len(printed) >= 2
+    gravity = "gravity_m_s2=9.5"
+    capsys.readouterr()
+    advised = advised_by(capsys, folder, "--set", gravity, "--speed", "61.5")
+    assert [words[:2] for words in advised] == [
+        *([["simulate", folder]] if transition else []), ["simulate", folder], ["view", folder]
+    ]  # fmt: skip
+    for words in advised:
+        assert words[2:6] == ["--set", gravity, "--speed", "61.5"]
+        assert main(words) == 0
+    assert ("--window" in advised[0]) != transition
+
+
+def test_a_start_that_cannot_be_assembled_names_the_loop_and_the_phase(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The leg cannot follow a crank of more than twice its length to index 24."""
+    folder = str(tmp_path / "leg")
+    assert main(["new", "--from", "jansen", folder]) == 0
+    capsys.readouterr()
+    longer = ["--set", "initial_phase=3", "--set", "points.A.radius_mm=35"]
+    assert main(["check", folder, *longer]) == 1
+    said = capsys.readouterr().err
+    assert "the loops do not close" in said
+    assert "widest open is closure 'C'; turns start in phase 3 free (no stop closed)" in said
+    assert "start_index has to lie in it" in said

@@ -2,12 +2,13 @@
 
 import os
 import signal
+import socket
 import stat
 import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -16,9 +17,7 @@ import pytest
 
 from nipper_pin import Case, InputError, load, load_solution, save, simulate
 from nipper_pin.cli import main
-from nipper_pin.outputs import check_file, complete_file, complete_folder, file
-
-ROOT = os.geteuid() == 0
+from nipper_pin.outputs import check_file, complete_file, complete_folder, file, folder
 
 
 def write(path: Path, text: str) -> None:
@@ -69,14 +68,13 @@ def test_links_are_followed(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("end", ["", "/below"])
 @pytest.mark.parametrize("words", [
-    "simulate --json", "simulate --out", "simulate --case", "new", "check", "sweep",
-    "optimise", "identify", "plot", "view --solution", "view --html", "view --gif",
-    "check --drawing", "compare e62", "speed-limit --plot",
+    "simulate --json", "simulate --out", "new", "view --html", "view --gif", "check --drawing",
+    "compare e62 --out", "speed-limit --plot",
 ])  # fmt: skip
 def test_links_in_a_circle_are_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], words: str, end: str
 ) -> None:
-    """As what is read and as what is written, themselves and in a path: and they stay."""
+    """Themselves and in a path: and they stay."""
     (tmp_path / "one").symlink_to(tmp_path / "two")
     (tmp_path / "two").symlink_to(tmp_path / "one")
     assert main([*words.split(), f"{tmp_path / 'one'}{end}"]) == 2
@@ -84,6 +82,16 @@ def test_links_in_a_circle_are_refused(
     assert [os.readlink(tmp_path / name) for name in ("one", "two")] == [
         str(tmp_path / name) for name in ("two", "one")
     ]
+
+
+@pytest.mark.parametrize("words", ["check --drawing /sys/a.svg", "simulate --out /sys/a"])
+def test_where_nobody_may_write(words: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """The kernel keeps its own folders, whoever asks."""
+    assert main(words.split()) == 2
+    said = capsys.readouterr()
+    assert (said.out, said.err.count("\n")) == ("", 1)
+    assert said.err.startswith("nipper-pin: /sys")
+    assert " cannot be written (" in said.err
 
 
 @pytest.mark.parametrize("mode", [0o600, 0o640, 0o755])
@@ -353,3 +361,141 @@ def test_old_files_come_back_where_a_new_one_cannot(
     with pytest.raises(InputError, match="the disk is broken"):
         fill(target, {"a": "2", "b": "2", "c": "2"})
     assert content(target) == {"a": "1", "b": "1"}
+
+
+# What else an output folder holds stays what it is, links above all, however it is written.
+
+
+def text(content: str, mode: int = 0o644) -> Callable[[Path], None]:
+    def make(path: Path) -> None:
+        path.write_text(content)
+        path.chmod(mode)
+
+    return make
+
+
+def link(to: str) -> Callable[[Path], None]:
+    return lambda path: path.symlink_to(to)
+
+
+def holding(**parts: Callable[[Path], None]) -> Callable[[Path], None]:
+    def make(path: Path) -> None:
+        path.mkdir()
+        for name, part in parts.items():
+            part(path / name)
+
+    return make
+
+
+def listening(path: Path) -> None:
+    with socket.socket(socket.AF_UNIX) as place:
+        # Names of sockets are short.
+        here = os.open(path.parent, os.O_RDONLY)
+        place.bind(f"/proc/self/fd/{here}/{path.name}")
+        os.close(here)
+
+
+# Outside stand a file and a folder, "mine" and "ours"; the output folder is beside them.
+KEPT: dict[str, Callable[[Path], None]] = {
+    "a file": text("kept"),
+    "a private file": text("kept", 0o600),
+    "a program": text("#!/bin/sh", 0o755),
+    ".hidden": text("kept"),
+    "an empty folder": holding(),
+    "a folder": holding(one=text("1"), two=holding(three=text("3"))),
+    "a link to a file": link("../mine"),
+    "a link to a folder": link("../ours"),
+    "a link to nothing": link("nowhere"),
+    "a link to itself": link("a link to itself"),
+    "a link upwards": link(".."),
+    "a whole path": link("/dev/null"),
+    "a folder of links": holding(one=link("../../mine"), two=link("../../ours"), three=link("x")),
+    "a pipe": os.mkfifo,
+    "a folder with a pipe": holding(pipe=os.mkfifo),
+    "a socket": listening,
+}
+
+
+def described(path: Path) -> dict[str, tuple[int, str]]:
+    """Kind and permissions of everything in a folder, and the text or the target of each."""
+    found = {}
+    for item in sorted(path.rglob("*")):
+        mode = item.lstat().st_mode
+        content = item.readlink() if stat.S_ISLNK(mode) else ""
+        content = item.read_text() if stat.S_ISREG(mode) else str(content)
+        found[item.relative_to(path).as_posix()] = (mode, content)
+    return found
+
+
+@pytest.fixture
+def target(tmp_path: Path) -> Path:
+    """An output folder with a file of ours, and what links in it lead to."""
+    text("mine")(tmp_path / "mine")
+    holding(one=text("1"), two=link("one"))(tmp_path / "ours")
+    holding(a=text("old"))(tmp_path / "out")
+    return tmp_path / "out"
+
+
+def without_links(*_: object, **__: object) -> None:
+    raise PermissionError(1, "no hard links here")
+
+
+HOWS = ["exchanged", "no hard links", "no such call", "working directory"]
+
+
+def prepared(how: str, target: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    if how == "no hard links":
+        monkeypatch.setattr(os, "link", without_links)
+    elif how == "no such call":
+        monkeypatch.setattr(folder, "_swapped", lambda *_: False)
+    elif how == "working directory":
+        monkeypatch.chdir(target)
+
+
+# Of what is no file and no link there is no copy, only another name.
+ONLY_NAMED = ("a pipe", "a folder with a pipe", "a socket")
+
+
+@pytest.mark.parametrize(
+    ("name", "how"),
+    [(name, how) for name in KEPT for how in HOWS if (how, name in ONLY_NAMED) != (HOWS[1], True)],
+)
+def test_what_a_folder_holds_stays(
+    name: str, how: str, target: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Links are not followed, neither to be copied nor to be written, and nothing outside moves.
+
+    An old file that is not made anew goes; the folder has the permissions that it had.
+    """
+    KEPT[name](target / name)
+    target.chmod(0o750)
+    before, outside = described(target), described(target.parent / "ours")
+    prepared(how, target, monkeypatch)
+    with complete_folder(target, ("a", "b")) as new:
+        (new / "b").write_text("new")
+    del before["a"]
+    assert described(target) == {**before, "b": (0o100644, "new")}
+    assert stat.S_IMODE(target.stat().st_mode) == 0o750
+    # Whoever is in the folder still is.
+    assert how != "working directory" or set(os.listdir()) == {
+        item.name for item in target.iterdir()
+    }
+    assert described(target.parent / "ours") == outside
+    assert (target.parent / "mine").read_text() == "mine"
+    assert sorted(item.name for item in target.parent.iterdir()) == ["mine", "ours", "out"]
+
+
+@pytest.mark.parametrize("how", HOWS)
+@pytest.mark.parametrize("to", ["../mine", "../ours", "nowhere"])
+def test_a_link_by_the_name_of_a_result_is_replaced(
+    to: str, how: str, target: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And what it leads to stays."""
+    (target / "b").symlink_to(to)
+    outside = described(target.parent / "ours")
+    prepared(how, target, monkeypatch)
+    with complete_folder(target, ("a", "b")) as new:
+        (new / "b").write_text("new")
+    assert described(target) == {"b": (0o100644, "new")}
+    assert described(target.parent / "ours") == outside
+    assert (target.parent / "mine").read_text() == "mine"
