@@ -7,10 +7,8 @@ the same words, and all others have the same numbers within the errors that are 
 from __future__ import annotations
 
 import math
-import shutil
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from typing import Any, get_args
 
 import numpy as np
@@ -19,15 +17,9 @@ from small_machines import frame, hinge, link, slide, sources
 from two_engines import agree, difference
 
 from nipper_pin import (
-    Case,
     Mechanism,
     TransitionTable,
     TurnTable,
-    compare,
-    load,
-    read_sweep,
-    simulate,
-    sweep,
     transition_table,
     turn_table,
 )
@@ -47,7 +39,6 @@ from nipper_pin.study.turns import TURNS_PAY_FROM
 Tables = dict[str, Any]
 Sources = tuple[str, Tables]
 GRAVITY = 9.81
-CLASH = Path(__file__).parents[1] / "strangers" / "name_clash"
 # At most of these speeds nothing leaves its seat.
 SPEEDS = np.array([*np.linspace(60.0, 120.0, 10), 290.0, 330.0, 380.0, 440.0, 520.0, 100.0])
 
@@ -257,37 +248,6 @@ def alike(few: TransitionTable, many: TransitionTable) -> None:
     assert few.collisions.tolist() == many.collisions[:count].tolist()
     for i in np.flatnonzero(few.outcome == "failed"):
         assert few.message[i] == many.message[i]
-
-
-@pytest.mark.campaign
-@pytest.mark.parametrize("count", [TURNS_PAY_FROM - 1, TURNS_PAY_FROM])
-def test_a_drive_and_a_stop_of_one_name(count: int, tmp_path: Path) -> None:
-    """A sweep has what a table has, by either engine, and so has a comparison of two runs."""
-    shutil.copytree(CLASH, tmp_path / CLASH.name)
-    file = tmp_path / CLASH.name / f"{CLASH.name}.toml"
-    roof = '[stops.roof]\njoint = "gap"\nside = "upper"\nat_mm = 60.0\nrestitution = 0.2\n'
-    file.write_text(file.read_text(encoding="utf-8") + roof, encoding="utf-8")
-    speeds = np.linspace(640.0, 650.0, count)
-    names = ["clamped_share", "collisions_cam", "largest_torque_N_cam"]
-    study = tmp_path / "study.toml"
-    study.write_text(
-        f'format = 1\ntitle = "names"\nmodel = "{file.parent}"\nquantities = {names}\n'
-        '[case]\nwindow = "cycle"\nturns = 3\nrest_rate = 1e-3\n'
-        f"[parameters.speed_rpm]\nvalues = {speeds.tolist()}\n",
-        encoding="utf-8",
-    )
-    mechanism = load(file.parent)
-    table = turn_table(mechanism, speed_rpm=speeds, torques=True, turns=3, rest_rate=1e-3)
-    assert {*table.engine} == {"direct" if count < TURNS_PAY_FROM else "reduced"}
-    sweep(study, tmp_path / "rows", workers=1)
-    rows = read_sweep(tmp_path / "rows").to_frame("pyarrow")
-    for name in names:
-        np.testing.assert_array_equal(rows[name].to_numpy(), table.quantity(name))
-    case = Case(speed_rpm=640.0, window="cycle", cycles=3, rest_rate=1e-3)
-    found = compare(*(simulate(mechanism, replace(case, speed_rpm=rpm)) for rpm in speeds[[0, -1]]))
-    for name in names[:2]:
-        row = found.row(name)
-        assert [row.a, row.b] == pytest.approx(table.quantity(name)[[0, -1]], rel=1e-8)
 
 
 def test_no_kind_is_left_out() -> None:

@@ -105,15 +105,14 @@ def test_the_command_says_what_it_found(
 ) -> None:
     """The reviewed text has the numbers of the document."""
     monkeypatch.setenv("COLUMNS", "80")
-    given = ["speed-limit", "--from", "1500", "--to", "1600", "--speeds", "5",
-             "--turns", "20"]  # fmt: skip
+    given = ["speed-limit", "--from", "1500", "--to", "1600", "--speeds", "5", "--turns", "20"]
     figure = tmp_path / "limit.svg"
     figure.write_text("of before", encoding="utf-8")
-    assert main([*given, "--plot", str(figure)]) == 0
+    monkeypatch.chdir(tmp_path)
+    assert main([*given, "--plot", "limit.svg", "--json", "limit.json"]) == 0
     said = capsys.readouterr().out
-    words(said.replace(str(figure), "FIGURE"))
-    assert main([*given, "--json", "-"]) == 0
-    document = json.loads(capsys.readouterr().out)
+    words(said.replace("limit.svg", "FIGURE"))
+    document = json.loads((tmp_path / "limit.json").read_text(encoding="utf-8"))
     limit = document["settles_rpm"]
     assert document["at_rest"] == [{"from_rpm": 1500.0, "to_rpm": limit}]
     assert document["not_at_rest"] == [{"from_rpm": limit, "to_rpm": 1600.0}]

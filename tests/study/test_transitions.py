@@ -7,11 +7,11 @@ the other evaluates tables in compiled code. Where both state their errors, each
 from __future__ import annotations
 
 import gc
-import json
+import math
 import sys
 import weakref
 from copy import deepcopy
-from pathlib import Path
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -30,13 +30,8 @@ from nipper_pin import (
 )
 from nipper_pin.mechanism import from_sources
 from nipper_pin.reduced import ReducedModel, build, model_cache, reduced_model, transitions
-from nipper_pin.study.transitions import (
-    REDUCED_PAYS_FROM,
-    TURNS_PAY_FROM,
-)
-
-TESTS = Path(__file__).parents[1]
-
+from nipper_pin.study.cases import cases_of, spring_values
+from nipper_pin.study.transitions import REDUCED_PAYS_FROM, TURNS_PAY_FROM
 
 REBOUND = ("rebound_amplitude", "amplitude_error", "rebound_time", "rebound_error")
 
@@ -89,17 +84,16 @@ def test_turns_of_the_reduced_engine(e62: Mechanism) -> None:
     """
     speeds = np.linspace(1000.0, 1180.0, TURNS_PAY_FROM)
     # Settings reach the turns: another restitution, a spring and an end by a rate.
-    other = {"restitution": 0.35, "stiffness_N_per_m": 9500.0, "preload_length_mm": 11.5,
-             "rest_rate": 1e-3}  # fmt: skip
-    for settings in ({}, other):
-        found = transition_table(e62, speed_rpm=speeds, **settings)  # type: ignore[arg-type]
-        few = transition_table(e62, speed_rpm=speeds[:2], **settings)  # type: ignore[arg-type]
-        assert {*found.engine} == {"reduced_turn"}
-        assert {*few.engine} == {"turn"}
-        assert {*found.premise_holds, *few.premise_holds} == {False}
-        assert set(found.message) == {"This is the transition of the turn."}
-        np.testing.assert_array_equal(found.collisions[:2], few.collisions)
-        agree(few, found, slice(2), slice(2))
+    settings = {"restitution": 0.35, "stiffness_N_per_m": 9500.0, "preload_length_mm": 11.5,
+                "rest_rate": 1e-3}  # fmt: skip
+    found = transition_table(e62, speed_rpm=speeds, **settings)  # type: ignore[arg-type]
+    few = transition_table(e62, speed_rpm=speeds[:2], **settings)  # type: ignore[arg-type]
+    assert {*found.engine} == {"reduced_turn"}
+    assert {*few.engine} == {"turn"}
+    assert {*found.premise_holds, *few.premise_holds} == {False}
+    assert set(found.message) == {"This is the transition of the turn."}
+    np.testing.assert_array_equal(found.collisions[:2], few.collisions)
+    agree(few, found, slice(2), slice(2))
     usual = transition_table(e62, speed_rpm=speeds[:2])
     assumed = transition_table(e62, speed_rpm=speeds[:2], engine="direct")
     changed = assumed.rebound_amplitude[:, 0] / usual.rebound_amplitude[:, 0]
@@ -138,34 +132,6 @@ def test_turns_of_both_engines_in_random_cases(e62: Mechanism) -> None:
         assert (judge.engine[chosen] == "turn").all()
         agree(judge, found, chosen, part[chosen])
         assert found.outcome[part].tolist() == judge.outcome.tolist()
-
-
-def test_certified_reference(e62: Mechanism) -> None:
-    """Forced either way, the table holds the certified case within twice its stated errors.
-
-    Twice is what the direct engine's estimates promise (``docs/accuracy.md``); the reference has
-    its own derivation and arithmetic.
-    """
-    text = (TESTS / "reference" / "e62_transition.json").read_text(encoding="utf-8")
-    case = json.loads(text)["cases"]["650_k11000"]
-    names = {
-        "time": "time_s",
-        "approach_rate": "approach_rate",
-        "impulse": "impulse_lip_N_s",
-        "rebound_amplitude": "rebound_amplitude",
-        "rebound_time": "rebound_time_s",
-    }
-    for engine in ("direct", "reduced"):
-        table = transition_table(
-            e62, speed_rpm=650.0, stiffness_N_per_m=11000.0, engine=engine  # type: ignore[arg-type]
-        )  # fmt: skip
-        count = int(table.collisions[0])
-        for key, error in STATED.items():
-            expected = np.array([float(row[names[key]]) for row in case["collisions"][:count]])
-            off = np.abs(getattr(table, key)[0, :count] - expected) - 2e-16 * np.abs(expected)
-            assert (off <= 2.0 * getattr(table, error)[0, :count]).all(), (engine, key)
-        rest = float(case["rest_time_s"])
-        assert abs(table.duration[0] - rest) <= 2.0 * table.duration_error[0]
 
 
 def test_tables_are_built_once_for_a_mechanism(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -322,3 +288,78 @@ def test_long_series(e62: Mechanism) -> None:
     assert count == table.collisions[1]
     assert np.array_equal(table.time[1, :count], single.time[0, :count])
     assert np.isnan(table.time[0, int(table.collisions[0]) :]).all()
+
+
+# --- cases in SI units ---------------------------------------------------------------------------
+
+
+@pytest.fixture(name="two")
+def two_springs(e62: Mechanism) -> Mechanism:
+    """A spring on a slide, and one on a hinge."""
+    hinge = replace(e62.springs[0], name="jaw", index=e62.stop("jaw").index, stiffness=7.0,
+                    preload=0.5)  # fmt: skip
+    return replace(e62, springs=(*e62.springs, hinge))
+
+
+def test_springs_in_the_units_of_their_files(two: Mechanism) -> None:
+    """Millimetres and degrees; the others keep what they have."""
+    own = two.springs[0]
+    stiffness, preload = spring_values(two, {
+        "stiffness_N_per_m": [8000.0, 9000.0], "preload_length_mm": None, "preload_deg": 90.0,
+    })  # fmt: skip
+    assert stiffness.tolist() == [[8000.0, 7.0], [9000.0, 7.0]]
+    assert preload == pytest.approx(np.array([[own.preload, math.pi / 2.0]]))
+    stiffness, preload = spring_values(two, {
+        "stiffness_N_m_per_rad": 3.0, "preload_length_mm": [10.0, 12.0],
+    })  # fmt: skip
+    assert stiffness.tolist() == [[own.stiffness, 3.0]]
+    assert preload == pytest.approx(np.array([[0.010, 0.5], [0.012, 0.5]]))
+
+
+@pytest.mark.parametrize(
+    ("key", "right", "wrong", "most", "unit"),
+    [
+        ("stiffness_N_per_m", 1e10, 1.01e10, 1e10, "N/m"),
+        ("preload_length_mm", -999.0, 1.01e3, 1e3, "mm"),
+        ("preload_deg", 3600.0, -3601.0, 3600.0, "deg"),
+        ("stiffness_N_m_per_rad", 1e10, 1.01e10, 1e10, "N m/rad"),
+    ],
+)  # fmt: skip
+def test_springs_in_another_unit(
+    two: Mechanism, key: str, right: float, wrong: float, most: float, unit: str
+) -> None:
+    """As long as the machine, ten turns and 1e10 are plausible; more is another unit."""
+    most = max(most, 1e3 * two.reach_m) if key == "preload_length_mm" else most
+    spring_values(two, {key: right})
+    with pytest.raises(InputError, match=f"this is in {unit}, and e62 takes") as caught:
+        spring_values(two, {key: math.copysign(max(abs(wrong), 1.01 * most), wrong)})
+    assert caught.value.evidence["most"] == pytest.approx(most)
+    assert (caught.value.evidence["key"], caught.value.evidence["unit"]) == (key, unit)
+
+
+def test_springs_that_are_not_there(e62: Mechanism, two: Mechanism) -> None:
+    with pytest.raises(InputError, match="preload_deg: e62 has no spring on a joint that moves in"):
+        spring_values(e62, {"preload_deg": 3.0})
+    given = {"preload_length_mm": [1.0, 2.0], "preload_deg": [1.0, 2.0, 3.0]}
+    with pytest.raises(InputError, match="need the same number of cases"):
+        spring_values(two, given)
+    with pytest.raises(InputError, match="need the same number of cases"):
+        cases_of(e62, [400.0, 500.0], [0.1, 0.2, 0.3])
+
+
+def test_cases_of_a_machine(e62: Mechanism) -> None:
+    """Its own numbers where none are given, everything as often as the longest."""
+    found = cases_of(e62, [400.0, 500.0])
+    spring = e62.springs[0]
+    assert found.speed_rpm.tolist() == [400.0, 500.0]
+    assert found.restitution.tolist() == [e62.stop("jaw").restitution] * 2
+    assert found.stiffness.tolist() == [[spring.stiffness]] * 2
+    assert found.preload.tolist() == [[spring.preload]] * 2
+    found = cases_of(e62, 450.0, [0.0, 1.0], [7e3, 8e3], [0.01, -0.01])
+    assert found.speed_rpm.tolist() == [450.0, 450.0]
+    assert found.restitution.tolist() == [0.0, 1.0]
+    assert found.stiffness.tolist() == [[7e3], [8e3]]
+    assert found.preload.tolist() == [[0.01], [-0.01]]
+    for wrong in ((0.0,), (450.0, 1.01), (450.0, -0.01), (450.0, 0.1, -1.0)):
+        with pytest.raises(InputError):
+            cases_of(e62, *wrong)

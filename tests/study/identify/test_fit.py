@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from linear_problem import AT, PATHS, RANGES, STARTS, Linear, fitted, problem
 from rich.console import Console
+from scipy.stats import chi2
 
 from nipper_pin import SimulationError
 from nipper_pin.errors import MisfitError
@@ -29,9 +30,9 @@ END = np.array([0.3, 0.6, 0.4])
 OWN = (np.array(STARTS) - [low for low, _ in RANGES]) / [high - low for low, high in RANGES]
 
 
-def linear(edge: float = 2.0, **others: Any) -> Linear:
-    """Targets of sigma two that are met at an end."""
-    asked = problem(MATRIX @ END + 100.0, np.full(4, 2.0), **others)
+def linear(edge: float = 2.0, sigma: float = 2.0, off: Any = 0.0, **others: Any) -> Linear:
+    """Targets of sigma two that are met at an end, or are off by so much."""
+    asked = problem(MATRIX @ END + 100.0 + off, np.full(4, sigma), **others)
     return Linear(asked, matrix=MATRIX, offset=np.full(4, 100.0), edge=edge)
 
 
@@ -52,6 +53,17 @@ def test_a_descent_ends_where_the_normal_equations_say() -> None:
         assert found.cost == pytest.approx(cost, rel=1e-6)
         assert (found.converged, found.reason) == (True, "")
     assert not descend(objective, np.array([0.9, 0.1, 0.5]), max_steps=1).converged
+
+
+def test_weights_alone_decide() -> None:
+    """Sigmas that are all larger by one factor change no number, only what is left of the cost."""
+    off = np.array([1.0, -2.0, 0.5, 1.5])
+    best = END + np.linalg.lstsq(MATRIX, off, rcond=None)[0]
+    left = float(((MATRIX @ (best - END) - off) ** 2).sum())
+    for sigma in (0.5, 2.0, 30.0):
+        found = descend(linear(sigma=sigma, off=off), np.array([0.9, 0.1, 0.5]))
+        assert found.z == pytest.approx(best, abs=1e-6)
+        assert found.cost == pytest.approx(0.5 * left / sigma**2, rel=1e-6)
 
 
 def test_a_descent_begins_at_the_first_draw_that_makes_a_machine() -> None:
@@ -132,21 +144,13 @@ def test_what_a_fit_says_of_itself() -> None:
 
 
 def test_what_targets_determine() -> None:
-    """Covariance with a range's own variance of 1 / 12 for each number."""
+    """Slopes by sigmas, without the prior; and what is said of them."""
     found = determinability(linear(prior_weight=5.0), END)
     slope = MATRIX / 2.0
     assert found.jacobian == pytest.approx(slope, abs=1e-9)
     assert found.singular_values == pytest.approx(
         np.sqrt(np.linalg.eigvalsh(slope.T @ slope))[::-1]
     )
-    for scale in (1.0, 2.5):
-        inverse = np.linalg.inv(slope.T @ slope / scale**2 + 12.0 * np.eye(3))
-        deviations = np.sqrt(np.diag(inverse))
-        assert list(found.scaled_deviations(scale).values()) == pytest.approx(deviations)
-        if scale == 1.0:
-            assert list(found.deviations.values()) == pytest.approx(deviations)
-            assert found.narrowed == pytest.approx(deviations * math.sqrt(12.0))
-            assert found.correlations == pytest.approx(inverse / np.outer(deviations, deviations))
     made = replace(found, narrowed=np.array([0.51, 0.2, 0.49]), correlations=np.array(
         [[1.0, -0.6, 0.3], [-0.6, 1.0, 0.7], [0.3, 0.7, 1.0]]))  # fmt: skip
     assert made.ranked() == ((PATHS[1], 0.2), (PATHS[2], 0.49), (PATHS[0], 0.51))
@@ -276,3 +280,44 @@ def test_a_start_that_was_lost_is_in_the_record() -> None:
         "closing_index": 0.5, "opening_index": 0.0, "jaw_opening_deg": -3.0, "stop_force_N": 0.0,
     }  # fmt: skip
     assert [row["why"] for row in found["parameters"]] == [f"because of {path}" for path in PATHS]
+
+
+def test_the_record_of_a_line() -> None:
+    """Every number that it states, by plain algebra with a range's own variance of 1 / 12."""
+    off = np.array([3.0, -1.0, 2.0, 5.0])
+    fit = fitted(linear(off=off), *END)
+    found = record(fit, fit.goodness, fit.known)
+    slope, wanted = MATRIX / 2.0, MATRIX @ END + 100.0 + off
+    covariance = np.linalg.inv(slope.T @ slope + 12.0 * np.eye(3))
+    chi_square, freedom = float((off**2).sum() / 4.0), 4.0 - np.trace(slope @ covariance @ slope.T)
+    scale = math.sqrt(chi_square / freedom)
+    scaled = np.linalg.inv(slope.T @ slope / scale**2 + 12.0 * np.eye(3))
+    good = {key: found["goodness"][key] for key in
+            ("chi_square", "degrees_of_freedom", "probability", "scale")}  # fmt: skip
+    assert good == pytest.approx({
+        "chi_square": chi_square, "degrees_of_freedom": freedom, "scale": scale,
+        "probability": chi2.sf(chi_square, freedom),
+    }, rel=1e-6)  # fmt: skip
+    deviations = np.sqrt(np.diag(covariance))
+    correlations = covariance / np.outer(deviations, deviations)
+    assert np.array(found["correlations"]) == pytest.approx(correlations, abs=1e-9)
+    values = np.array(found["singular_values"])
+    rows = np.array([[row[path] for path in PATHS] for row in found["directions"]])
+    assert rows.T @ np.diag(values**2) @ rows == pytest.approx(slope.T @ slope, rel=1e-6)
+    assert found["cost"] == pytest.approx(0.5 * chi_square)
+    for place, (row, (low, high)) in enumerate(zip(found["parameters"], RANGES, strict=True)):
+        deviation, larger = (math.sqrt(item[place, place]) for item in (covariance, scaled))
+        assert (row["low"], row["high"], row["at_bound"]) == (low, high, None)
+        assert row["identified"] == pytest.approx(low + END[place] * (high - low))
+        assert row["standard_deviation"] == pytest.approx(deviation * (high - low))
+        assert row["standard_deviation_scaled"] == pytest.approx(larger * (high - low), rel=1e-6)
+        assert row["range_left"] == pytest.approx(deviation * math.sqrt(12.0))
+        assert row["determined"] == (row["range_left"] < 0.5)
+    for place, row in enumerate(found["targets"]):
+        assert (row["wanted"], row["sigma"]) == (wanted[place], 2.0)
+        assert row["found"] == pytest.approx(wanted[place] - off[place])
+        assert row["residual_sigmas"] == pytest.approx(-off[place] / 2.0)
+        assert row["relative_deviation"] == pytest.approx(-off[place] / wanted[place])
+    within = np.abs(off / wanted)
+    assert found["within_4_percent"] == np.count_nonzero(within <= 0.04)
+    assert found["within_10_percent"] == np.count_nonzero(within <= 0.1)

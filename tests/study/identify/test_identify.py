@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -13,8 +14,18 @@ import mpmath
 import numpy as np
 import pytest
 from linear_problem import Linear, fitted
+from rich.console import Console
 
-from nipper_pin import Case, InputError, Mechanism, SimulationError, check, load, simulate
+from nipper_pin import (
+    Case,
+    InputError,
+    Mechanism,
+    SimulationError,
+    Window,
+    check,
+    load,
+    simulate,
+)
 from nipper_pin.cli import main
 from nipper_pin.study.identify import (
     Condition,
@@ -30,6 +41,7 @@ from nipper_pin.study.identify import (
     write_model,
 )
 from nipper_pin.study.identify.fitting.fit import descend
+from nipper_pin.view.studies.identify_report import print_fit
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "reference"))
 
@@ -245,7 +257,7 @@ def test_published_ratios_of_the_identified_model() -> None:
         assert item.low - 1e-9 <= value <= item.high + 1e-9
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize("speed", [450.0, 550.0, 650.0])
 @pytest.mark.parametrize("stiffness", [7000.0, 9000.0, 11000.0])
 def test_steeve_of_the_identified_model_stays_on_its_stop(speed: float, stiffness: float) -> None:
@@ -276,6 +288,37 @@ def test_best_point_of_the_built_in_problem_is_stationary() -> None:
     assert after.cost == pytest.approx(before, rel=1e-4)
 
 
+@pytest.mark.slow
+def test_the_true_transition_is_fitted(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The number comes back, and it is said whose transition it was.
+
+    The first rebound of whole turns, from the usual start of a turn, is 12.6 and not 7.1 mrad.
+    Without noise the search ends where its step is below 1e-6 of the range of 2 mm. The assumed
+    transition, of another approach rate, would need another preload for these values.
+    """
+    known = {RESTITUTION: 0.18674, "springs.steeve.stiffness_N_per_m": 7065.98}
+    machine = load("e62", {PRELOAD: 9.25486, **known})
+    turn = simulate(machine, Case(speed_rpm=681.27, window=Window.CYCLE))
+    first, second, *_ = (hit for hit in turn.collisions if hit.stop == "jaw")
+    assumed = simulate(machine, Case(speed_rpm=681.27)).collisions[0].rebound_amplitude
+    assert (first.rebound_amplitude or 0.0) > 1.5 * (assumed or math.inf)
+    rows = [("rebound_amplitude_1", first.rebound_amplitude),
+            ("rebound_time_s_1", first.rebound_time),
+            ("rebound_amplitude_2", second.rebound_amplitude)]  # fmt: skip
+    body = "".join(
+        f'[[targets]]\nname = "{name}"\nquantity = "{name}"\nat = {{ speed_rpm = 681.27 }}\n'
+        f"value = {value!r}\nrelative_sigma = 0.01\n"
+        for name, value in rows
+    )
+    body += "[set]\n" + "".join(f'"{path}" = {value}\n' for path, value in known.items())
+    problem = read_problem(problem_file(tmp_path, body + free({PRELOAD: (8.9, 11.1)})))
+    fit = identify(problem, starts=1, workers=1)
+    assert fit.values[PRELOAD] == pytest.approx(9.25486, abs=1e-4)
+    assert {fit.premise_holds(target) for target in problem.targets} == {False}
+    print_fit(fit, fit.goodness, fit.known, (), Console(width=200))
+    assert "681.27 r/min: the transition of the turn" in capsys.readouterr().out
+
+
 @pytest.fixture
 def impossible(tmp_path: Path) -> Path:
     """Nothing approaches the floor in the touch configuration, whatever the numbers."""
@@ -293,19 +336,9 @@ def test_a_search_without_a_machine(impossible: Path) -> None:
         identify(read_problem(impossible), starts=2, workers=1)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "word"),
-    [
-        (["--out", "taken"], "not empty"),
-        (["--out", "file"], "not a folder"),
-        (["--out", "file/below"], "not a folder"),
-        (["--json", "absent/result.json"], "no folder"),
-        (["--json", "taken"], "is a folder"),
-    ],
-)
 def test_what_cannot_be_written_is_refused_before_the_search(
     impossible: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str], arguments: list[str], word: str,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:  # fmt: skip
     """A search takes minutes; this one would end with another status and other words."""
     (tmp_path / "taken").mkdir()
@@ -313,8 +346,10 @@ def test_what_cannot_be_written_is_refused_before_the_search(
     (tmp_path / "file").write_text("mine", encoding="utf-8")
     before = sorted(tmp_path.rglob("*"))
     monkeypatch.chdir(tmp_path)
-    assert main(["identify", str(impossible), *arguments]) == 2
-    assert word in " ".join(capsys.readouterr().err.split())
+    for arguments, word in (("--out taken", "not empty"), ("--out file/below", "not a folder"),
+                            ("--json absent/result.json", "no folder")):  # fmt: skip
+        assert main(["identify", str(impossible), *arguments.split()]) == 2
+        assert word in " ".join(capsys.readouterr().err.split())
     assert sorted(tmp_path.rglob("*")) == before
 
 
@@ -365,6 +400,3 @@ def test_command_writes_a_model_that_simulate_accepts(
     text = (folder / "found.toml").read_text(encoding="utf-8")
     assert "never the maker's" in text.lower()
     assert "identified: 12.3" in text
-    # A second model is not written over the first.
-    assert main([*arguments, "--out", str(folder), "--json", "-"]) == 2
-    assert "not empty" in capsys.readouterr().err

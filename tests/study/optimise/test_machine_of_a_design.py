@@ -24,8 +24,6 @@ FREE = {
 }
 PROBLEMS = {
     "settings": ["restitution", "stiffness", "preload", "speed_rpm"],
-    "one of each": ["drives.tension.ratio", "restitution", "preload"],
-    "all": list(FREE),
     "all backwards": list(FREE)[::-1],
 }
 
@@ -52,7 +50,7 @@ def test_the_machine_is_that_of_its_numbers(names: list[str], tmp_path: Path) ->
     source, count = Evaluator(asked), len(names)
     middle = np.full(count, 0.5)
     alone = [middle + 0.25 * unit for unit in np.eye(count)]
-    others = list(np.random.default_rng(4).uniform(size=(20, count)))
+    others = list(np.random.default_rng(4).uniform(size=(17, count)))
     for z in (middle, *alone, middle, *others, middle):
         wanted = load(asked.model, asked.overrides(z))
         np.testing.assert_allclose(numbers(source.mechanism(z)), numbers(wanted), atol=1e-15)

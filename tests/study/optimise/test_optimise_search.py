@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import time
 from collections.abc import Callable, Iterable
@@ -30,6 +31,7 @@ from nipper_pin.study.optimise.search.samples import (
 from nipper_pin.study.optimise.search.stages import screen
 from nipper_pin.study.optimise.search.trace import Scales
 from nipper_pin.study.optimise.work import Work
+from nipper_pin.study.processes import WorkerError
 from nipper_pin.tolerances.study import QUANTITY_ROUND_OFF
 
 HEAD = f"""
@@ -212,3 +214,6 @@ def test_parts_of_a_search(workers: int) -> None:
         assert work.one(lambda: 5) == 5
         assert told[-1] == (3, 3)
         assert work.mapper(abs, [-3, 2]) == [3, 2]
+        if workers > 1:
+            with pytest.raises(WorkerError, match="a worker process died"):
+                work.all([partial(os._exit, 3), partial(late, 0.0, 1)])
