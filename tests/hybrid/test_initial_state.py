@@ -7,25 +7,17 @@ from typing import Any
 
 import numpy as np
 import pytest
+from small_machines import frame, hinge, link, machine, slide, sources, turn
 
 from nipper_pin import (
-    Case,
     ConvergenceError,
     InputError,
     Mechanism,
-    ModelError,
-    Solution,
     UnknownNameError,
-    simulate,
 )
 from nipper_pin.mechanism import from_sources, number_of, with_numbers
-from tests.small_machines import frame, hinge, link, machine, slide, sources
 
 RADIUS, LENGTH = 0.03, 0.1
-
-
-def _turn(mechanism: Mechanism, **case: Any) -> Solution:
-    return simulate(mechanism, Case(speed_rpm=60.0, window="cycle", start_index=0.0, **case))
 
 
 def test_an_oscillator_starts_where_and_as_fast_as_it_is_told() -> None:
@@ -33,7 +25,7 @@ def test_an_oscillator_starts_where_and_as_fast_as_it_is_told() -> None:
     parts = [link("ram", mass=2.0), slide("ram", "frame", "ram")]
     springs = {"pull": {"joint": "ram", "stiffness_N_per_m": 800.0, "preload_length_mm": 0.0}}
     initial = {"ram": {"at_mm": 12.0, "rate_mm_per_s": -300.0}}
-    solution = _turn(machine(parts, 1, springs=springs, initial=initial))
+    solution = turn(machine(parts, 1, springs=springs, initial=initial))
     t = np.linspace(0.0, 1.0, 11)
     expected = 0.012 * np.cos(20.0 * t) - 0.015 * np.sin(20.0 * t)
     assert solution.trajectory.evaluate(t).q[:, 0] == pytest.approx(expected, abs=1e-11)
@@ -54,7 +46,7 @@ def _slider_crank(**tables: Any) -> Mechanism:
 def test_links_of_a_loop_follow_what_is_given(angle: float) -> None:
     """x = r cos a + sqrt(l2 - r2 sin2 a), and its rate."""
     initial = {"crank": {"at_deg": angle, "rate_rad_per_s": 2.0}}
-    solution = _turn(_slider_crank(initial=initial))
+    solution = turn(_slider_crank(initial=initial))
     state = solution.trajectory.evaluate(np.zeros(1))
     place = {joint.name: joint.index for joint in solution.mechanism.joints}
     a = math.radians(angle)
@@ -68,7 +60,7 @@ def test_links_of_a_loop_follow_what_is_given(angle: float) -> None:
 
 def test_the_other_end_of_a_loop_may_be_given() -> None:
     """Crank and rod of a three-link chain stand bent, so the ram's place determines them."""
-    told = _turn(_slider_crank(initial={"rod": {"at_deg": 10.0}}))
+    told = turn(_slider_crank(initial={"rod": {"at_deg": 10.0}}))
     state = told.trajectory.evaluate(np.zeros(1))
     place = {joint.name: joint.index for joint in told.mechanism.joints}
     sine = LENGTH * math.sin(math.radians(10.0)) / RADIUS
@@ -92,29 +84,18 @@ def test_a_start_can_be_set_without_being_in_the_file() -> None:
     assert "initial" not in description
 
 
-def test_without_a_start_free_coordinates_begin_at_touch_and_at_rest() -> None:
-    parts = [
-        link("sled"),
-        slide("sled", "frame", "sled"),
-        link("ball"),
-        slide("ball", "sled", "ball"),
-    ]
-    drives = {"sled": {"joint": "sled", "law": "screw", "lead_mm_per_turn": 5.0}}
-    state = _turn(machine(parts, 2, drives=drives)).trajectory.evaluate(np.zeros(1))
-    assert state.q[0, 1] == state.v[0, 1] == 0.0
-
-
 def test_a_start_on_a_stop_that_it_strikes_is_a_collision() -> None:
     parts = [link("ram"), slide("ram", "frame", "ram")]
     stops = {"floor": {"joint": "ram", "restitution": 0.5, "at_mm": -4.0}}
     initial = {"ram": {"at_mm": -4.0, "rate_mm_per_s": -100.0}}
-    solution = _turn(machine(parts, 1, stops=stops, initial=initial))
+    solution = turn(machine(parts, 1, stops=stops, initial=initial))
     (hit,) = solution.collisions
     assert hit.t == 0.0
     assert hit.separation_rate == pytest.approx(0.05, rel=1e-14)
 
 
-def _ball(**changes: Any) -> Mechanism:
+def test_a_joint_on_its_stop_has_no_start_of_its_own() -> None:
+    """Without a start free coordinates begin at touch and at rest; other mistakes: `refusals`."""
     parts = [
         link("sled"),
         slide("sled", "frame", "sled"),
@@ -127,35 +108,16 @@ def _ball(**changes: Any) -> Mechanism:
         "phases": [{"number": 1, "name": "open", "closed": []},
                    {"number": 2, "name": "shut", "closed": ["floor"]}],
     }  # fmt: skip
-    return machine(parts, 2, **{**tables, **changes})
-
-
-@pytest.mark.parametrize(
-    ("initial", "kind", "words"),
-    [
-        ({"bal": {"at_mm": 1.0}}, UnknownNameError, "no joint named 'bal'.*ball, sled"),
-        ({"sled": {"at_mm": 1.0}}, ModelError, "drive sled says where sled starts"),
-        ({"ball": {"at_deg": 1.0}}, ModelError, "at_deg.*starts with at_mm and rate_mm_per_s"),
-        ({"ball": {"at_mm": -4.25}}, ModelError, "stop floor leaves open; this is 0.25 mm beyond"),
-        ({"ball": {"speed": 1.0}}, ModelError, "initial.ball.speed.*unknown key"),
-    ],
-)
-def test_what_cannot_be_a_start_is_refused(
-    initial: dict[str, Any], kind: type[Exception], words: str
-) -> None:
-    with pytest.raises(kind, match=words):
-        _ball(initial=initial)
-
-
-def test_a_joint_on_its_stop_has_no_start_of_its_own() -> None:
+    state = turn(machine(parts, 2, **tables)).trajectory.evaluate(np.zeros(1))
+    assert state.q[0, 1] == state.v[0, 1] == 0.0
     with pytest.raises(InputError, match=r"stands on stop 'floor' in phase 2"):
-        _turn(_ball(initial={"ball": {"at_mm": 1.0}}, initial_phase=2))
+        turn(machine(parts, 2, **tables, initial={"ball": {"at_mm": 1.0}}, initial_phase=2))
 
 
 def test_more_than_is_free_is_refused() -> None:
     both = {"crank": {"at_deg": 10.0}, "ram": {"at_mm": -1.0}}
     with pytest.raises(InputError, match=r"crank, ram.*are 2 coordinates.*leave 1 free"):
-        _turn(_slider_crank(initial=both))
+        turn(_slider_crank(initial=both))
 
 
 def test_a_place_out_of_reach_says_by_how_much() -> None:
@@ -163,5 +125,5 @@ def test_a_place_out_of_reach_says_by_how_much() -> None:
     with pytest.raises(
         ConvergenceError, match=r"mm remain.*closure 'pin'.*rod where .initial. says"
     ) as bad:
-        _turn(_slider_crank(initial={"rod": {"at_deg": 30.0}}))
+        turn(_slider_crank(initial={"rod": {"at_deg": 30.0}}))
     assert bad.value.evidence["residual"] > 0.0

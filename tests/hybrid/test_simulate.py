@@ -107,20 +107,15 @@ def test_without_losses_there_is_no_rest_and_the_run_says_so() -> None:
     assert solution.checks.energy_balance <= 1e-9
 
 
-@pytest.mark.parametrize("most", [1, 2, 5])
-def test_the_largest_number_of_collisions_is_kept(e62: Mechanism, most: int) -> None:
-    """The run stops after exactly that many collisions and says why."""
-    solution = simulate(e62, Case(speed_rpm=650.0, max_collisions=most))
-    assert len(solution.collisions) == most
-    assert solution.outcome is Outcome.TOO_MANY_COLLISIONS
-    assert "max_collisions" in solution.outcome.value
-
-
-def test_the_largest_number_of_collisions_counts_in_every_turn(e62: Mechanism) -> None:
+def test_the_largest_number_of_collisions_is_kept_in_every_turn(e62: Mechanism) -> None:
     """A turn at 650 r/min has 21 collisions: 21 are enough for three turns, 20 are not for one."""
+    for most in (1, 2, 5):
+        short = simulate(e62, Case(speed_rpm=650.0, max_collisions=most))
+        assert len(short.collisions) == most
+        assert short.outcome is Outcome.TOO_MANY_COLLISIONS
+    assert "max_collisions" in short.outcome.value
     case = {"speed_rpm": 650.0, "window": Window.CYCLE, "cycles": 3, "reuse_cycles": False}
-    whole = simulate(e62, Case(**case))
-    a_turn = len(whole.collisions) // 3
+    a_turn = len(simulate(e62, Case(**case)).collisions) // 3
     assert simulate(e62, Case(**case, max_collisions=a_turn + 1)).outcome is Outcome.COMPLETED
     short = simulate(e62, Case(**case, max_collisions=a_turn - 1))
     assert short.outcome is Outcome.TOO_MANY_COLLISIONS
@@ -170,19 +165,13 @@ def test_copied_turns_equal_computed_ones(e62: Mechanism, speed: float) -> None:
     for ours, theirs in zip(copied.collisions, computed.collisions, strict=True):
         assert ours.index == pytest.approx(theirs.index, abs=1e-9)
         # Those that a run leaves out included: they are followed once for all copies of a turn.
-        for told, true in (
-            (ours.rebound_time, theirs.rebound_time),
-            (ours.rebound_amplitude, theirs.rebound_amplitude),
-        ):
+        for name in ("rebound_time", "rebound_amplitude"):
+            told, true = getattr(ours, name), getattr(theirs, name)
             assert (told is None) == (true is None)
             assert (told or 0.0) == pytest.approx(true or 0.0, rel=1e-4, abs=1e-11)
     times = np.linspace(0.0, copied.trajectory.span[1], 100)
-    np.testing.assert_allclose(
-        copied.trajectory.evaluate(times).q,
-        computed.trajectory.evaluate(times).q,
-        rtol=0.0,
-        atol=1e-10,
-    )
+    one, two = (item.trajectory.evaluate(times).q for item in (copied, computed))
+    np.testing.assert_allclose(one, two, rtol=0.0, atol=1e-10)
 
 
 def test_turns_of_a_crank_are_copied_too(tmp_path: Path) -> None:

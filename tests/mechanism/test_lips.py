@@ -12,6 +12,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from any_plane import rewritten
+from scipy.spatial import ConvexHull
 from small_machines import frame, hinge, link, machine, slide
 
 import nipper_pin as nip
@@ -189,6 +190,38 @@ def test_faces_that_are_not_parallel_touch_at_an_edge(tmp_path: Path) -> None:
     assert lever(1e-5, 1.0) == pytest.approx(PLACE, abs=1e-6)
     assert lever(1e-3, 1.0) == pytest.approx(PLACE + HALF, abs=2e-5)
     assert lever(1e-5, 100.0) == pytest.approx(PLACE + HALF, abs=2e-7)
+
+
+@pytest.mark.parametrize("slope", [5e-6, 5e-5])
+def test_lips_lie_together_up_to_where_a_face_slopes_away(
+    slope: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of lips of two metres flat from -0.1 to 0.5 m, so that their middle is 0.2 m further out.
+
+    Beyond, the upper one rises by less than the angle up to which faces count as parallel, but by
+    more than the gap that counts as none.
+    """
+    left, right = -0.1 * HALF, 0.5 * HALF
+    profile = [
+        (-HALF, HALF),
+        (HALF, HALF),
+        (left, -HALF),
+        (right, -HALF),
+        (-HALF, slope * (left + HALF) - HALF),
+        (HALF, slope * (HALF - right) - HALF),
+    ]
+    corners = np.array([(x, y, z) for x, z in profile for y in (-HALF, HALF)])
+    facet = "facet normal 0 0 0\nouter loop\n{}endloop\nendfacet\n"
+    text = "".join(
+        facet.format("".join(f"vertex {x!r} {y!r} {z!r}\n" for x, y, z in corners[three].tolist()))
+        for three in ConvexHull(corners).simplices
+    )
+    (tmp_path / "roof.stl").write_text(f"solid roof\n{text}endsolid roof\n")
+    mesh = '<mesh filename="roof.stl" scale="{2} {2} {2}"/>'
+    monkeypatch.setitem(SHAPES, "roof", (mesh, (0.0, 0.0, 0.0), HALF))
+    folder = draw(tmp_path, ("box", "roof"), "hinge", 0.0, 0.0, Frame(scale=100.0))
+    lever = nip.load(folder).stops[0].lever / 100.0
+    assert lever == pytest.approx(PLACE + 0.5 * (left + right), abs=1e-8)
 
 
 @pytest.mark.parametrize("kind", ["box", "cube"])
