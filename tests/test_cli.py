@@ -69,7 +69,9 @@ def test_numbers_with_shortcuts_are_in_the_document(
     assert "restitution" not in case
 
 
-@pytest.mark.parametrize("arguments", [[], ["fly"], ["simulate", "--speed", "fast"]])
+@pytest.mark.parametrize(
+    "arguments", [[], ["fly"], *(["simulate", "--speed", text] for text in ("fast", "1_0", "٣"))]
+)
 def test_arguments_that_do_not_parse_give_status_2(
     arguments: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:

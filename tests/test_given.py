@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 import nipper_pin as nip
-from nipper_pin.cli import main
 from nipper_pin.given import read_number, read_whole
 from nipper_pin.study.identify import identify
 from nipper_pin.study.optimise import optimise
@@ -105,38 +103,3 @@ def test_numbers_of_numpy_become_those_of_python(value: Any) -> None:
 def test_texts_that_are_no_numbers(read: Callable[[str], float], text: str) -> None:
     with pytest.raises(ValueError, match=r"number|literal|convert"):
         read(text)
-
-
-@pytest.mark.parametrize("text", ["1_0", "٣"])
-@pytest.mark.parametrize(
-    "path",
-    ["stops.jaw.restitution", "links.top_nipper.mass_kg", "points.rod_pin.x_mm", "restitution",
-     "urdf.joint.jaw.origin.xyz.x", "degrees_of_freedom"],
-)  # fmt: skip
-def test_changes_of_a_model(path: str, text: str) -> None:
-    with pytest.raises(nip.ModelError, match="a number"):
-        nip.load("e62", {path: text})
-
-
-@pytest.mark.parametrize("number", ["1_0", "٣", "１"])  # noqa: RUF001
-def test_numbers_in_tables(tmp_path: Path, number: str) -> None:
-    folder = tmp_path / "mine"
-    folder.mkdir()
-    source = Path(E62.mesh_folder)
-    (folder / "mine.urdf").write_text(E62.urdf, encoding="utf-8")
-    toml = (source / "e62.toml").read_text(encoding="utf-8")
-    table = '[springs.steeve]\njoint = "steeve"\nfile = "s.csv"\n'
-    begin, end = toml.index("[springs.steeve]"), toml.index("# A stop keeps")
-    toml = (toml[:begin] + table + toml[end:]).partition("# Short names")[0]
-    (folder / "mine.toml").write_text(toml, encoding="utf-8")
-    (folder / "s.csv").write_text(f"coordinate_mm,force_N\n-1,90\n0,{number}\n30,400\n", "utf-8")
-    with pytest.raises(nip.ModelError, match=f"s.csv: line 3 force_N = '{number}'"):
-        nip.load(folder)
-
-
-@pytest.mark.parametrize("words", [["--speed", "1_0"], ["--speed", "٣"], ["--restitution", "1_"]])
-def test_numbers_of_the_command_line(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit) as caught:
-        main(["simulate", *words])
-    assert caught.value.code == 2
-    assert f"invalid float value: '{words[1]}'" in capsys.readouterr().err

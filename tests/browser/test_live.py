@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import signal
-import statistics
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -32,21 +31,6 @@ SIZE: ViewportSize = {"width": 900, "height": 700}
 # Panels of viser's own have fields and sliders as well, which are hidden.
 PANEL = "div:has(> div > #layout)"
 FIELD = f"{PANEL} .mantine-TextInput-input"
-# Times from the key to the new numbers in the page, as the page itself sees both.
-STOPWATCH = """() => {
-    window.delays = [];
-    addEventListener('keydown', () => {
-        const began = performance.now(), before = document.querySelector('#setting').textContent;
-        const watch = new MutationObserver(() => {
-            const now = document.querySelector('#setting');
-            if (now && now.textContent !== before) {
-                window.delays.push(performance.now() - began);
-                watch.disconnect();
-            }
-        });
-        watch.observe(document.body, {subtree: true, childList: true, characterData: true});
-    }, true);
-}"""
 
 
 @pytest.fixture(scope="module")
@@ -282,42 +266,9 @@ def test_what_the_picture_tells_is_the_motion_of_the_setting(page: Page) -> None
     assert (pressed > 50.0) == (moment > wanted.events[-1].t)
 
 
-def test_the_page_says_what_it_is(page: Page) -> None:
-    assert "not the maker's data" in page.inner_text("#title")
-    assert "none is the maker's" in page.inner_text("#note")
-    assert page.locator("[data-key=engine]").inner_text().startswith("direct, ")
-
-
-def test_the_delay_of_the_numbers_can_be_read(page: Page) -> None:
-    """Every key has its answer, one by one; `pytest -s` prints how long they took."""
-    page.wait_for_timeout(2000)
-    page.evaluate(STOPWATCH)
-    slider(page, SPEED).focus()
-    for count in range(1, 13):
-        page.keyboard.press("ArrowRight" if count <= 6 else "ArrowLeft")
-        page.wait_for_function("count => window.delays.length === count", arg=count)
-    delays = page.evaluate("window.delays")
-    print(
-        f"slider to numbers: {min(delays):.0f} to {max(delays):.0f} ms, "
-        f"median {statistics.median(delays):.0f} ms"
-    )
-
-
-def test_a_bad_number_is_refused_within_a_second_and_nothing_else_changes(page: Page) -> None:
-    """The time is the page's own: from the letter to the words; the numbers stay."""
-    page.evaluate(
-        """() => addEventListener('input', () => {
-            const began = performance.now();
-            new MutationObserver((_, watch) => {
-                if (!document.querySelector('.refused')) return;
-                window.refusedAfter = performance.now() - began;
-                watch.disconnect();
-            }).observe(document.body, {subtree: true, childList: true});
-        }, {capture: true, once: true})"""
-    )
+def test_a_bad_number_is_refused_and_nothing_else_changes(page: Page) -> None:
     field(page, SPEED).fill("3000")
     page.wait_for_selector(".refused")
-    assert page.evaluate("window.refusedAfter") < 1000.0
     assert page.inner_text(".refused") == (
         "speed: 180 to 900 r/min. Refused: 3000 is too large. Shown: 650 r/min."
     )

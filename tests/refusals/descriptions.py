@@ -265,6 +265,8 @@ def swings(old: bytes = b"", new: bytes = b"", name: str = "x") -> Row:
 FILES = {
     "column": file(b"coordinate_mm,force\n" + LINES),
     "number": file(HEAD + LINES.replace(b"100.0", b"soft")),
+    **{f"number {text}": file(HEAD + LINES.replace(b"100.0", text.encode()))
+       for text in ("1_0", "\u0663", "\uff11")},
     "no number": file(HEAD + LINES.replace(b"100.0", b"")),
     "order": file(HEAD + LINES.replace(b"5.0", b"1.0")),
     "one row": file(HEAD + b"0.0,90.0\n"),
