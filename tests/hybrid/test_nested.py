@@ -95,24 +95,23 @@ def test_a_straight_line_is_met_by_three_points() -> None:
     assert error <= 64.0 * EPS
 
 
-def test_nothing_comes_to_rest_that_is_not_pressed_or_loses_nothing() -> None:
-    """A deceleration that passes zero before the limit, or restitution one, has no end."""
+@pytest.mark.parametrize(
+    "rates", [[], [1.0], [1.0, 0.5], [1.0, 1.0, 0.5], [0.5, 1.0, 0.2], [1.0, 0.5, 0.6]]
+)
+def test_no_limit_while_the_rates_do_not_fall(rates: list[float]) -> None:
+    """Too few collisions or rates that do not fall leave the end and its error infinite.
+
+    So does a deceleration that passes zero before the limit, and restitution one.
+    """
+    series = BounceSeries("stop", 0.0)
+    for number, rate in enumerate(rates):
+        series = series.bounced(0.1 * number, rate, 1.0)
+    assert series.limit(0.5) == (np.inf, np.inf)
     series = BounceSeries("stop", 0.0)
     for w in (1.0, 0.5, 0.25):
         series = series.bounced(-w, w, w - 0.1)
     assert series.limit(0.5) == (np.inf, np.inf)
     assert _series(0.5, 6).limit(1.0) == (np.inf, np.inf)
-
-
-@pytest.mark.parametrize(
-    "rates", [[], [1.0], [1.0, 0.5], [1.0, 1.0, 0.5], [0.5, 1.0, 0.2], [1.0, 0.5, 0.6]]
-)
-def test_no_limit_while_the_rates_do_not_fall(rates: list[float]) -> None:
-    """Too few collisions or rates that do not fall leave the end and its error infinite."""
-    series = BounceSeries("stop", 0.0)
-    for number, rate in enumerate(rates):
-        series = series.bounced(0.1 * number, rate, 1.0)
-    assert series.limit(0.5) == (np.inf, np.inf)
 
 
 def test_series_remembers_its_start_and_its_fastest_rate() -> None:

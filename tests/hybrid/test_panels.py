@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from math import inf
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,7 +12,6 @@ from small_machines import SLED, frame, link, machine, slide, turn
 from nipper_pin import Case, ConvergenceError, Mechanism, Resolution, Window, load, simulate
 from nipper_pin.dynamics import Partition, ShaftMotion, System, impact
 from nipper_pin.hybrid import advance
-from nipper_pin.hybrid import advance as advancing
 from nipper_pin.hybrid.event_location.guards import _gap_root
 from nipper_pin.hybrid.motion.chebyshev import nodes
 from nipper_pin.hybrid.motion.kinematics import kinematic_panel
@@ -25,66 +22,52 @@ from nipper_pin.hybrid.result.energy_balance import _exchanged
 from nipper_pin.hybrid.run.series import bounces
 from nipper_pin.mechanism import Stop
 
-MODEL = Path(__file__).parents[1] / "verification" / "models" / "bouncing_mass"
-
-
-@pytest.fixture(scope="module")
-def system() -> System:
-    """The bouncing mass at 60 r/min."""
-    return System(load(MODEL), ShaftMotion(load(MODEL), 2.0 * np.pi, 0.0))
-
-
+MASS = machine([link("mass"), slide("x", "frame", "mass")], 1)
 UPPER = Stop(name="ceiling", index=0, restitution=0.5, contact=None, sense=-1.0, at=0.1)
 
 LOWER = Stop(name="floor", index=0, restitution=0.5, contact=None)
 
 
-def _fall(
-    system: System, gap: float, rate: float, acceleration: float, stop: Stop = LOWER
-) -> float | None:
+def _fall(gap: float, rate: float, acceleration: float, stop: Stop = LOWER) -> float | None:
     """Root of gap + rate t + acceleration t^2 / 2 on a panel of one second, by the engine."""
-    nv, count = system.body.nv, 8
-    stop = replace(stop, index=system.mechanism.stop("table").index)
-    q, v, a = np.zeros((3, count, nv))
-    q[0, stop.index] = stop.at + stop.sense * gap
-    v[0, stop.index], a[:, stop.index] = stop.sense * rate, stop.sense * acceleration
-    panel = Panel(0.0, 1.0, q, v, a, split=Partition((), tuple(range(nv))), integrated=True)
+    q, v, a = np.zeros((3, 8, 1))
+    q[0], v[0], a[:] = stop.at + stop.sense * gap, stop.sense * rate, stop.sense * acceleration
+    system = System(MASS, ShaftMotion(MASS, 2.0 * np.pi, 0.0))
+    panel = Panel(0.0, 1.0, q, v, a, split=Partition((), (0,)), integrated=True)
     return _gap_root(system, system.constraint_set(frozenset()), panel, stop)
 
 
 @pytest.mark.parametrize("gap", [1.0, 1e-3, 1e-6, 1e-9, 1e-12, 1e-15])
-def test_a_gap_however_small_at_the_start_closes_at_its_root(system: System, gap: float) -> None:
+def test_a_gap_however_small_at_the_start_closes_at_its_root(gap: float) -> None:
     """With gap d, rate -2 and acceleration -2 the root is sqrt(1 + d) - 1, about d / 2.
 
     For small d it lies before every inner point of any grid. The root is a difference of numbers of
     order one times the panel length only through the gap itself, hence 1e-12 of it, and the
     resolution of the time scale, 4 eps.
     """
-    root = _fall(system, gap, -2.0, -2.0)
+    root = _fall(gap, -2.0, -2.0)
     wanted = gap / (np.sqrt(1.0 + gap) + 1.0)
     assert root == pytest.approx(wanted, rel=1e-12, abs=1e-15)
 
 
 @pytest.mark.parametrize("stop", [LOWER, UPPER], ids=lambda stop: stop.name)
 @pytest.mark.parametrize("rate", [0.4, 1e-1, 1e-2, 1e-3])
-def test_a_gap_that_opens_from_zero_closes_a_flight_later(
-    system: System, rate: float, stop: Stop
-) -> None:
+def test_a_gap_that_opens_from_zero_closes_a_flight_later(rate: float, stop: Stop) -> None:
     """From zero with rate w and acceleration -g the gap is back at 2 w / g.
 
     The zero at the start is no trigger, and the flight may be 500 times shorter than the panel;
     then the double integral, exact to one eps of its scale, leaves eps / w of the time. At an
     upper stop at 0.1 the flight is 5e-7 high, and a difference of coordinates would leave 3e-11.
     """
-    assert _fall(system, 0.0, rate, -1.0, stop) == pytest.approx(2.0 * rate, rel=1e-12)
+    assert _fall(0.0, rate, -1.0, stop) == pytest.approx(2.0 * rate, rel=1e-12)
 
 
 @pytest.mark.parametrize("stop", [LOWER, UPPER], ids=lambda stop: stop.name)
-def test_a_gap_that_stays_open_has_no_root(system: System, stop: Stop) -> None:
+def test_a_gap_that_stays_open_has_no_root(stop: Stop) -> None:
     """A gap that grows, or returns only after the panel, gives no root."""
-    assert _fall(system, 0.0, 1.0, 1.0, stop) is None
-    assert _fall(system, 1.0, 1.0, -3.0, stop) is None
-    assert _fall(system, 0.0, 1.0, -1.9, stop) is None
+    assert _fall(0.0, 1.0, 1.0, stop) is None
+    assert _fall(1.0, 1.0, -3.0, stop) is None
+    assert _fall(0.0, 1.0, -1.9, stop) is None
 
 
 @pytest.mark.parametrize("panels", [33, 53, 66, 99, 110])
@@ -109,9 +92,9 @@ def test_a_phase_of_too_many_panels_is_refused(monkeypatch: pytest.MonkeyPatch) 
     """
     case = Case(speed_rpm=450.0, window=Window.CYCLE, resolution=Resolution(panels_per_turn=400))
     most = max(len(part.panels) for part in simulate(load("e62"), case).segments)
-    monkeypatch.setattr(advancing, "_MOST_PANELS", most)
+    monkeypatch.setattr(advance, "_MOST_PANELS", most)
     simulate(load("e62"), case)
-    monkeypatch.setattr(advancing, "_MOST_PANELS", most - 1)
+    monkeypatch.setattr(advance, "_MOST_PANELS", most - 1)
     with pytest.raises(ConvergenceError, match=f"more than {most - 1} panels") as caught:
         simulate(load("e62"), case)
     assert caught.value.evidence["t"] > 0.0

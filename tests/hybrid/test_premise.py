@@ -74,10 +74,7 @@ def test_false_where_they_do_not(late: Solution) -> None:
     hit = closing(late.mechanism, LATE_RPM)
     assert late.collisions[0].approach_rate == pytest.approx(-17.6355, abs=1e-4)
     assert hit.approach_rate == pytest.approx(-25.5185, abs=1e-4)
-
-
-def test_false_while_it_bounces() -> None:
-    """Bounces of the steeve that outlast the time until the touch."""
+    # Nor where bounces of the steeve outlast the time until the touch.
     lively = load("e62", {"stops.steeve.restitution": 0.97})
     solution = simulate(lively, Case(speed_rpm=650.0))
     assert solution.premise_holds is False
@@ -116,16 +113,14 @@ def test_a_crank_that_winds_on_is_asked(tmp_path: Path) -> None:
         assert ours.t == pytest.approx(theirs.t - second[0].t, abs=1e-11)
 
 
-def test_a_cut_transition_is_judged_alike(late: Solution, e62: Mechanism) -> None:
-    """Where few collisions are asked for, the turn is followed on all the same."""
+def test_cut_and_saved_transitions_are_judged_alike(
+    late: Solution, e62: Mechanism, tmp_path: Path
+) -> None:
+    """Where few collisions are asked for, the turn is followed on all the same; and of a file."""
     for mechanism, speed_rpm, holds in ((late.mechanism, LATE_RPM, False), (e62, 650.0, True)):
         for most in (1, 2, 3):
             case = Case(speed_rpm=speed_rpm, max_collisions=most)
             assert simulate(mechanism, case).premise_holds is holds
-
-
-def test_saved_runs_are_judged_alike(late: Solution, tmp_path: Any) -> None:
-    """A solution that was read from a file says the same."""
     assert load_solution(save(late, tmp_path / "late")).premise == late.premise
 
 

@@ -218,26 +218,6 @@ def test_what_is_bound_to_a_winding_hinge_does_not_repeat(bound: str, tmp_path: 
     assert repeated == (1 if bound == "nothing" else None)
 
 
-@pytest.mark.parametrize("speed", [450.0, 650.0])
-def test_the_jaw_opens_by_the_steeve(e62: Mechanism, speed: float) -> None:
-    """When the steeve comes back on its stop the closed jaw is torn open by the same impact.
-
-    The steeve rebounds by its restitution, the jaw leaves without an impulse of its own.
-    """
-    solution = simulate(e62, Case(speed_rpm=speed, window=Window.CYCLE))
-    opening = next(item for item in solution.collisions if "jaw" in item.event.closed_before)
-    assert opening.stop == "steeve"
-    assert opening.separation_rate == pytest.approx(-0.2 * opening.approach_rate, rel=1e-14)
-    event = opening.event
-    jaw = e62.stop("jaw").index
-    assert event.P_N["jaw"] == 0.0
-    assert event.v_before[jaw] == 0.0
-    assert event.v_after[jaw] > 0.0
-    assert event.closed_after == frozenset()
-    # It stays open to the end of the turn: the steeve rests with the jaw open.
-    assert solution.phases[-1].number == 1
-
-
 def test_an_inertial_cycle_runs_and_loses_drive_speed_in_impacts(e62: Mechanism) -> None:
     """With free shafts the whole turn runs; collisions change the shafts' rates and need no drive.
 

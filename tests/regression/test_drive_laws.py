@@ -46,20 +46,19 @@ def moves_as_its_law(solution: nip.Solution) -> None:
     np.testing.assert_allclose(motion.q[:, drive.index], expected, atol=1e-13)
 
 
+FEW_OR_MANY = [
+    (79.62235533730035, 200.0, 352.0053691993546),
+    pytest.param(np.geomspace(40.0, 900.0, 200), marks=pytest.mark.campaign),
+]
+
+
 @pytest.mark.sampled(7)
+@pytest.mark.parametrize("speeds", FEW_OR_MANY, ids=["few", "many"])
 @pytest.mark.parametrize(("machine", "law"), PAIRS)
-def test_no_law_stops_the_machine(machine: str, law: str) -> None:
+def test_no_law_stops_the_machine(machine: str, law: str, speeds: FloatArray) -> None:
     """Where a piece ended in a dwell "the step falls to 2.4e-13 s", at half of all speeds."""
     mechanism = MACHINES[machine](LAWS[law])
-    for speed in (79.62235533730035, 200.0, 352.0053691993546):
-        moves_as_its_law(turns_of(mechanism, speed))
-
-
-@pytest.mark.campaign
-@pytest.mark.parametrize(("machine", "law"), PAIRS)
-def test_no_law_stops_the_machine_at_any_speed(machine: str, law: str) -> None:
-    mechanism = MACHINES[machine](LAWS[law])
-    for speed in np.geomspace(40.0, 900.0, 200):
+    for speed in speeds:
         moves_as_its_law(turns_of(mechanism, float(speed)))
 
 
