@@ -66,37 +66,6 @@ def test_processes_begin_afresh(monkeypatch: pytest.MonkeyPatch) -> None:
     MARKS.clear()
 
 
-WHO = """
-import importlib, os, sys
-from nipper_pin.study import processes
-
-if __name__ == "__main__":
-    for blas, openmp in ((1, None), (None, 1), (1, 4), (4, 1), (None, None), (None, 2)):
-        for name, count in (("OPENBLAS", blas), ("OMP", openmp)):
-            os.environ.pop(f"{name}_NUM_THREADS", None)
-            if count:
-                os.environ[f"{name}_NUM_THREADS"] = str(count)
-        one = importlib.reload(processes).in_one_thread()
-        here = None
-        if (blas, openmp) in ((1, None), (None, None)):
-            ask = ["__import__('os').getpid()"]
-            here = [list(processes.mapped(eval, ask, k)) == [os.getpid()] for k in (1, 2)]
-        print(one, here)
-"""
-
-
-def test_who_computes(tmp_path: Path) -> None:
-    """This process, if it is one and computes in one thread; OpenBLAS reads its own name first."""
-    (tmp_path / "who.py").write_text(WHO, encoding="utf-8")
-    done = subprocess.run(
-        [sys.executable, tmp_path / "who.py"], capture_output=True, text=True, check=True
-    )
-    assert done.stdout.splitlines() == [
-        "True [True, False]", "True None", "True None", "False None", "False [False, False]",
-        "False None",
-    ]  # fmt: skip
-
-
 PARENT = """
 import time
 from collections.abc import Iterator

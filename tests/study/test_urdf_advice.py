@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import tomllib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -47,45 +46,27 @@ def test_good_models_get_no_advice() -> None:
         assert advised(mechanism) == UrdfAdvice((), ""), mechanism.name
 
 
-def test_limits_become_stops_that_enforce_them() -> None:
-    """A load falls past the lower limit of its slide; the stops to paste hold it there."""
-    parts = [link("hoist"), LIMITED]
-    advice = advised(built(parts))
-    pasted = tomllib.loads(advice.stops)
-    assert pasted["transition_stop"] == "trolley_lower"
-    assert {(item["side"], item["at_mm"]) for item in pasted["stops"].values()} == {
-        ("lower", -100.0), ("upper", 200.0)
-    }  # fmt: skip
-    mended = built(parts, stops=pasted["stops"])
-    solution = simulate(mended, Case(speed_rpm=60.0, window="cycle"))
-    assert solution.collisions[0].t == pytest.approx(math.sqrt(2.0 * 0.1 / 9.81), rel=1e-12)
-    assert advised(mended) == UrdfAdvice((), "")
-
-
-@pytest.fixture
-def hoist(tmp_path: Path) -> Path:
-    """The file of a machine with limits and without stops."""
+def test_limits_become_stops_that_enforce_them(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A load falls past the lower limit of its slide; what the document says to paste holds it."""
     urdf, description = sources([link("hoist"), LIMITED], 1, gravity=9.81)
     del description["transition_stop"]
-    (tmp_path / "hoist").mkdir()
-    (tmp_path / "hoist" / "hoist.urdf").write_text(urdf, encoding="utf-8")
-    file = tmp_path / "hoist" / "hoist.toml"
-    file.write_text(toml(description), encoding="utf-8")
-    return file
-
-
-def test_stops_can_be_pasted_below_others(hoist: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """As the command prints them, and as its document has them."""
-    assert main(["check", str(hoist.parent)]) == 0
-    shown = capsys.readouterr().out
-    assert "To look at" in shown
-    assert '[stops.trolley_upper]\njoint = "trolley"\nside = "upper"\nat_mm = 200.0' in shown
-    assert main(["check", str(hoist.parent), "--json", "-"]) == 0
+    home = tmp_path / "hoist"
+    home.mkdir()
+    (home / "hoist.urdf").write_text(urdf, encoding="utf-8")
+    (home / "hoist.toml").write_text(toml(description), encoding="utf-8")
+    assert main(["check", str(home), "--json", "-"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert document["advice"][0].startswith("limits of joint trolley")
     head, _, tail = document["stops_to_paste"].partition("# At the end:\n")
-    hoist.write_text(head + hoist.read_text(encoding="utf-8") + tail, encoding="utf-8")
-    assert [stop.name for stop in load(hoist.parent).stops] == ["trolley_lower", "trolley_upper"]
+    (home / "hoist.toml").write_text(head + toml(description) + tail, encoding="utf-8")
+    mended = load(home)
+    stops = {stop.name: (stop.sense, stop.at) for stop in mended.stops}
+    assert stops == {"trolley_lower": (1.0, -0.1), "trolley_upper": (-1.0, 0.2)}
+    solution = simulate(mended, Case(speed_rpm=60.0, window="cycle"))
+    assert solution.collisions[0].t == pytest.approx(math.sqrt(2.0 * 0.1 / 9.81), rel=1e-12)
+    assert advised(mended) == UrdfAdvice((), "")
 
 
 def slide(lower: float) -> Mechanism:

@@ -112,13 +112,6 @@ def test_ratios_are_those_of_the_certified_solution(study):
     assert [item.ours for item in study.ratios] == pytest.approx(expected, rel=1e-10)
 
 
-def test_first_impulses_are_proportional_to_the_speed(study):
-    """With held shafts the approach rate is the speed times geometry, and the impulse likewise."""
-    data = study.studies.speed
-    per_speed = data.table.impulse[:, 0] / data.values
-    assert per_speed == pytest.approx(per_speed[0], rel=1e-11)
-
-
 @pytest.mark.parametrize("threshold", [0.003, 0.06])
 def test_a_count_is_that_of_a_run_with_this_threshold(study, threshold):
     """Counted from one list of rates; the phase manager decides step by step."""

@@ -8,14 +8,13 @@ from __future__ import annotations
 
 import json
 from importlib import import_module
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from benchmarks.peers import Four, Setting, available
+from benchmarks.peers import Four, Setting
 from benchmarks.peers.protocol import Bounces
 from nipper_pin import Case, Mechanism, load, simulate
 from nipper_pin.dynamics import System
@@ -149,23 +148,6 @@ def test_fixed_steps_have_the_order_of_their_method(
     worst = [max(_errors(run(Setting("", step, method="forward")))) for step in (coarse, fine)]
     expected = (coarse / fine) ** order
     assert expected / 2.0 <= worst[0] / worst[1] <= expected * 2.0
-
-
-def test_peers_say_what_they_are() -> None:
-    """Every installed peer has a name, settings from coarse to fine, and its version."""
-    pytest.importorskip("numba")
-    peers = list(available())
-    assert len(peers) >= 3
-    for peer, found in peers:
-        assert peer.NAME
-        assert callable(peer.prepare)
-        assert found == version(peer.PACKAGE)
-        assert any(setting.quick for setting in peer.SETTINGS)
-        values = [setting.value for setting in peer.SETTINGS]
-        assert values == sorted(values, reverse=True)
-        labels = [setting.label for setting in peer.SETTINGS]
-        assert len(set(labels)) == len(labels)
-    assert len({peer.NAME for peer, _ in peers}) == len(peers)
 
 
 def test_bounces_close_a_series_at_its_limit() -> None:

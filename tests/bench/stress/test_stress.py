@@ -1,6 +1,5 @@
 """The stress campaign: a small one, its independence of workers, and what it says and keeps."""
 
-import hashlib
 import json
 import re
 import subprocess
@@ -107,17 +106,6 @@ def test_series_that_hold_series_may_end_at_different_collisions() -> None:
     assert within_errors(with_event(coarse, last, t=late), fine) != []
 
 
-def test_one_case_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """The command judges the case of a number alone, to the last bit, and says what it is."""
-    words = ["--seed", str(SEED), "--first", "6", "--cases", "1", "--workers", "1"]
-    assert main(["stress", *words, "--json", str(tmp_path / "all.json")]) == 0
-    document = json.loads((tmp_path / "all.json").read_text())
-    found = judge(trial(SEED, 6))
-    assert (document["cases"], document[found.word]) == (1, 1)
-    assert document["digest"] == hashlib.sha256(found.fingerprint.encode()).hexdigest()
-    assert f"case 6 ({found.family}): {found.word}, {found.kind}" in capsys.readouterr().out
-
-
 @pytest.mark.parametrize(
     "words", [["--cases", "0"], ["--workers", "0"], ["--time-limit", "0"], ["--seed", "-1"]]
 )
@@ -154,26 +142,6 @@ def test_the_command_reports_and_keeps_failures(
     assert simulated["speed_rpm"] == trial(7, 1, ["speed"]).case["speed_rpm"]
     assert main([*line, "--out", str(tmp_path)]) == 2
     assert "verdicts of another campaign" in capsys.readouterr().err
-
-
-def test_record_of_a_campaign() -> None:
-    """Shares, errors and outcomes by their names, failures, and a digest of all results."""
-    rows = ("speed right AT_REST", "edges wrong hang", "speed refused InputError",
-            "edges right NO_REST", "speed refused AError", "speed right AT_REST")  # fmt: skip
-    verdicts = [
-        Verdict(n, *row.split(), f"because {n}", f"f{n}", 0.5) for n, row in enumerate(rows)
-    ]
-    found = Campaign(9, tuple(verdicts), 12.5).record()
-    assert found == {
-        "cases": 6, "right": 3, "refused": 2, "wrong": 1, "seed": 9, "wall_s": 12.5,
-        "errors": {"AError": 1, "InputError": 1, "hang": 1},
-        "outcomes": {"AT_REST": 2, "NO_REST": 1},
-        "families": {"speed": {"right": 2, "refused": 2, "wrong": 0},
-                     "edges": {"right": 1, "refused": 0, "wrong": 1}},
-        "failures": [{"number": 1, "family": "edges", "kind": "hang", "detail": "because 1"}],
-        "refused_too_often": [], "digest": hashlib.sha256(b"f0f1f2f3f4f5").hexdigest(),
-    }  # fmt: skip
-    assert list(found["errors"]) == ["AError", "InputError", "hang"]
 
 
 _RUNS = """

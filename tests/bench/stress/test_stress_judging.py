@@ -24,7 +24,6 @@ from benchmarks.stress import (
     excesses,
     judge,
     judging,
-    trial,
 )
 from benchmarks.stress.checks.agreement import mirror_images, within_errors
 from benchmarks.stress.checks.engines import engines_agree
@@ -36,7 +35,6 @@ from nipper_pin import (
     Case,
     EventKind,
     Mechanism,
-    Outcome,
     SimulationError,
     Solution,
     Window,
@@ -288,31 +286,3 @@ def test_excesses_are_those_of_the_binomial_law(family: str, cases: int) -> None
         given = [Verdict(n, family, word, "", "", "", 0.1) for n, word in enumerate(words)]
         found = [item for item in excesses(given) if item.family == family]
         assert found == ([Excess(family, least, cases, float(share))] if refused == least else [])
-
-
-@pytest.mark.campaign
-@pytest.mark.parametrize(("number", "which", "kind"), [(181, 2, "tolerance"), (262, 3, "mirror")])
-def test_a_case_that_ends_at_its_largest_number_of_collisions_is_judged_on_what_it_has(
-    engine: Engine, number: int, which: int, kind: str
-) -> None:
-    """It is right as it is, and wrong if one collision of one of its runs has another impulse.
-
-    Of seed 1, each; the finer run is the third one, the mirrored one the fourth.
-    """
-
-    def other(_m: Mechanism, _c: Case, solution: Solution, run: int) -> Solution:
-        if run != which:
-            return solution
-        hits = [e for e in solution.events if e.kind is EventKind.COLLISION]
-        # A series may end sooner in one of two runs, so that its last collisions have no match.
-        early = [e for e in hits if solution.errors[e.number - 1].impulse < 1e-3]
-        return stronger(solution, early[len(early) // 2].number - 1, 0.1)
-
-    item = trial(1, number)
-    assert judge(item).kind == Outcome.TOO_MANY_COLLISIONS.name
-    runs = engine(other)
-    verdict = judge(item)
-    assert len(runs) == 4
-    assert (verdict.word, verdict.kind) == (WRONG, kind)
-    collisions = sum(event.kind is EventKind.COLLISION for event in runs[0].events)
-    assert collisions == item.case["max_collisions"]

@@ -1,4 +1,4 @@
-"""Parts of a search: where it looks, which engine computes a point, and who does the work."""
+"""Parts of a search: where it looks, which engine and machine serve a point, who does the work."""
 
 from __future__ import annotations
 
@@ -12,11 +12,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from designs import MASS, problem
+from designs import MASS, parameter, problem, study
 from scipy.stats import qmc
 
+from nipper_pin import InfeasibleError, Mechanism, SimulationError, load
+from nipper_pin.cli import main
 from nipper_pin.study.identify import working_cycle
-from nipper_pin.study.optimise import Aim
+from nipper_pin.study.optimise import Aim, optimise, read_problem
 from nipper_pin.study.optimise.points import Evaluator
 from nipper_pin.study.optimise.problem.quantities import cycle_values, thinned
 from nipper_pin.study.optimise.search.samples import (
@@ -217,3 +219,120 @@ def test_parts_of_a_search(workers: int) -> None:
         if workers > 1:
             with pytest.raises(WorkerError, match="a worker process died"):
                 work.all([partial(os._exit, 3), partial(late, 0.0, 1)])
+
+
+# --- machines of designs, and designs that are none ----------------------------------------------
+
+
+# Bounds of what may be free: numbers of the drives, links and points are another machine each.
+FREE = {
+    "drives.tension.ratio": (2.1, 2.3),
+    "links.top_nipper.mass_kg": (1.1, 1.3),
+    "points.eccentric_pin.radius_mm": (4.9, 5.1),
+    "stops.steeve.restitution": (0.1, 0.4),
+    "restitution": (0.1, 0.3),
+    "stiffness": (8000.0, 10000.0),
+    "preload": (9.0, 13.0),
+    "speed_rpm": (500.0, 700.0),
+}
+PROBLEMS = {
+    "settings": ["restitution", "stiffness", "preload", "speed_rpm"],
+    "all backwards": list(FREE)[::-1],
+}
+
+
+def numbers(mechanism: Mechanism) -> np.ndarray:
+    """What the numbers of a design can change, as the engines read it."""
+    model = mechanism.model
+    parts = [
+        *([stop.restitution] for stop in mechanism.stops),
+        *([item.stiffness, item.preload] for item in mechanism.springs),
+        *(np.ravel(drive.law.evaluate(np.array([0.7]))) for drive in mechanism.drives),
+        *([inertia.mass] for inertia in model.inertias),
+        *(place.translation for place in model.jointPlacements),
+        *(frame.placement.translation for frame in model.frames),
+    ]
+    return np.concatenate(parts)
+
+
+@pytest.mark.parametrize("names", PROBLEMS.values(), ids=PROBLEMS)
+def test_the_machine_is_that_of_its_numbers(names: list[str], tmp_path: Path) -> None:
+    """Each number moved alone, the first design again, and again after more than are kept."""
+    bounds = "".join(parameter(name, *FREE[name]) for name in names)
+    asked = problem(tmp_path, f'minimise = "duration_s"\n{bounds}')
+    source, count = Evaluator(asked), len(names)
+    middle = np.full(count, 0.5)
+    alone = [middle + 0.25 * unit for unit in np.eye(count)]
+    others = list(np.random.default_rng(4).uniform(size=(17, count)))
+    for z in (middle, *alone, middle, *others, middle):
+        wanted = load(asked.model, asked.overrides(z))
+        np.testing.assert_allclose(numbers(source.mechanism(z)), numbers(wanted), atol=1e-15)
+        assert asked.speed(z) == asked.numbers(z).get("speed_rpm", asked.speed_rpm)
+
+
+FALLING = Path(__file__).resolve().parents[2] / "strangers" / "ball_e05"
+E_N, WEIGHT = "stops.table.restitution", "links.mass.mass_kg"
+
+
+def text(model: Path, body: str, **bounds: tuple[float, float]) -> str:
+    return f'model = "{model}"\n{body}\n' + "".join(
+        parameter(path, *ends) for path, ends in bounds.items()
+    )
+
+
+@pytest.mark.parametrize(
+    ("model", "bounds", "advice"),
+    [
+        # Nothing approaches the floor in the touch configuration, whatever the numbers.
+        (FALLING, {"stops.floor.restitution": (0.1, 0.9)}, "the model as it is: stop 'floor' is"),
+        # No mass is negative, but that of the model itself is not.
+        (MASS, {WEIGHT: (-2.0, -1.0)}, "the model as it is can: put its numbers within the bounds"),
+    ],
+)
+def test_advice_where_no_sample_is_a_machine(
+    model: Path, bounds: dict[str, tuple[float, float]], advice: str, tmp_path: Path
+) -> None:
+    found = problem(tmp_path, text(model, 'minimise = "duration_s"', **bounds))
+    with pytest.raises(SimulationError, match=advice) as caught:
+        optimise(found, starts=1, check=False, workers=1)
+    assert "narrow" not in caught.value.message
+
+
+def test_reasons_that_differ_in_numbers_are_told_once(tmp_path: Path) -> None:
+    """Each sample below zero has another mass, and all of them the same reason."""
+    body = text(MASS, 'minimise = "duration_s"', **{E_N: (0.1, 0.5), WEIGHT: (-1.0, 1.0)})
+    found = optimise(problem(tmp_path, body), starts=1, check=False, workers=1)
+    (reason,) = found.no_machine
+    assert "mass" in reason
+
+
+def test_the_bound_that_is_in_the_way_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """No rebound is a metre high, and the highest is that of the largest restitution.
+
+    A limit that is kept is not told.
+    """
+    body = (
+        'minimise = "duration_s"\n'
+        "limits = { rebound_amplitude_1 = { low = 1.0 }, duration_s = { high = 10.0 } }"
+    )
+    file = study(tmp_path, text(MASS, body, **{E_N: (0.1, 0.5)}))
+    with pytest.raises(InfeasibleError) as caught:
+        optimise(read_problem(file), starts=1, check=False, workers=1)
+    (broken,) = caught.value.evidence["limits"]  # type: ignore[misc]
+    assert broken == {
+        "limit": "rebound_amplitude_1 >= 1", "reached": broken["reached"],
+        "missed_by": pytest.approx(1.0 - broken["reached"]), "can_be_met_alone": False,
+        "missed_by_alone": pytest.approx(broken["missed_by"], rel=1e-3),
+    }  # fmt: skip
+    # Half of the table's 1.5 m/s is thrown up by v^2 / 2 g.
+    assert broken["reached"] == pytest.approx(0.75**2 / (2.0 * 9.81), rel=1e-6)
+    assert caught.value.evidence["numbers"] == {E_N: pytest.approx(0.5)}
+    command = ["optimise", str(file), "--out", str(tmp_path / "out"), "--workers", "1"]
+    assert main([*command, "--starts", "1", "--no-check"]) == 1
+    advice = f"Relax these limits, or widen the bound {E_N} <= 0.5\n"
+    said = capsys.readouterr().err
+    assert said.endswith(advice)
+    assert "breaks rebound_amplitude_1 >= 1: " in said
+    assert "duration_s <= 10" not in said

@@ -201,12 +201,10 @@ def test_what_is_confirmed() -> None:
 @pytest.mark.parametrize(
     ("side", "limit", "reported", "error", "breaks"),
     [
-        ("low", 1.02, 1.02, 0.01, True),
         # The report breaks it, too, and by as much within the stated error.
         ("low", 1.02, 1.01, 0.011, False), ("low", 1.02, 1.01, 0.009, True),
         ("low", 1.01, 1.02, 0.011, False),
         ("high", 0.98, 0.97, 0.01, True), ("high", 0.98, 0.99, 0.011, False),
-        ("high", 1.01, 1.0, 0.01, False),
     ],
 )  # fmt: skip
 def test_limits_that_a_turn_breaks(
@@ -334,14 +332,10 @@ def test_a_machine_that_changes_takes_the_direct_engine(tmp_path: Path) -> None:
         assert abs(value - other.values[name]) <= allowed, name
 
 
-@pytest.mark.slow
-def test_turns_without_a_quantity_or_a_period_are_no_usable_machine(tmp_path: Path) -> None:
-    """Above 1,545 r/min the jaw has no rest; at 1,900 r/min every second turn is the same."""
-    source = Evaluator(problem(tmp_path, whole("speed_rpm", 300.0, 2000.0)))
-    at = {speed: source.at(np.array([(speed - 300.0) / 1700.0])) for speed in (600, 1600, 1900)}
-    assert at[600].usable
-    assert "the turn has no rest_index, rest_margin" in at[1600].why
-    assert "turns differ from one another" in at[1900].why
+def test_turns_that_differ_are_no_usable_machine(tmp_path: Path) -> None:
+    """At 1,900 r/min every second turn is the same."""
+    source = Evaluator(problem(tmp_path, whole("speed_rpm", 1800.0, 2000.0)))
+    assert "turns differ from one another" in source.at(np.array([0.5])).why
 
 
 @pytest.mark.slow

@@ -7,20 +7,15 @@ import os
 import socket
 import subprocess
 import sys
-import threading
-from collections.abc import Generator
 from pathlib import Path
-from typing import Any
 
 import distributed
 import pytest
 from sweep_studies import GEOMETRY, chunk_files, started, stored, study, wait_for
 
-from nipper_pin import SimulationError, read_sweep
+from nipper_pin import read_sweep
 from nipper_pin.cli import main
-from nipper_pin.study.sweep import cluster as cluster_module
 from nipper_pin.study.sweep import read_plan
-from nipper_pin.study.sweep.cluster import on_scheduler
 
 MANY = GEOMETRY.replace("points = 5", "points = 12")
 
@@ -158,56 +153,6 @@ def test_workers_without_the_package_are_refused(
             assert said.count("\n") == 1
             cluster.worker("right")
     assert not list((out / "chunks").iterdir())
-
-
-@pytest.mark.slow
-def test_results_that_were_not_handed_over_are_lost_with_the_worker(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A worker finishes chunks and dies before they are fetched: without another one it is said so.
-
-    With another one they are computed again. That the chunks were finished when the worker died is
-    read from the scheduler: the worker had them in its memory. They are not fetched before that.
-    """
-    dead, result = threading.Event(), distributed.Future.result
-    first: list[str] = []
-
-    def late(future: distributed.Future, timeout: float | None = None) -> bytes:
-        if not first:
-            first.append(future.key)
-        elif future.key not in first:
-            dead.wait(60.0)
-        return result(future, timeout)
-
-    monkeypatch.setattr(distributed.Future, "result", late)
-    plan = read_plan(study(tmp_path, MANY))
-    chunks = list(plan.chunks())[:3]
-
-    def begun(address: str) -> Generator[tuple[Any, Any], None, None]:
-        tasks = plan.rows(iter(chunks))
-        return on_scheduler(plan.job.text(), tasks, address, lambda: None)
-
-    for others in (False, True):
-        with Cluster(tmp_path) as cluster, distributed.Client(cluster.address) as client:
-            dead.clear()
-            first.clear()
-            doomed = cluster.worker("doomed")
-            client.wait_for_workers(1, timeout=180)
-            results = begun(cluster.address)
-            assert next(results)[0] == chunks[0]
-            wait_for(lambda client=client: sum(map(len, client.has_what().values())) >= 2)
-            doomed.kill()
-            doomed.wait()
-            wait_for(lambda client=client: not client.nthreads())
-            dead.set()
-            monkeypatch.setattr(cluster_module, "_LOST_S", 180.0 if others else 2.0)
-            if others:
-                cluster.worker("other")
-                assert [chunk for chunk, _ in results] == chunks[1:]
-            else:
-                with pytest.raises(SimulationError, match="were lost, and for 2 s none came"):
-                    list(results)
-        (tmp_path / "scheduler.json").unlink()
 
 
 @pytest.mark.slow
