@@ -6,14 +6,16 @@ it up in compiled code from tables. They share the mechanism, names and units.
 
 from __future__ import annotations
 
+import json
 import sys
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from judge import press
-from two_engines import FORCE, difference
+from two_engines import EPS, FORCE, difference
 
 from nipper_pin import (
     DriveMode,
@@ -41,6 +43,29 @@ from nipper_pin.study.turns import TURNS_PAY_FROM
 TOLERANCE = 1e-9
 # Errors that grow from turn to turn are stated with room: the engines agree to this anyhow.
 CLOSE = 1e-7
+
+
+@pytest.mark.parametrize("engine", ["direct", "reduced"])
+def test_certified_turns(e62: Mechanism, engine: Any) -> None:
+    """An independent solution in 60 digits, at both of its speeds; the rest is read beside it."""
+    text = (Path(__file__).parents[1] / "reference/e62_cycle.json").read_text(encoding="utf-8")
+    cases, speeds = json.loads(text)["cases"], [450.0, 650.0]
+    table = turn_table(e62, speed_rpm=speeds, engine=engine, tolerance=1e-12, turns=3)
+    assert (table.why, {*table.engine}) == (f"{engine}: asked for", {engine})
+    assert table.turns.tolist() == table.repeats_after.tolist() == [1, 1]
+    for i, speed in enumerate(speeds):
+        case = cases[f"{speed:.0f}"]
+        held = next(row for row in case["phases"] if row["closed"] == "jaw")
+        hits = [row for row in case["collisions"] if row["stop"] == "jaw"]
+        opening = (24.0 + float(held["end_s"]) * speed / 60.0 * 40.0) % 40.0
+        assert table.closing_index[i] == pytest.approx(float(hits[0]["index"]), abs=1e-10)
+        assert table.opening_index[i] == pytest.approx(opening, abs=1e-10)
+        highest = max(float(row["rebound_amplitude"]) for row in hits)
+        most = 2.0 * table.largest_gap_error[i] + EPS * highest
+        assert abs(table.largest_gap[i] - highest) <= most
+        lost = float(case["energy_lost_total_J"])
+        within = 1e-9 if engine == "direct" else 1e-7
+        assert table.energy_lost[i] == pytest.approx(lost, rel=within)
 
 
 MACHINES = {

@@ -6,19 +6,18 @@ import math
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from designs import MASS
 from small_machines import SLED, link, machine, slide
 
-from nipper_pin import EventKind, InputError, Mechanism, SimulationError, Window, load
+from nipper_pin import InputError, Mechanism, SimulationError, Window, load
 from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.gallery import GALLERY, drawn
 from nipper_pin.study.identify import WorkingCycle, working_cycle
 from nipper_pin.study.identify.problem.working_cycle import Phase, unfit
-from nipper_pin.study.optimise.control.reading import MOST_TURNS, ControlTurn, control_turn, read
+from nipper_pin.study.optimise.control.reading import MOST_TURNS, control_turn, read
 from nipper_pin.study.optimise.points.turn import differs
 from nipper_pin.study.optimise.problem.quantities import (
     QUANTITIES,
@@ -28,90 +27,6 @@ from nipper_pin.study.optimise.problem.quantities import (
     thinned,
 )
 from nipper_pin.tolerances.study import QUANTITY_ROUND_OFF
-
-# Samples of a stretch: of a smooth curve the largest one misses the peak by a part of 1e-7.
-SAMPLES = 20_000
-
-
-@pytest.fixture(scope="module", params=[550.0, 650.0])
-def turn(request: pytest.FixtureRequest) -> ControlTurn:
-    """The E62 in two turns: the steeve stays on its stop while the jaw is open, or lifts off it."""
-    changes = {
-        "springs.steeve.preload_length_mm": 11.0, "points.eccentric_pin.angle_deg": 176.0,
-        "drives.tension.ratio": 2.2,
-    }  # fmt: skip
-    return control_turn(load("e62", changes), request.param, None)
-
-
-def sampled(turn: ControlTurn) -> dict[str, float]:
-    """All quantities, by samples of the dense motion between the events of the last turn."""
-    run, period = turn.solution, turn.solution.shaft.period
-    begin = (turn.number - 1) * period
-    events = [item for item in run.events if begin <= item.t < begin + period]
-    hits = [item for item in events if item.kind is EventKind.COLLISION and "jaw" in item.stops]
-    rest = next(item for item in events if item.kind is EventKind.REST and "jaw" in item.stops)
-    opens = next(item for item in events if item.number > rest.number
-                 and "jaw" in item.closed_before and "jaw" not in item.closed_after)  # fmt: skip
-    cylinder = run.mechanism.cylinder
-
-    def index(t: float) -> float:
-        return cylinder.index_from_angle(float(run.shaft.angle(t)))
-
-    def highest(stop: str, first: float, last: float) -> float:
-        t = np.linspace(first, last, SAMPLES)
-        return float(
-            run.trajectory.evaluate(t, left=True).q[:, run.mechanism.stop(stop).index].max()
-        )
-
-    def forces(stop: str, first: float, last: float) -> Any:
-        """Force where the stop is closed, at the middles of equal parts."""
-        found = []
-        for item in run.phases:
-            low, high = max(item.t_start, first), min(item.t_end, last)
-            if stop in item.closed and low < high:
-                t = low + (high - low) * (np.arange(SAMPLES) + 0.5) / SAMPLES
-                found.append((high - low, run.trajectory.reactions(t).contacts[stop]))
-        return found
-
-    first, quarter = hits[0], 0.25 * (opens.t - hits[0].t)
-    middle = forces("jaw", first.t + quarter, opens.t - quarter)
-    closed = forces("jaw", begin, begin + period)
-    lifted = any(item.kind is EventKind.RELEASE and "steeve" in item.stops for item in events)
-    clamped = sum(length for length, _ in closed)
-    losing = (EventKind.COLLISION, EventKind.REST)
-    waiting = forces("steeve", opens.t - period, first.t)
-    return {
-        "rebound_amplitude_1": highest("jaw", first.t, hits[1].t),
-        "rebound_time_s_1": hits[1].t - first.t,
-        "duration_s": rest.t - first.t,
-        "closing_index": index(first.t),
-        "opening_index": index(opens.t),
-        "clamping_force_N": sum(length * force.mean() for length, force in middle) / (2 * quarter),
-        "stop_force_N": 0.0 if lifted else min(force.min() for _, force in waiting),
-        "jaw_opening_deg": math.degrees(highest("jaw", opens.t - period, first.t)),
-        "stroke_mm": 1e3 * highest("steeve", rest.t, opens.t),
-        "speed_rpm": 60.0 / period,
-        "clamped_time_s": clamped,
-        "clamped_share": clamped / period,
-        "rest_index": index(rest.t),
-        "rest_margin": 40.0 * (opens.t - rest.t) / period,
-        "least_clamping_force_N": min(force.min() for _, force in closed),
-        "largest_clamping_force_N": max(force.max() for _, force in closed),
-        "largest_gap": highest("jaw", first.t, hits[1].t),
-        "energy_lost_turn_J": sum(item.energy_lost for item in events if item.kind in losing),
-    }  # fmt: skip
-
-
-def test_every_quantity_is_in_the_motion(turn: ControlTurn) -> None:
-    """Within what is stated, and what samples miss: at ends the force goes on by a sample's way."""
-    assert turn.repeats
-    wanted = sampled(turn)
-    assert set(wanted) == set(QUANTITIES)
-    for name, value in wanted.items():
-        found = read(turn, name)
-        missed = 1e-4 if "clamping_force" in name or name == "stop_force_N" else 1e-6
-        assert found.value == pytest.approx(value, abs=found.error + missed * abs(value)), name
-        assert 0.0 <= found.error <= 1e-6 * max(abs(value), 40.0), name
 
 
 @pytest.mark.parametrize(

@@ -27,7 +27,6 @@ from nipper_pin import Case, InputError, load, read_sweep, simulate
 from nipper_pin.cli import main, sweep
 from nipper_pin.study.folders import alone_in
 from nipper_pin.study.sweep import run_sweep
-from nipper_pin.study.sweep.results import Store
 
 # --- results -------------------------------------------------------------------------------------
 
@@ -253,23 +252,3 @@ def test_a_sweep_is_stopped_and_goes_on(tmp_path: Path, capsys: pytest.CaptureFi
     assert told in " ".join(capsys.readouterr().out.split())
     numbers = pq.read_table([*out.glob("chunks/*.parquet")])["scenario"].to_pylist()
     assert sorted(numbers) == list(range(60))
-
-
-@pytest.mark.slow
-def test_an_interrupt_counts_what_is_stored(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The interrupt comes in the moment between a stored chunk and the note that it is stored.
-
-    Without a look at the folder this chunk would be missing in what the command says.
-    """
-    write, out = Store.write, tmp_path / "out"
-
-    def interrupted(store: Store, chunk: Any, content: bytes) -> None:
-        write(store, chunk, content)
-        if len(chunk_files(out)) == 2:
-            raise KeyboardInterrupt
-
-    monkeypatch.setattr(Store, "write", interrupted)
-    assert main(["sweep", study(tmp_path, GEOMETRY), "--out", str(out), "--workers", "1"]) == 130
-    assert "interrupted; 8 of 30 scenarios" in capsys.readouterr().err
