@@ -10,20 +10,11 @@ import pytest
 from scipy.integrate import solve_ivp
 from small_machines import hinge, link, machine, slide
 
-from nipper_pin import (
-    Case,
-    Mechanism,
-    ModelError,
-    UnknownNameError,
-    Window,
-    load,
-    simulate,
-    transition_table,
-)
+import nipper_pin as nip
 from nipper_pin.cli import main
 from nipper_pin.mechanism import from_sources
 
-CYCLE = Case(speed_rpm=60.0, window=Window.CYCLE)
+CYCLE = nip.Case(speed_rpm=60.0, window=nip.Window.CYCLE)
 
 
 def following(joint: str, of: str, words: str) -> str:
@@ -40,7 +31,7 @@ def test_a_pair_of_wheels_without_a_drive() -> None:
         link("b", 0.5, 0.01, (0.2, 0.0)),
         following(hinge("q", "frame", "b", (0.3, 0.0)), "p", 'multiplier="-2"'),
     ]  # fmt: skip
-    found = simulate(machine(parts, 1, gravity=9.81, initial={"p": {"at_deg": 10.0}}), CYCLE)
+    found = nip.simulate(machine(parts, 1, gravity=9.81, initial={"p": {"at_deg": 10.0}}), CYCLE)
     times = np.linspace(0.0, 0.99, 8)
     q = found.trajectory.evaluate(times).q
     inertia = (0.02 + 0.1**2) + 4.0 * (0.01 + 0.5 * 0.2**2)
@@ -70,7 +61,7 @@ def test_a_slide_that_lifts_another_bounces_with_both_masses(struck: tuple[str, 
     ]  # fmt: skip
     sides = {"p": "lower", "q": "upper"}
     stops = {name: {"joint": name, "restitution": 0.5, "side": sides[name]} for name in struck}
-    found = simulate(
+    found = nip.simulate(
         machine(parts, 1, gravity=9.81, stops=stops, initial={"p": {"at_mm": 100.0}}), CYCLE
     )
     fall, mass = 9.81 / 3.0, 3.0
@@ -85,9 +76,9 @@ def test_a_slide_that_lifts_another_bounces_with_both_masses(struck: tuple[str, 
 
 
 @pytest.fixture(scope="module")
-def combers() -> tuple[Mechanism, Mechanism, float]:
+def combers() -> tuple[nip.Mechanism, nip.Mechanism, float]:
     """The E62, and one whose tension shaft follows the pendulum shaft by its URDF."""
-    plain = load("e62")
+    plain = nip.load("e62")
     document: dict[str, Any] = copy.deepcopy(dict(plain.description))
     ratio = float(document["drives"].pop("tension")["ratio"])
     document["degrees_of_freedom"] = 2
@@ -99,13 +90,15 @@ def combers() -> tuple[Mechanism, Mechanism, float]:
     return plain, from_sources("e62", urdf, document, plain.mesh_folder), ratio
 
 
-@pytest.mark.parametrize("window", [Window.TRANSITION, Window.CYCLE])
+@pytest.mark.parametrize("window", [nip.Window.TRANSITION, nip.Window.CYCLE])
 def test_a_shaft_geared_by_the_urdf_is_one_geared_by_the_drive(
-    combers: tuple[Mechanism, Mechanism, float], window: Window
+    combers: tuple[nip.Mechanism, nip.Mechanism, float], window: nip.Window
 ) -> None:
     """Motion, impacts, reactions; the one drive has the torque of both, geared."""
     plain, coupled, ratio = combers
-    one, two = (simulate(item, Case(speed_rpm=650.0, window=window)) for item in (plain, coupled))
+    one, two = (
+        nip.simulate(item, nip.Case(speed_rpm=650.0, window=window)) for item in (plain, coupled)
+    )
     assert len(one.events) == len(two.events) > 5
     for first, second in zip(one.events, two.events, strict=True):
         assert second.t == pytest.approx(first.t, abs=1e-13)
@@ -121,10 +114,11 @@ def test_a_shaft_geared_by_the_urdf_is_one_geared_by_the_drive(
 
 
 @pytest.mark.slow
-def test_tables_of_a_coupled_machine(combers: tuple[Mechanism, Mechanism, float]) -> None:
+def test_tables_of_a_coupled_machine(combers: tuple[nip.Mechanism, nip.Mechanism, float]) -> None:
     plain, coupled, _ = combers
     one, two = (
-        transition_table(item, speed_rpm=[600.0, 650.0], engine="reduced") for item in combers[:2]
+        nip.transition_table(item, speed_rpm=[600.0, 650.0], engine="reduced")
+        for item in combers[:2]
     )
     assert plain.degrees_of_freedom == coupled.degrees_of_freedom + 1
     assert (one.collisions == two.collisions).all()
@@ -137,12 +131,17 @@ PAIR = (link("a"), hinge("p", "frame", "a"), link("b"))
 @pytest.mark.parametrize(
     ("words", "freedom", "error", "said"),
     [
-        ('joint="p" multiplier="0"', 1, ModelError, "joint q mimic multiplier = 0.0"),
-        ('joint="p" multiplier="x"', 1, ModelError, "multiplier is a finite number"),
-        ('joint="p" offset="0.1"', 1, ModelError, "let the origin of the joint hold the offset"),
-        ('joint="q"', 1, UnknownNameError, "joint q mimic: there is no other joint that moves"),
-        ("", 1, UnknownNameError, "joint q mimic: there is no other joint that moves named ''"),
-        ('joint="p"', 2, ModelError, r"one for each joint that mimics another \(q\)"),
+        ('joint="p" multiplier="0"', 1, nip.ModelError, "joint q mimic multiplier = 0.0"),
+        ('joint="p" multiplier="x"', 1, nip.ModelError, "multiplier is a finite number"),
+        (
+            'joint="p" offset="0.1"',
+            1,
+            nip.ModelError,
+            "let the origin of the joint hold the offset",
+        ),
+        ('joint="q"', 1, nip.UnknownNameError, "joint q mimic: there is no other joint that moves"),
+        ("", 1, nip.UnknownNameError, "joint q mimic: there is no other joint that moves named ''"),
+        ('joint="p"', 2, nip.ModelError, r"one for each joint that mimics another \(q\)"),
     ],
 )
 def test_mimics_that_cannot_be(words: str, freedom: int, error: type[Exception], said: str) -> None:
@@ -155,22 +154,22 @@ def test_joints_that_follow_one_another() -> None:
     """A circle of them is refused, and so is a drive of both; a chain of them is none."""
     p = following(hinge("p", "frame", "a"), "q", "")
     q = following(hinge("q", "frame", "b"), "p", "")
-    with pytest.raises(ModelError, match=r"mimic of joint p.*mimic of joint q"):
+    with pytest.raises(nip.ModelError, match=r"mimic of joint p.*mimic of joint q"):
         machine([link("a"), p, link("b"), q], 1)
     turn = {"law": "constant_speed", "ratio": 1.0}
     drives = {"one": {"joint": "p", **turn}, "two": {"joint": "q", **turn}}
-    with pytest.raises(ModelError, match=r"mimic of joint q.*drive two"):
+    with pytest.raises(nip.ModelError, match=r"mimic of joint q.*drive two"):
         machine([*PAIR, q], 1, drives=drives)
     third = following(hinge("r", "frame", "c"), "q", 'multiplier="3"')
     chain = machine([*PAIR, q, link("c"), third], 1, drives={"one": drives["one"]})
-    start, end = simulate(chain, CYCLE).trajectory.evaluate(np.array([0.0, 0.5])).q
+    start, end = nip.simulate(chain, CYCLE).trajectory.evaluate(np.array([0.0, 0.5])).q
     np.testing.assert_allclose(end - start, [np.pi, np.pi, 3.0 * np.pi], rtol=1e-12)
 
 
 def test_a_gear_pair_of_drives_needs_a_drive() -> None:
     """The message says where a pair without one belongs."""
     drives = {"pair": {"joint": "q", "law": "geared", "of": "p", "ratio": -1.0}}
-    with pytest.raises(UnknownNameError, match="has a <mimic> in the URDF"):
+    with pytest.raises(nip.UnknownNameError, match="has a <mimic> in the URDF"):
         machine([*PAIR, hinge("q", "frame", "b")], 1, drives=drives)
 
 

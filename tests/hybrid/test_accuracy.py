@@ -9,16 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nipper_pin import (
-    Case,
-    EventKind,
-    Mechanism,
-    Resolution,
-    Window,
-    load,
-    simulate,
-    transition_table,
-)
+import nipper_pin as nip
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts/maintain/measure"))
 
@@ -38,12 +29,12 @@ OVERRIDES = {"e": "stops.jaw.restitution", "k": "springs.steeve.stiffness_N_per_
 def ratios(name: str, tolerance: float) -> tuple[list[float], list[float]]:
     """True by stated error, of times and impulses of all events after the first collision."""
     speed, *changes = name.split("_")
-    mechanism = load("e62", {OVERRIDES[change[0]]: change[1:] for change in changes})
-    case = Case(speed_rpm=float(speed), resolution=Resolution(tolerance=tolerance))
-    solution = simulate(mechanism, case)
+    mechanism = nip.load("e62", {OVERRIDES[change[0]]: change[1:] for change in changes})
+    case = nip.Case(speed_rpm=float(speed), resolution=nip.Resolution(tolerance=tolerance))
+    solution = nip.simulate(mechanism, case)
     rows = REFERENCE[name]["collisions"]
     times, impulses = [], []
-    hits = [event for event in solution.events if event.kind is EventKind.COLLISION]
+    hits = [event for event in solution.events if event.kind is nip.EventKind.COLLISION]
     for event, row in list(zip(hits, rows, strict=False))[1:]:
         stated = solution.errors[event.number - 1]
         times.append(abs(event.t - float(row["time_s"])) / stated.time)
@@ -149,20 +140,22 @@ def test_the_error_of_a_release_is_that_of_the_force_over_its_slope() -> None:
     """
     times, stated = [], []
     for nodes in (12, 16, 20, 24):
-        resolution = Resolution(kinematic_nodes=nodes)
-        case = Case(speed_rpm=650.0, window=Window.CYCLE, resolution=resolution)
-        solution = simulate(load("e62"), case)
-        number = next(e.number for e in solution.events if e.kind is EventKind.RELEASE)
+        resolution = nip.Resolution(kinematic_nodes=nodes)
+        case = nip.Case(speed_rpm=650.0, window=nip.Window.CYCLE, resolution=resolution)
+        solution = nip.simulate(nip.load("e62"), case)
+        number = next(e.number for e in solution.events if e.kind is nip.EventKind.RELEASE)
         times.append(solution.events[number - 1].t)
         stated.append(solution.errors[number - 1].time)
     assert max(times) - min(times) <= 2.0 * max(stated)
     assert 0.0 < max(stated) < 1e-12 * max(times)
 
 
-def test_kinematic_phases_forget_the_past(e62: Mechanism) -> None:
+def test_kinematic_phases_forget_the_past(e62: nip.Mechanism) -> None:
     """The first collision of a cycle has an error of round-off only, whatever the tolerance."""
-    case = Case(speed_rpm=450.0, window=Window.CYCLE, resolution=Resolution(tolerance=1e-5))
-    first, _, later, *_ = simulate(e62, case).errors
+    case = nip.Case(
+        speed_rpm=450.0, window=nip.Window.CYCLE, resolution=nip.Resolution(tolerance=1e-5)
+    )
+    first, _, later, *_ = nip.simulate(e62, case).errors
     assert first.time < min(1e-14, later.time)
 
 
@@ -174,9 +167,11 @@ def test_copies_of_a_turn_are_as_wrong_as_what_they_are_copies_of() -> None:
     way, with other processors, too, by a third of itself. Later times have more of it, a few dozen
     units; impulses of bounces that become as short as that are up to eight times worse.
     """
-    model = load("e62")
+    model = nip.load("e62")
     copied, computed = (
-        simulate(model, Case(speed_rpm=450.0, window=Window.CYCLE, cycles=4, reuse_cycles=reuse))
+        nip.simulate(
+            model, nip.Case(speed_rpm=450.0, window=nip.Window.CYCLE, cycles=4, reuse_cycles=reuse)
+        )
         for reuse in (True, False)
     )
     assert copied.repeated_from == 1
@@ -213,7 +208,7 @@ def test_the_first_collision_is_as_wrong_as_the_rate_before_it(engine: str) -> N
     impulse, rate = [], []
     for restitution in (0.02, 0.5):
         values = {"speed_rpm": 650.0, "restitution": restitution}
-        table = transition_table(load("e62"), **values, engine=engine)
+        table = nip.transition_table(nip.load("e62"), **values, engine=engine)
         rate.append(table.rate_error[0, 0] / abs(table.approach_rate[0, 0]))
         impulse.append(table.impulse_error[0, 0] / table.impulse[0, 0])
     assert rate[0] == pytest.approx(rate[1], rel=1e-12)

@@ -9,12 +9,7 @@ import numpy as np
 import pytest
 from small_machines import frame, hinge, link, machine, slide, sources, turn
 
-from nipper_pin import (
-    ConvergenceError,
-    InputError,
-    Mechanism,
-    UnknownNameError,
-)
+import nipper_pin as nip
 from nipper_pin.mechanism import from_sources, number_of, with_numbers
 
 RADIUS, LENGTH = 0.03, 0.1
@@ -31,7 +26,7 @@ def test_an_oscillator_starts_where_and_as_fast_as_it_is_told() -> None:
     assert solution.trajectory.evaluate(t).q[:, 0] == pytest.approx(expected, abs=1e-11)
 
 
-def _slider_crank(**tables: Any) -> Mechanism:
+def _slider_crank(**tables: Any) -> nip.Mechanism:
     """A crank that stands to the right at touch, its ram on the x axis; nothing drives it."""
     parts = [
         link("crank"), hinge("crank", "frame", "crank"), frame("crank_pin", "crank", (RADIUS, 0.0)),
@@ -76,9 +71,9 @@ def test_a_start_can_be_set_without_being_in_the_file() -> None:
     (start,) = given.starts
     assert (start.at, start.rate) == (0.0035, 0.001)
     assert number_of(given, "initial.ram.at_mm") == 3.5
-    with pytest.raises(UnknownNameError, match="no joint named 'rma'"):
+    with pytest.raises(nip.UnknownNameError, match="no joint named 'rma'"):
         with_numbers(plain, {"initial.rma.at_mm": 1.0})
-    with pytest.raises(UnknownNameError, match="no key named 'at'; known: at_deg, at_mm, rate"):
+    with pytest.raises(nip.UnknownNameError, match="no key named 'at'; known: at_deg, at_mm, rate"):
         with_numbers(plain, {"initial.ram.at": 1.0})
     assert with_numbers(given, {"initial.ram.at_mm": 0.0}).starts[0].at == 0.0
     assert "initial" not in description
@@ -110,20 +105,20 @@ def test_a_joint_on_its_stop_has_no_start_of_its_own() -> None:
     }  # fmt: skip
     state = turn(machine(parts, 2, **tables)).trajectory.evaluate(np.zeros(1))
     assert state.q[0, 1] == state.v[0, 1] == 0.0
-    with pytest.raises(InputError, match=r"stands on stop 'floor' in phase 2"):
+    with pytest.raises(nip.InputError, match=r"stands on stop 'floor' in phase 2"):
         turn(machine(parts, 2, **tables, initial={"ball": {"at_mm": 1.0}}, initial_phase=2))
 
 
 def test_more_than_is_free_is_refused() -> None:
     both = {"crank": {"at_deg": 10.0}, "ram": {"at_mm": -1.0}}
-    with pytest.raises(InputError, match=r"crank, ram.*are 2 coordinates.*leave 1 free"):
+    with pytest.raises(nip.InputError, match=r"crank, ram.*are 2 coordinates.*leave 1 free"):
         turn(_slider_crank(initial=both))
 
 
 def test_a_place_out_of_reach_says_by_how_much() -> None:
     """The rod is longer than the crank and turns by 17.46 degrees at most."""
     with pytest.raises(
-        ConvergenceError, match=r"mm remain.*closure 'pin'.*rod where .initial. says"
+        nip.ConvergenceError, match=r"mm remain.*closure 'pin'.*rod where .initial. says"
     ) as bad:
         turn(_slider_crank(initial={"rod": {"at_deg": 30.0}}))
     assert bad.value.evidence["residual"] > 0.0

@@ -14,16 +14,7 @@ from typing import Any
 
 import pytest
 
-from nipper_pin import (
-    Case,
-    NipperError,
-    load,
-    load_case,
-    load_solution,
-    save,
-    save_case,
-    simulate,
-)
+import nipper_pin as nip
 from nipper_pin.cli import main
 from nipper_pin.mechanism import find_model
 
@@ -51,23 +42,23 @@ def test_a_mesh_of_the_reader_is_not_read(machine: Path, tmp_path: Path) -> None
     private = tmp_path / "private"
     private.mkdir()
     shutil.copy(machine / "meshes/spring.stl", private / "secret.stl")
-    case = save_case(load(machine), Case(speed_rpm=650.0), tmp_path / "case.json")
-    load_case(case)
+    case = nip.save_case(nip.load(machine), nip.Case(speed_rpm=650.0), tmp_path / "case.json")
+    nip.load_case(case)
 
     def another(document: dict[str, Any]) -> None:
         source = document["mechanism"]
         source["folder"] = str(private)
         source["urdf"] = source["urdf"].replace("meshes/rockers.stl", "secret.stl")
 
-    with pytest.raises(NipperError, match=r"secret\.stl in .* is not the mesh"):
-        load_case(edited(case, another))
+    with pytest.raises(nip.NipperError, match=r"secret\.stl in .* is not the mesh"):
+        nip.load_case(edited(case, another))
 
 
 def test_a_mesh_that_has_changed_is_not_shown(
     machine: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    run = save(simulate(load(machine), Case(speed_rpm=650.0)), tmp_path / "run.npz")
-    assert load_solution(run).mechanism.mesh_folder == str(machine)
+    run = nip.save(nip.simulate(nip.load(machine), nip.Case(speed_rpm=650.0)), tmp_path / "run.npz")
+    assert nip.load_solution(run).mechanism.mesh_folder == str(machine)
     with (machine / "meshes/spring.stl").open("ab") as stream:
         stream.write(b"\0")
     page = tmp_path / "page.html"
@@ -76,13 +67,15 @@ def test_a_mesh_that_has_changed_is_not_shown(
     assert not page.exists()
     # Without its files the run is what it was; only its picture is plainer.
     shutil.rmtree(machine)
-    assert load_solution(run).events
+    assert nip.load_solution(run).events
 
 
 def test_a_table_of_the_reader_is_not_read(tmp_path: Path) -> None:
     """Its first line would be shown by the refusal."""
     (tmp_path / "secret.csv").write_text("the first line of a secret\n")
-    case = save_case(load("hanging_pendulum"), Case(speed_rpm=300.0), tmp_path / "case.json")
+    case = nip.save_case(
+        nip.load("hanging_pendulum"), nip.Case(speed_rpm=300.0), tmp_path / "case.json"
+    )
 
     def another(document: dict[str, Any]) -> None:
         document["mechanism"]["folder"] = str(tmp_path)
@@ -90,20 +83,20 @@ def test_a_table_of_the_reader_is_not_read(tmp_path: Path) -> None:
             "tab": {"joint": "lid", "file": "secret.csv"}
         }
 
-    with pytest.raises(NipperError, match=r"springs\.tab names a file") as refused:
-        load_case(edited(case, another))
+    with pytest.raises(nip.NipperError, match=r"springs\.tab names a file") as refused:
+        nip.load_case(edited(case, another))
     assert "secret" not in refused.value.message
 
 
 def test_old_files_are_read() -> None:
     """Every number as it was written."""
-    run = load_solution(SAVED / "format_3.npz")
+    run = nip.load_solution(SAVED / "format_3.npz")
     assert [event.t for event in run.events] == TIMES
     assert [hit.energy_lost for hit in run.collisions] == [
         0.13213468424623176, 0.00529061240520938,
     ]  # fmt: skip
-    mechanism, case = load_case(SAVED / "format_3.json")
+    mechanism, case = nip.load_case(SAVED / "format_3.json")
     assert (mechanism.name, case.speed_rpm, case.cycles) == ("hanging_pendulum", 300.0, 2)
-    assert [event.t for event in simulate(mechanism, case).events] == pytest.approx(
+    assert [event.t for event in nip.simulate(mechanism, case).events] == pytest.approx(
         TIMES, abs=1e-13
     )

@@ -140,7 +140,7 @@ def test_a_nipper_needs_none(model: str) -> None:
     """Linear springs on joints: the nodes show all that their forces do.
 
     What each check is for is tested in `tests/regression` (forces between nodes, points that pass),
-    in `test_laws_that_make_energy.py`, and for ends of tables in `test_springs_in_other_forms.py`.
+    in `test_self_check.py`, and for ends of tables in `test_springs_in_other_forms.py`.
     """
     mechanism = load(model)
     system = System(mechanism, ShaftMotion(mechanism, 50.0, 0.0))

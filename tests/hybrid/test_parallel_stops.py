@@ -12,19 +12,7 @@ import pytest
 from scipy.optimize import brentq
 from small_machines import frame, hinge, link, machine, slide
 
-from nipper_pin import (
-    Case,
-    EventKind,
-    Mechanism,
-    ModelError,
-    Solution,
-    Window,
-    load,
-    load_solution,
-    save,
-    simulate,
-    turn_table,
-)
+import nipper_pin as nip
 
 FORCE, TRAVEL = 5.0, 0.01
 
@@ -34,7 +22,7 @@ def rack(
     restitution: tuple[float, ...],
     apart: float = 0.0,
     phases: list[dict[str, Any]] | None = None,
-) -> Mechanism:
+) -> nip.Mechanism:
     """A jaw of 1 kg that a constant force shuts, and jaws that follow it, each with a stop.
 
     Args:
@@ -63,14 +51,14 @@ def rack(
     return machine(parts, 1, **tables)
 
 
-def turn(mechanism: Mechanism, speed_rpm: float = 60.0) -> Solution:
+def turn(mechanism: nip.Mechanism, speed_rpm: float = 60.0) -> nip.Solution:
     """One whole turn."""
-    return simulate(mechanism, Case(speed_rpm=speed_rpm, window=Window.CYCLE))
+    return nip.simulate(mechanism, nip.Case(speed_rpm=speed_rpm, window=nip.Window.CYCLE))
 
 
-def rest_of(solution: Solution, *stops: str) -> float:
+def rest_of(solution: nip.Solution, *stops: str) -> float:
     """Time of the rest of these stops, which is one event [s]."""
-    (rest,) = (event for event in solution.events if event.kind is EventKind.REST)
+    (rest,) = (event for event in solution.events if event.kind is nip.EventKind.REST)
     assert sorted(rest.stops) == sorted(stops)
     assert rest.closed_after == frozenset(stops)
     return rest.t
@@ -121,7 +109,7 @@ def test_one_that_is_met_later_is_never_struck() -> None:
     solution = turn(rack((-1.0,), (0.3, 0.3), apart=1e-6))
     assert rest_of(solution, "s0") < 1.0
     both = [{"number": 1, "name": "shut", "closed": ["s0", "s1"]}]
-    with pytest.raises(ModelError, match=r"contradict one another: .*stop s0, stop s1"):
+    with pytest.raises(nip.ModelError, match=r"contradict one another: .*stop s0, stop s1"):
         rack((-1.0,), (0.3, 0.3), apart=1e-6, phases=both)
 
 
@@ -137,7 +125,7 @@ def test_a_phase_may_name_one_or_both() -> None:
         assert (last.number, last.closed) == (4, {"s0", "s1"})
 
 
-def four_bar(follower: float, elsewhere: float = 0.0) -> Mechanism:
+def four_bar(follower: float, elsewhere: float = 0.0) -> nip.Mechanism:
     """A crank of 0.1 m, a rod and a rocker of 0.15 m, both pivots on the frame, 0.2 m apart.
 
     Args:
@@ -212,10 +200,10 @@ def test_what_is_read_of_a_turn(tmp_path: Path) -> None:
         assert other.rebound_amplitude == pytest.approx(2.0 * one.rebound_amplitude, rel=1e-9)
     for event, error in zip(solution.events, solution.errors, strict=True):
         assert error.impulses.keys() == event.P_N.keys()
-    again = load_solution(save(solution, tmp_path / "run.npz"))
+    again = nip.load_solution(nip.save(solution, tmp_path / "run.npz"))
     assert [event.P_N for event in again.events] == [event.P_N for event in solution.events]
     assert again.errors == solution.errors
-    table = turn_table(mechanism, speed_rpm=[60.0, 61.0], turns=1)
+    table = nip.turn_table(mechanism, speed_rpm=[60.0, 61.0], turns=1)
     share = 1.0 - solution.events[-1].t
     assert table.clamped_share[0] == pytest.approx(share, rel=1e-9)
 
@@ -224,5 +212,5 @@ def test_what_is_read_of_a_turn(tmp_path: Path) -> None:
 def test_cranks_of_a_parallelogram_close_together_wherever_that_is(at_deg: int) -> None:
     """Round-off of the search for that place is larger in some places than in others."""
     places = {f"stops.{name}.at_deg": float(at_deg) for name in ("s1", "s2")}
-    mechanism = load(Path(__file__).parents[1] / "strangers/par_two_stops", places)
+    mechanism = nip.load(Path(__file__).parents[1] / "strangers/par_two_stops", places)
     assert [stop.leader for stop in mechanism.stops] == ["", "s1"]

@@ -13,19 +13,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from nipper_pin import (
-    Case,
-    DriveMode,
-    Mechanism,
-    Solution,
-    Window,
-    load,
-    load_solution,
-    record,
-    save,
-    simulate,
-    transition_table,
-)
+import nipper_pin as nip
 from nipper_pin.cli import main
 from nipper_pin.hybrid.result.premise import premise_of
 from nipper_pin.mechanism.skeleton import write_skeleton
@@ -42,24 +30,24 @@ LATE_RPM = 681.27
 
 
 @pytest.fixture(scope="module")
-def late() -> Solution:
+def late() -> nip.Solution:
     """A transition that no turn has."""
-    return simulate(load("e62", LATE), Case(speed_rpm=LATE_RPM))
+    return nip.simulate(nip.load("e62", LATE), nip.Case(speed_rpm=LATE_RPM))
 
 
-def closing(mechanism: Mechanism, speed_rpm: float) -> Any:
+def closing(mechanism: nip.Mechanism, speed_rpm: float) -> Any:
     """First collision of the jaw in the third turn that is computed anew."""
-    case = Case(speed_rpm=speed_rpm, window=Window.CYCLE, cycles=3, reuse_cycles=False)
-    turns = simulate(mechanism, case)
+    case = nip.Case(speed_rpm=speed_rpm, window=nip.Window.CYCLE, cycles=3, reuse_cycles=False)
+    turns = nip.simulate(mechanism, case)
     return next(
         hit for hit in turns.collisions if hit.stop == "jaw" and hit.t > 2.0 * turns.shaft.period
     )
 
 
 @pytest.mark.parametrize("speed_rpm", [300.0, 450.0, 650.0])
-def test_true_where_turns_have_the_transition(e62: Mechanism, speed_rpm: float) -> None:
+def test_true_where_turns_have_the_transition(e62: nip.Mechanism, speed_rpm: float) -> None:
     """At 650 r/min the steeve leaves its stop with the jaw open, and is back in time."""
-    solution = simulate(e62, Case(speed_rpm=speed_rpm))
+    solution = nip.simulate(e62, nip.Case(speed_rpm=speed_rpm))
     assert solution.premise_holds is True
     first, hit = solution.collisions[0], closing(e62, speed_rpm)
     # Both are exact but for the round-off of closures, 1e-14 of a rate.
@@ -67,7 +55,7 @@ def test_true_where_turns_have_the_transition(e62: Mechanism, speed_rpm: float) 
     assert first.index == pytest.approx(hit.index, abs=1e-9)
 
 
-def test_false_where_they_do_not(late: Solution) -> None:
+def test_false_where_they_do_not(late: nip.Solution) -> None:
     """The machine arrives with its steeve off the stop, and hits half as fast again."""
     assert late.premise_holds is False
     assert "steeve" in late.premise.why
@@ -75,23 +63,23 @@ def test_false_where_they_do_not(late: Solution) -> None:
     assert late.collisions[0].approach_rate == pytest.approx(-17.6355, abs=1e-4)
     assert hit.approach_rate == pytest.approx(-25.5185, abs=1e-4)
     # Nor where bounces of the steeve outlast the time until the touch.
-    lively = load("e62", {"stops.steeve.restitution": 0.97})
-    solution = simulate(lively, Case(speed_rpm=650.0))
+    lively = nip.load("e62", {"stops.steeve.restitution": 0.97})
+    solution = nip.simulate(lively, nip.Case(speed_rpm=650.0))
     assert solution.premise_holds is False
     hit = closing(lively, 650.0)
     assert abs(hit.approach_rate / solution.collisions[0].approach_rate - 1.0) > 1e-3
 
 
-def test_not_asked(e62: Mechanism, tmp_path: Path) -> None:
+def test_not_asked(e62: nip.Mechanism, tmp_path: Path) -> None:
     """Whole turns assume nothing; inertial shafts and a crank at half speed cannot be asked."""
-    press = load(write_skeleton(tmp_path / "press"), {"drives.crank.ratio": 0.5})
+    press = nip.load(write_skeleton(tmp_path / "press"), {"drives.crank.ratio": 0.5})
     cases = {
-        "assume nothing": (e62, Case(speed_rpm=650.0, window=Window.CYCLE)),
-        "Inertial": (e62, Case(speed_rpm=650.0, drive=DriveMode.INERTIAL)),
-        "come back": (press, Case(speed_rpm=120.0)),
+        "assume nothing": (e62, nip.Case(speed_rpm=650.0, window=nip.Window.CYCLE)),
+        "Inertial": (e62, nip.Case(speed_rpm=650.0, drive=nip.DriveMode.INERTIAL)),
+        "come back": (press, nip.Case(speed_rpm=120.0)),
     }
     for word, (mechanism, case) in cases.items():
-        solution = simulate(mechanism, case)
+        solution = nip.simulate(mechanism, case)
         assert solution.premise_holds is None, word
         assert word in solution.premise.why
 
@@ -101,11 +89,11 @@ def test_a_crank_that_winds_on_is_asked(tmp_path: Path) -> None:
 
     Its collisions come from the second turn of a simulated two, an engine's path of its own.
     """
-    press = load(write_skeleton(tmp_path / "press"))
-    alone = simulate(press, Case(speed_rpm=120.0))
+    press = nip.load(write_skeleton(tmp_path / "press"))
+    alone = nip.simulate(press, nip.Case(speed_rpm=120.0))
     assert alone.premise_holds is True
-    case = Case(speed_rpm=120.0, window=Window.CYCLE, cycles=2, reuse_cycles=False)
-    hits = [hit for hit in simulate(press, case).collisions if hit.stop == "anvil"]
+    case = nip.Case(speed_rpm=120.0, window=nip.Window.CYCLE, cycles=2, reuse_cycles=False)
+    hits = [hit for hit in nip.simulate(press, case).collisions if hit.stop == "anvil"]
     second = hits[len(hits) // 2 :]
     assert len(second) == len(alone.collisions)
     for ours, theirs in zip(alone.collisions, second, strict=True):
@@ -114,26 +102,26 @@ def test_a_crank_that_winds_on_is_asked(tmp_path: Path) -> None:
 
 
 def test_cut_and_saved_transitions_are_judged_alike(
-    late: Solution, e62: Mechanism, tmp_path: Path
+    late: nip.Solution, e62: nip.Mechanism, tmp_path: Path
 ) -> None:
     """Where few collisions are asked for, the turn is followed on all the same; and of a file."""
     for mechanism, speed_rpm, holds in ((late.mechanism, LATE_RPM, False), (e62, 650.0, True)):
         for most in (1, 2, 3):
-            case = Case(speed_rpm=speed_rpm, max_collisions=most)
-            assert simulate(mechanism, case).premise_holds is holds
-    assert load_solution(save(late, tmp_path / "late")).premise == late.premise
+            case = nip.Case(speed_rpm=speed_rpm, max_collisions=most)
+            assert nip.simulate(mechanism, case).premise_holds is holds
+    assert nip.load_solution(nip.save(late, tmp_path / "late")).premise == late.premise
 
 
-def test_record_and_sentence(late: Solution, e62: Mechanism) -> None:
+def test_record_and_sentence(late: nip.Solution, e62: nip.Mechanism) -> None:
     """The document and the table on the terminal say it; a premise that holds takes no line."""
-    assert record(late)["transition"]["premise_holds"] is False
+    assert nip.record(late)["transition"]["premise_holds"] is False
     stream = io.StringIO()
     print_solution(late, Console(file=stream, width=80), turns="nipper-pin " + "x" * 100)
     assert "No turn has this transition" in stream.getvalue()
     assert "\nnipper-pin " + "x" * 100 + "\n" in stream.getvalue()
     stream = io.StringIO()
-    true = simulate(e62, Case(speed_rpm=650.0))
-    assert record(true)["transition"]["premise_holds"] is True
+    true = nip.simulate(e62, nip.Case(speed_rpm=650.0))
+    assert nip.record(true)["transition"]["premise_holds"] is True
     print_solution(true, Console(file=stream, width=80))
     assert "No turn has" not in stream.getvalue()
 
@@ -155,11 +143,11 @@ def test_the_command_that_is_printed(capsys: pytest.CaptureFixture[str]) -> None
     assert jaw["rebound_amplitude"] == pytest.approx(12.61e-3, abs=1e-5)
 
 
-def test_tables_take_the_transition_of_the_turn(late: Solution) -> None:
+def test_tables_take_the_transition_of_the_turn(late: nip.Solution) -> None:
     """Left to choose, a table holds what the machine does; asked for an engine, what is assumed."""
     speeds = np.array([LATE_RPM, 450.0])
-    chosen = transition_table(late.mechanism, speed_rpm=speeds)
-    assumed = transition_table(late.mechanism, speed_rpm=speeds, engine="direct")
+    chosen = nip.transition_table(late.mechanism, speed_rpm=speeds)
+    assumed = nip.transition_table(late.mechanism, speed_rpm=speeds, engine="direct")
     for table in (chosen, assumed):
         assert table.premise_holds.tolist() == [False, True]
         assert table.outcome.tolist() == ["at_rest", "at_rest"]
@@ -170,14 +158,14 @@ def test_tables_take_the_transition_of_the_turn(late: Solution) -> None:
     assert chosen.approach_rate[0, 0] == pytest.approx(hit.approach_rate, rel=1e-8)
     assert chosen.rebound_amplitude[0, 0] == pytest.approx(hit.rebound_amplitude, rel=1e-8)
     assert assumed.approach_rate[0, 0] == pytest.approx(late.collisions[0].approach_rate, rel=1e-8)
-    few = transition_table(late.mechanism, speed_rpm=LATE_RPM, max_collisions=2)
+    few = nip.transition_table(late.mechanism, speed_rpm=LATE_RPM, max_collisions=2)
     assert few.outcome[0] == "too_many_collisions"
     np.testing.assert_allclose(few.time[0], chosen.time[0, :2], rtol=1e-9)
 
 
-def test_another_arrival_is_noticed(e62: Mechanism) -> None:
+def test_another_arrival_is_noticed(e62: nip.Mechanism) -> None:
     """A transition that starts from another state than the turn brings is not called true."""
-    solution = simulate(e62, Case(speed_rpm=650.0))
+    solution = nip.simulate(e62, nip.Case(speed_rpm=650.0))
     first = solution.events[0]
     moved = replace(first, q=first.q + 1e-3)
     assert premise_of(replace(solution, events=(moved, *solution.events[1:]))).holds is False

@@ -13,20 +13,7 @@ import numpy as np
 import pytest
 from judge import press
 
-from nipper_pin import (
-    Case,
-    DriveMode,
-    InputError,
-    Mechanism,
-    Resolution,
-    Solution,
-    UnknownNameError,
-    Window,
-    load,
-    record,
-    simulate,
-    transition_table,
-)
+import nipper_pin as nip
 from nipper_pin.hybrid.result.quantities import COLLISION, TRANSITION, of_transition
 from nipper_pin.study.cases import spring_values
 from nipper_pin.study.identify import QUANTITIES as IDENTIFIED
@@ -58,10 +45,12 @@ def test_a_value_out_of_range_is_named_with_what_is_allowed(
     key: str, values: tuple[float, ...]
 ) -> None:
     """The message holds the key, the value found and what may stand there."""
-    make: Callable[..., object] = Resolution if key in ALLOWED else partial(Case, speed_rpm=450.0)
+    make: Callable[..., object] = (
+        nip.Resolution if key in ALLOWED else partial(nip.Case, speed_rpm=450.0)
+    )
     for value in values:
         words = f"{key} = {value!r} cannot be used: {ALLOWED.get(key, '')}"
-        with pytest.raises(InputError, match=words) as caught:
+        with pytest.raises(nip.InputError, match=words) as caught:
             make(**{key: value})
         assert caught.value.evidence["key"] == key
         assert caught.value.evidence["allowed"]
@@ -72,16 +61,16 @@ PUSHED = ("rad", "s", "J", "N s", "N m s")
 
 def test_choices_are_given_as_text_or_listed() -> None:
     """Text becomes the typed choice, so later comparisons by identity hold; nothing is changed."""
-    case = Case(speed_rpm=450.0, window="cycle", drive="inertial")  # type: ignore[arg-type]
-    assert case.window is Window.CYCLE
-    assert case.drive is DriveMode.INERTIAL
+    case = nip.Case(speed_rpm=450.0, window="cycle", drive="inertial")  # type: ignore[arg-type]
+    assert case.window is nip.Window.CYCLE
+    assert case.drive is nip.DriveMode.INERTIAL
     with pytest.raises(AttributeError):
         case.speed_rpm = -1.0  # type: ignore[misc]
     for key, value, known in (
         ("window", "turn", ("transition", "cycle")), ("drive", "elastic", ("held", "inertial")),
     ):  # fmt: skip
-        with pytest.raises(InputError, match=value) as caught:
-            Case(**{"speed_rpm": 450.0, key: value})
+        with pytest.raises(nip.InputError, match=value) as caught:
+            nip.Case(**{"speed_rpm": 450.0, key: value})
         assert all(name in caught.value.message for name in known)
 
 
@@ -101,7 +90,7 @@ def test_names_say_their_unit() -> None:
         assert item.term.name == item.name
 
 
-def test_units_follow_the_stop(e62: Mechanism) -> None:
+def test_units_follow_the_stop(e62: nip.Mechanism) -> None:
     """A jaw with a contact point, a slide, a hinge without contact."""
     found = {item.name: item for item in COLLISION}
     machine = press()
@@ -116,10 +105,10 @@ def test_units_follow_the_stop(e62: Mechanism) -> None:
     }  # fmt: skip
 
 
-def test_what_is_known_by_a_name_is_known_everywhere(e62: Mechanism) -> None:
+def test_what_is_known_by_a_name_is_known_everywhere(e62: nip.Mechanism) -> None:
     """Names of identification and optimisation are those of tables, with the same values."""
-    run = simulate(e62, Case(speed_rpm=600.0))
-    table = transition_table(e62, speed_rpm=600.0, engine="direct", tolerance=1e-12)
+    run = nip.simulate(e62, nip.Case(speed_rpm=600.0))
+    table = nip.transition_table(e62, speed_rpm=600.0, engine="direct", tolerance=1e-12)
     own = {name for name, item in OPTIMISED.items() if item.source == "transition"}
     for name in {*IDENTIFIED, *own}:
         item, place = of_transition(name)
@@ -128,7 +117,7 @@ def test_what_is_known_by_a_name_is_known_everywhere(e62: Mechanism) -> None:
     assert math.isnan(quantity(table, "time_s_9999")[0])
 
 
-def test_a_hinge_has_a_moments_impulse_in_sweeps(e62: Mechanism) -> None:
+def test_a_hinge_has_a_moments_impulse_in_sweeps(e62: nip.Mechanism) -> None:
     """The default keeps the one that the transition stop has; the other one is refused."""
     machine = press()
     assert "impulse_N_s_1" in default(e62)
@@ -136,13 +125,13 @@ def test_a_hinge_has_a_moments_impulse_in_sweeps(e62: Mechanism) -> None:
     assert "impulse_N_s_1" not in default(machine)
     check_quantities(default(machine), machine, "")
     check_quantities(default(e62), e62, "")
-    with pytest.raises(UnknownNameError, match="called 'impulse_N_m_s_2'"):
+    with pytest.raises(nip.UnknownNameError, match="called 'impulse_N_m_s_2'"):
         check_quantities(["impulse_N_s_2"], machine, "")
-    with pytest.raises(UnknownNameError, match="known: "):
+    with pytest.raises(nip.UnknownNameError, match="known: "):
         check_quantities(["impulse_1"], machine, "")
 
 
-def test_springs_by_the_names_of_the_model_file(e62: Mechanism) -> None:
+def test_springs_by_the_names_of_the_model_file(e62: nip.Mechanism) -> None:
     """Millimetres and degrees outside, SI inside; what is not given is the model's."""
     rates, preloads = spring_values(e62, {"preload_length_mm": [10.0, 12.5]})
     np.testing.assert_array_equal(rates, [[9000.0]])
@@ -150,28 +139,28 @@ def test_springs_by_the_names_of_the_model_file(e62: Mechanism) -> None:
     rates, preloads = spring_values(press(), {"stiffness_N_m_per_rad": 4.0, "preload_deg": -30.0})
     np.testing.assert_array_equal(rates, [[4.0]])
     np.testing.assert_allclose(preloads, [[-math.pi / 6.0]], rtol=1e-15)
-    short = transition_table(e62, speed_rpm=650.0, preload_length_mm=11.0, engine="direct")
-    own = transition_table(e62, speed_rpm=650.0, engine="direct")
+    short = nip.transition_table(e62, speed_rpm=650.0, preload_length_mm=11.0, engine="direct")
+    own = nip.transition_table(e62, speed_rpm=650.0, engine="direct")
     assert short.duration[0] == pytest.approx(own.duration[0], rel=1e-12)
-    with pytest.raises(InputError, match=r"preload_length_mm = 11000 .* in mm, .* at most"):
-        transition_table(e62, speed_rpm=650.0, preload_length_mm=11_000.0)
-    with pytest.raises(InputError, match="no spring"):
+    with pytest.raises(nip.InputError, match=r"preload_length_mm = 11000 .* in mm, .* at most"):
+        nip.transition_table(e62, speed_rpm=650.0, preload_length_mm=11_000.0)
+    with pytest.raises(nip.InputError, match="no spring"):
         spring_values(press(), {"preload_length_mm": 3.0})
 
 
 FOUR_BAR = Path(__file__).parents[1] / "verification" / "models" / "four_bar"
 
 
-def document_of(solution: Solution) -> Any:
+def document_of(solution: nip.Solution) -> Any:
     """The document, as someone who reads the file gets it."""
-    return json.loads(json.dumps(record(solution), allow_nan=False))
+    return json.loads(json.dumps(nip.record(solution), allow_nan=False))
 
 
-@pytest.mark.parametrize("window", Window)
-def test_what_was_simulated_with_what_work(window: Window) -> None:
+@pytest.mark.parametrize("window", nip.Window)
+def test_what_was_simulated_with_what_work(window: nip.Window) -> None:
     """Model, speed, window, the values behind the command line's shortcuts, residuals, work."""
     overrides = {"stops.jaw.restitution": 0.3, "springs.steeve.stiffness_N_per_m": 10_000.0}
-    solution = simulate(load("e62", overrides), Case(speed_rpm=650.0, window=window))
+    solution = nip.simulate(nip.load("e62", overrides), nip.Case(speed_rpm=650.0, window=window))
     document = document_of(solution)
     # The keys carry their unit, so they are the last steps of the shortcuts' paths.
     wanted = {
@@ -190,7 +179,9 @@ def test_what_was_simulated_with_what_work(window: Window) -> None:
 
 
 def test_an_unfinished_run_has_nulls_and_no_nan() -> None:
-    document = document_of(simulate(load("e62"), Case(speed_rpm=650.0, max_collisions=2)))
+    document = document_of(
+        nip.simulate(nip.load("e62"), nip.Case(speed_rpm=650.0, max_collisions=2))
+    )
     assert document["collisions"][-1]["rebound_time_s"] is None
     assert document["collisions"][-1]["rebound_amplitude"] is None
     assert document["transition"]["duration_s"] is None
@@ -200,8 +191,8 @@ def test_an_unfinished_run_has_nulls_and_no_nan() -> None:
 
 def test_a_run_without_collisions_counts_from_its_start() -> None:
     """A four-bar has no stops: no collisions, no transition, one phase from zero to the end."""
-    case = Case(speed_rpm=60.0, window=Window.CYCLE, start_index=0.0)
-    document = document_of(simulate(load(FOUR_BAR), case))
+    case = nip.Case(speed_rpm=60.0, window=nip.Window.CYCLE, start_index=0.0)
+    document = document_of(nip.simulate(nip.load(FOUR_BAR), case))
     assert document["collisions"] == []
     assert len(document["phases"]) == 1
     assert document["phases"][0]["start_s"] == 0.0

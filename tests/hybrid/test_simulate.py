@@ -8,18 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nipper_pin import (
-    Case,
-    DriveMode,
-    EventKind,
-    InputError,
-    Mechanism,
-    Outcome,
-    Solution,
-    Window,
-    load,
-    simulate,
-)
+import nipper_pin as nip
 from nipper_pin.mechanism.skeleton import write_skeleton
 
 BOUNCING_MASS = Path(__file__).parents[1] / "verification" / "models" / "bouncing_mass"
@@ -27,30 +16,30 @@ BOUNCING_MASS = Path(__file__).parents[1] / "verification" / "models" / "bouncin
 
 @pytest.mark.parametrize("rest_rate", [1.0, 0.02, 1e-4])
 def test_a_threshold_ends_the_series_at_the_first_slower_rebound(
-    e62: Mechanism, rest_rate: float
+    e62: nip.Mechanism, rest_rate: float
 ) -> None:
     """The last rebound is slower than the threshold and the one before is not.
 
     The rest comes with that collision, not at the limit; its state is at rest.
     """
-    solution = simulate(e62, Case(speed_rpm=650.0, rest_rate=rest_rate))
+    solution = nip.simulate(e62, nip.Case(speed_rpm=650.0, rest_rate=rest_rate))
     rebounds = [item.separation_rate for item in solution.collisions]
     assert rebounds[-1] < rest_rate <= rebounds[-2]
     rest = solution.events[-1]
-    assert rest.kind is EventKind.REST
+    assert rest.kind is nip.EventKind.REST
     assert rest.t == solution.collisions[-1].t
     assert rest.v_after[e62.stop("jaw").index] == 0.0
-    assert solution.outcome is Outcome.AT_REST
+    assert solution.outcome is nip.Outcome.AT_REST
 
 
-def test_threshold_and_limit_agree_up_to_the_threshold(e62: Mechanism) -> None:
+def test_threshold_and_limit_agree_up_to_the_threshold(e62: nip.Mechanism) -> None:
     """Until the threshold acts both runs are the same bits; then the limit lies later.
 
     What the threshold cuts off is the rest of the series, 2 w / (a (1 - e)) with w the last
     rebound rate.
     """
-    limit = simulate(e62, Case(speed_rpm=650.0))
-    threshold = simulate(e62, Case(speed_rpm=650.0, rest_rate=0.02))
+    limit = nip.simulate(e62, nip.Case(speed_rpm=650.0))
+    threshold = nip.simulate(e62, nip.Case(speed_rpm=650.0, rest_rate=0.02))
     count = len(threshold.collisions)
     assert [c.t for c in threshold.collisions] == [c.t for c in limit.collisions[:count]]
     cut = limit.events[-1].t - threshold.events[-1].t
@@ -62,9 +51,12 @@ def test_threshold_and_limit_agree_up_to_the_threshold(e62: Mechanism) -> None:
 
 def test_without_restitution_the_first_collision_is_the_rest() -> None:
     """With e = 0 the jaw stays closed: one collision, rest at the same time, phase 2."""
-    mechanism = load("e62", {"stops.jaw.restitution": 0.0})
-    solution = simulate(mechanism, Case(speed_rpm=650.0))
-    assert [event.kind for event in solution.events] == [EventKind.COLLISION, EventKind.REST]
+    mechanism = nip.load("e62", {"stops.jaw.restitution": 0.0})
+    solution = nip.simulate(mechanism, nip.Case(speed_rpm=650.0))
+    assert [event.kind for event in solution.events] == [
+        nip.EventKind.COLLISION,
+        nip.EventKind.REST,
+    ]
     collision = solution.collisions[0]
     assert collision.separation_rate == 0.0
     assert (collision.rebound_amplitude, collision.rebound_time) == (0.0, 0.0)
@@ -83,9 +75,9 @@ def test_a_vanishing_restitution_rests_at_once() -> None:
     The time is 2 e w / a to first order: w = 16.8 rad/s and a near 1200 rad/s^2 at e = 0.2 make
     3e-14 s; no flight can be resolved there and none is needed.
     """
-    mechanism = load("e62", {"stops.jaw.restitution": 1e-12})
-    solution = simulate(mechanism, Case(speed_rpm=650.0))
-    assert solution.outcome is Outcome.AT_REST
+    mechanism = nip.load("e62", {"stops.jaw.restitution": 1e-12})
+    solution = nip.simulate(mechanism, nip.Case(speed_rpm=650.0))
+    assert solution.outcome is nip.Outcome.AT_REST
     assert len(solution.collisions) <= 2
     assert 0.0 < solution.events[-1].t < 1e-13
     assert solution.events[-1].closed_after == frozenset({"jaw"})
@@ -96,9 +88,9 @@ def test_without_losses_there_is_no_rest_and_the_run_says_so() -> None:
 
     Every collision reflects the rate exactly and loses nothing.
     """
-    mechanism = load("e62", {"stops.jaw.restitution": 1.0, "stops.steeve.restitution": 1.0})
-    solution = simulate(mechanism, Case(speed_rpm=450.0))
-    assert solution.outcome is Outcome.NO_REST
+    mechanism = nip.load("e62", {"stops.jaw.restitution": 1.0, "stops.steeve.restitution": 1.0})
+    solution = nip.simulate(mechanism, nip.Case(speed_rpm=450.0))
+    assert solution.outcome is nip.Outcome.NO_REST
     assert "did not come to rest" in solution.outcome.value
     assert solution.transitions == ()
     for item in solution.collisions:
@@ -107,22 +99,25 @@ def test_without_losses_there_is_no_rest_and_the_run_says_so() -> None:
     assert solution.checks.energy_balance <= 1e-9
 
 
-def test_the_largest_number_of_collisions_is_kept_in_every_turn(e62: Mechanism) -> None:
+def test_the_largest_number_of_collisions_is_kept_in_every_turn(e62: nip.Mechanism) -> None:
     """A turn at 650 r/min has 21 collisions: 21 are enough for three turns, 20 are not for one."""
     for most in (1, 2, 5):
-        short = simulate(e62, Case(speed_rpm=650.0, max_collisions=most))
+        short = nip.simulate(e62, nip.Case(speed_rpm=650.0, max_collisions=most))
         assert len(short.collisions) == most
-        assert short.outcome is Outcome.TOO_MANY_COLLISIONS
+        assert short.outcome is nip.Outcome.TOO_MANY_COLLISIONS
     assert "max_collisions" in short.outcome.value
-    case = {"speed_rpm": 650.0, "window": Window.CYCLE, "cycles": 3, "reuse_cycles": False}
-    a_turn = len(simulate(e62, Case(**case)).collisions) // 3
-    assert simulate(e62, Case(**case, max_collisions=a_turn + 1)).outcome is Outcome.COMPLETED
-    short = simulate(e62, Case(**case, max_collisions=a_turn - 1))
-    assert short.outcome is Outcome.TOO_MANY_COLLISIONS
+    case = {"speed_rpm": 650.0, "window": nip.Window.CYCLE, "cycles": 3, "reuse_cycles": False}
+    a_turn = len(nip.simulate(e62, nip.Case(**case)).collisions) // 3
+    assert (
+        nip.simulate(e62, nip.Case(**case, max_collisions=a_turn + 1)).outcome
+        is nip.Outcome.COMPLETED
+    )
+    short = nip.simulate(e62, nip.Case(**case, max_collisions=a_turn - 1))
+    assert short.outcome is nip.Outcome.TOO_MANY_COLLISIONS
     assert len(short.collisions) == a_turn - 1
 
 
-def _copies_of_one_turn(copied: Solution) -> None:
+def _copies_of_one_turn(copied: nip.Solution) -> None:
     """Sources lie in what was computed, equal themselves there, and whole periods apart."""
     period, ours = copied.shaft.period, {event.number: event for event in copied.events}
     moved = [event for event in copied.events if event.source != event.number]
@@ -142,15 +137,15 @@ def _copies_of_one_turn(copied: Solution) -> None:
 
 
 @pytest.mark.parametrize("speed", [450.0, 650.0])
-def test_copied_turns_equal_computed_ones(e62: Mechanism, speed: float) -> None:
+def test_copied_turns_equal_computed_ones(e62: nip.Mechanism, speed: float) -> None:
     """Three turns with copies and three computed ones have the same events to 1e-11 s.
 
     Both start from exact kinematics; the bound is the round-off of the times, some 1e-16 s, and of
     a series of bounces, which amplifies it little.
     """
-    case = {"speed_rpm": speed, "window": Window.CYCLE, "cycles": 3}
-    copied = simulate(e62, Case(**case, reuse_cycles=True))
-    computed = simulate(e62, Case(**case, reuse_cycles=False))
+    case = {"speed_rpm": speed, "window": nip.Window.CYCLE, "cycles": 3}
+    copied = nip.simulate(e62, nip.Case(**case, reuse_cycles=True))
+    computed = nip.simulate(e62, nip.Case(**case, reuse_cycles=False))
     assert copied.repeated_from is not None
     assert computed.repeated_from is None
     assert copied.evaluations < 0.7 * computed.evaluations
@@ -179,11 +174,11 @@ def test_turns_of_a_crank_are_copied_too(tmp_path: Path) -> None:
 
     Copies that did not wind on, or wound the wrong joint, would be 2 pi away from computed turns.
     """
-    press = load(write_skeleton(tmp_path / "press"))
-    case = {"speed_rpm": 120.0, "window": Window.CYCLE}
-    one = simulate(press, Case(**case))
-    copied = simulate(press, Case(**case, cycles=5))
-    computed = simulate(press, Case(**case, cycles=5, reuse_cycles=False))
+    press = nip.load(write_skeleton(tmp_path / "press"))
+    case = {"speed_rpm": 120.0, "window": nip.Window.CYCLE}
+    one = nip.simulate(press, nip.Case(**case))
+    copied = nip.simulate(press, nip.Case(**case, cycles=5))
+    computed = nip.simulate(press, nip.Case(**case, cycles=5, reuse_cycles=False))
     assert copied.repeated_from == 1
     assert copied.evaluations == one.evaluations
     _copies_of_one_turn(copied)
@@ -213,19 +208,21 @@ def test_what_is_bound_to_a_winding_hinge_does_not_repeat(bound: str, tmp_path: 
     }
     with (folder / "press.toml").open("a") as file:
         file.write(tables[bound])
-    case = Case(speed_rpm=120.0, window=Window.CYCLE, cycles=3)
-    repeated = simulate(load(folder), case).repeated_from
+    case = nip.Case(speed_rpm=120.0, window=nip.Window.CYCLE, cycles=3)
+    repeated = nip.simulate(nip.load(folder), case).repeated_from
     assert repeated == (1 if bound == "nothing" else None)
 
 
-def test_an_inertial_cycle_runs_and_loses_drive_speed_in_impacts(e62: Mechanism) -> None:
+def test_an_inertial_cycle_runs_and_loses_drive_speed_in_impacts(e62: nip.Mechanism) -> None:
     """With free shafts the whole turn runs; collisions change the shafts' rates and need no drive.
 
     Held drives keep their rates to the last bit and take the impulse; free ones are the reverse.
     """
-    free = simulate(e62, Case(speed_rpm=650.0, window=Window.CYCLE, drive=DriveMode.INERTIAL))
-    held = simulate(e62, Case(speed_rpm=650.0, window=Window.CYCLE))
-    assert free.outcome is Outcome.COMPLETED
+    free = nip.simulate(
+        e62, nip.Case(speed_rpm=650.0, window=nip.Window.CYCLE, drive=nip.DriveMode.INERTIAL)
+    )
+    held = nip.simulate(e62, nip.Case(speed_rpm=650.0, window=nip.Window.CYCLE))
+    assert free.outcome is nip.Outcome.COMPLETED
     driven = [drive.index for drive in e62.drives]
     for solution, is_free in ((free, True), (held, False)):
         event = max(solution.collisions, key=lambda item: item.impulse).event
@@ -241,35 +238,35 @@ def test_an_inertial_cycle_runs_and_loses_drive_speed_in_impacts(e62: Mechanism)
     assert first[0].index != first[1].index
 
 
-def test_progress_is_reported_after_every_turn(e62: Mechanism) -> None:
+def test_progress_is_reported_after_every_turn(e62: nip.Mechanism) -> None:
     """The callback counts the turns done, and ends with all of them."""
     seen: list[tuple[int, int]] = []
-    case = Case(speed_rpm=450.0, window=Window.CYCLE, cycles=3, reuse_cycles=False)
-    simulate(e62, case, progress=lambda done, total: seen.append((done, total)))
+    case = nip.Case(speed_rpm=450.0, window=nip.Window.CYCLE, cycles=3, reuse_cycles=False)
+    nip.simulate(e62, case, progress=lambda done, total: seen.append((done, total)))
     assert seen == [(1, 3), (2, 3), (3, 3)]
     seen.clear()
-    case = Case(speed_rpm=450.0, window=Window.CYCLE, cycles=50)
-    simulate(e62, case, progress=lambda done, total: seen.append((done, total)))
+    case = nip.Case(speed_rpm=450.0, window=nip.Window.CYCLE, cycles=50)
+    nip.simulate(e62, case, progress=lambda done, total: seen.append((done, total)))
     assert seen[-1] == (50, 50)
     assert len(seen) < 50
 
 
 def test_a_cylinder_that_turns_the_wrong_way_is_an_input_error() -> None:
     """Backwards the jaw opens in the touch configuration: no transition, and the reason is said."""
-    mechanism = load("e62", {"cylinder.direction": "counter-clockwise"})
-    with pytest.raises(InputError, match="not closing in the touch configuration"):
-        simulate(mechanism, Case(speed_rpm=450.0))
+    mechanism = nip.load("e62", {"cylinder.direction": "counter-clockwise"})
+    with pytest.raises(nip.InputError, match="not closing in the touch configuration"):
+        nip.simulate(mechanism, nip.Case(speed_rpm=450.0))
 
 
-def test_start_index_shifts_the_window_only(e62: Mechanism) -> None:
+def test_start_index_shifts_the_window_only(e62: nip.Mechanism) -> None:
     """A turn that starts at another index of phase 1 has its collisions at the same indices.
 
     Phase 1 is kinematic, so nothing remembers the start.
     """
     indices = []
     for start in (20.0, 24.0, 26.5):
-        case = Case(speed_rpm=450.0, window=Window.CYCLE, start_index=start)
-        indices.append([item.index for item in simulate(e62, case).collisions])
+        case = nip.Case(speed_rpm=450.0, window=nip.Window.CYCLE, start_index=start)
+        indices.append([item.index for item in nip.simulate(e62, case).collisions])
     for other in indices[1:]:
         assert other == pytest.approx(indices[0], abs=1e-10)
 
@@ -286,8 +283,8 @@ def test_a_collision_on_the_limit_of_the_window_ends_the_run(e: float, speed: fl
         "stops.steeve.restitution": 0.0,
         "springs.steeve.stiffness_N_per_m": 10731.35407652929,
     }
-    solution = simulate(load("e62", overrides), Case(speed_rpm=speed))
-    assert solution.outcome is Outcome.NO_REST
+    solution = nip.simulate(nip.load("e62", overrides), nip.Case(speed_rpm=speed))
+    assert solution.outcome is nip.Outcome.NO_REST
     period = solution.shaft.period
     assert solution.trajectory.span[1] == pytest.approx(period, rel=1e-14)
     jaw = solution.mechanism.stop("jaw").index
@@ -304,28 +301,28 @@ def test_a_drive_that_winds_on_is_not_copied(start_index: float) -> None:
     not come back with the cylinder, so it may not stand for the second. A start 40 indices before
     the touch puts the collision on the limit between the turns, on either side of it.
     """
-    mechanism = load(BOUNCING_MASS, {"drives.table.lead_mm_per_turn": 60.0})
-    case = Case(speed_rpm=60.0, window=Window.CYCLE, cycles=2, start_index=start_index)
-    solution = simulate(mechanism, case)
+    mechanism = nip.load(BOUNCING_MASS, {"drives.table.lead_mm_per_turn": 60.0})
+    case = nip.Case(speed_rpm=60.0, window=nip.Window.CYCLE, cycles=2, start_index=start_index)
+    solution = nip.simulate(mechanism, case)
     # One turn takes a second.
     assert solution.collisions[0].t == pytest.approx(-start_index / 40.0, rel=1e-13)
-    assert solution.events[-1].kind is EventKind.REST
+    assert solution.events[-1].kind is nip.EventKind.REST
 
 
-def test_slow_inertial_shafts_shorten_the_panels(e62: Mechanism) -> None:
+def test_slow_inertial_shafts_shorten_the_panels(e62: nip.Mechanism) -> None:
     """A panel of a slow turn is long against the period of the elastic shafts.
 
     Its iteration ran away, Pinocchio returned NaN, and the run ended with "the closures lose rank"
     at index 24, where nothing is singular.
     """
-    case = Case(speed_rpm=90.0, window=Window.CYCLE, drive=DriveMode.INERTIAL)
-    solution = simulate(e62, case)
-    assert solution.outcome is Outcome.COMPLETED
+    case = nip.Case(speed_rpm=90.0, window=nip.Window.CYCLE, drive=nip.DriveMode.INERTIAL)
+    solution = nip.simulate(e62, case)
+    assert solution.outcome is nip.Outcome.COMPLETED
     assert solution.checks.energy_balance < 1e-9
 
 
 @pytest.mark.slow
-def test_tables_of_many_turns_grow_with_their_number(e62: Mechanism) -> None:
+def test_tables_of_many_turns_grow_with_their_number(e62: nip.Mechanism) -> None:
     """Every rebound searched all segments, so that 10,000 turns never ended.
 
     Copies of a turn share their arrays: the dynamics is evaluated for the tables of one turn, and
@@ -333,7 +330,9 @@ def test_tables_of_many_turns_grow_with_their_number(e62: Mechanism) -> None:
     """
     counts = []
     for cycles in (2, 2000):
-        solution = simulate(e62, Case(speed_rpm=450.0, window=Window.CYCLE, cycles=cycles))
+        solution = nip.simulate(
+            e62, nip.Case(speed_rpm=450.0, window=nip.Window.CYCLE, cycles=cycles)
+        )
         before = solution.system.body.evaluations
         assert len(solution.collisions) % cycles == 0
         assert len(solution.errors) == len(solution.events)
@@ -346,11 +345,11 @@ def test_threads_share_a_mechanism() -> None:
 
     A shared `pin.Data` would mix them up.
     """
-    mechanism = load("e62")
-    cases = [Case(speed_rpm=450.0 + 25.0 * k) for k in range(8)]
-    alone = [simulate(mechanism, case).events for case in cases]
+    mechanism = nip.load("e62")
+    cases = [nip.Case(speed_rpm=450.0 + 25.0 * k) for k in range(8)]
+    alone = [nip.simulate(mechanism, case).events for case in cases]
     with ThreadPoolExecutor(8) as pool:
-        together = list(pool.map(lambda case: simulate(mechanism, case).events, cases * 3))
+        together = list(pool.map(lambda case: nip.simulate(mechanism, case).events, cases * 3))
     for events, expected in zip(together, alone * 3, strict=True):
         assert len(events) == len(expected) > 2
         for one, other in zip(events, expected, strict=True):

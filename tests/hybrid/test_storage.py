@@ -16,60 +16,46 @@ import numpy as np
 import pytest
 
 import nipper_pin
-from nipper_pin import (
-    Case,
-    DriveMode,
-    InputError,
-    Mechanism,
-    Resolution,
-    Solution,
-    Window,
-    load,
-    load_case,
-    load_solution,
-    save,
-    save_case,
-    simulate,
-)
+import nipper_pin as nip
 from nipper_pin.hybrid.files import archive as packed
 from nipper_pin.hybrid.files import npz as storage
 from nipper_pin.mechanism import with_numbers
 from nipper_pin.mechanism.drives import ConstantSpeed
 
 RUNS = {
-    "transition": Case(speed_rpm=650.0),
-    "inertial": Case(speed_rpm=450.0, drive=DriveMode.INERTIAL, rest_rate=0.02),
-    "turns": Case(speed_rpm=650.0, window=Window.CYCLE, cycles=4, start_index=23.0),
+    "transition": nip.Case(speed_rpm=650.0),
+    "inertial": nip.Case(speed_rpm=450.0, drive=nip.DriveMode.INERTIAL, rest_rate=0.02),
+    "turns": nip.Case(speed_rpm=650.0, window=nip.Window.CYCLE, cycles=4, start_index=23.0),
 }
 Document = dict[str, Any]
 
 
 @pytest.fixture(scope="module", params=RUNS)
-def solution(request: pytest.FixtureRequest) -> Solution:
+def solution(request: pytest.FixtureRequest) -> nip.Solution:
     """Runs of every kind, with overrides that the stored model has to carry."""
     overrides = {"stops.jaw.restitution": 0.3, "links.top_nipper.mass_kg": 1.3}
-    return simulate(load("e62", overrides), RUNS[request.param])
+    return nip.simulate(nip.load("e62", overrides), RUNS[request.param])
 
 
 @pytest.fixture(scope="module")
-def copy(solution: Solution, tmp_path_factory: pytest.TempPathFactory) -> Solution:
+def copy(solution: nip.Solution, tmp_path_factory: pytest.TempPathFactory) -> nip.Solution:
     """The solution after a way over the disk."""
-    return load_solution(save(solution, tmp_path_factory.mktemp("saved") / "run.npz"))
+    return nip.load_solution(nip.save(solution, tmp_path_factory.mktemp("saved") / "run.npz"))
 
 
 @pytest.fixture(scope="module")
-def short(e62: Mechanism) -> Solution:
-    return simulate(e62, Case(speed_rpm=650.0, max_collisions=2))
+def short(e62: nip.Mechanism) -> nip.Solution:
+    return nip.simulate(e62, nip.Case(speed_rpm=650.0, max_collisions=2))
 
 
 @pytest.fixture
-def stored(short: Solution, tmp_path: Path) -> Path:
-    return save(short, tmp_path / "run")
+def stored(short: nip.Solution, tmp_path: Path) -> Path:
+    return nip.save(short, tmp_path / "run")
 
 
 @pytest.fixture
-def case_file(e62: Mechanism, tmp_path: Path) -> Path:
-    return save_case(e62, Case(speed_rpm=650.0), tmp_path / "case.json")
+def case_file(e62: nip.Mechanism, tmp_path: Path) -> Path:
+    return nip.save_case(e62, nip.Case(speed_rpm=650.0), tmp_path / "case.json")
 
 
 def _bits(value: Any) -> Any:
@@ -98,7 +84,7 @@ MODEL = "name urdf description joints stops springs"
 
 
 def test_all_that_a_solution_holds_comes_back_bit_by_bit(
-    solution: Solution, copy: Solution
+    solution: nip.Solution, copy: nip.Solution
 ) -> None:
     """Field by field, in type and bits; the stored model is the changed one."""
     held = "case events segments outcome evaluations wall_s repeated_from"
@@ -111,7 +97,9 @@ def test_all_that_a_solution_holds_comes_back_bit_by_bit(
     assert 1.3 in masses
 
 
-def test_dense_motion_and_forces_are_the_same_bits(solution: Solution, copy: Solution) -> None:
+def test_dense_motion_and_forces_are_the_same_bits(
+    solution: nip.Solution, copy: nip.Solution
+) -> None:
     """What is computed from a loaded solution equals what is computed from the original."""
     times = np.linspace(*solution.trajectory.span, 211)
     for left in (False, True):
@@ -125,24 +113,26 @@ def test_dense_motion_and_forces_are_the_same_bits(solution: Solution, copy: Sol
         _same(one, other, "rebound_amplitude rebound_time")
 
 
-def test_saving_again_gives_the_same_content(copy: Solution, tmp_path: Path) -> None:
+def test_saving_again_gives_the_same_content(copy: nip.Solution, tmp_path: Path) -> None:
     """Also under a name without .npz, which gets it; one with dots keeps them."""
-    path = save(copy, tmp_path / "a.b")
+    path = nip.save(copy, tmp_path / "a.b")
     assert [path] == list(tmp_path.iterdir()) == [tmp_path / "a.b.npz"]
-    _same(load_solution(path), copy, "events segments")
+    _same(nip.load_solution(path), copy, "events segments")
 
 
 @pytest.mark.parametrize("name", RUNS)
 def test_a_case_comes_back_and_repeats_the_run(name: str, tmp_path: Path) -> None:
     """A stored case, with everything away from its defaults, repeats a run bit by bit."""
     case = replace(
-        RUNS[name], resolution=Resolution(tolerance=1e-9, flight_nodes=9), max_collisions=77
+        RUNS[name], resolution=nip.Resolution(tolerance=1e-9, flight_nodes=9), max_collisions=77
     )
-    mechanism = load("e62", {"stops.steeve.restitution": 0.1 + 0.2})
-    read_mechanism, read_case = load_case(save_case(mechanism, case, tmp_path / "case.json"))
+    mechanism = nip.load("e62", {"stops.steeve.restitution": 0.1 + 0.2})
+    read_mechanism, read_case = nip.load_case(
+        nip.save_case(mechanism, case, tmp_path / "case.json")
+    )
     assert read_case == case
     _same(read_mechanism, mechanism, MODEL)
-    _same(simulate(read_mechanism, read_case), simulate(mechanism, case), "events")
+    _same(nip.simulate(read_mechanism, read_case), nip.simulate(mechanism, case), "events")
 
 
 def _edit(path: Path, change: Callable[[Document], object]) -> None:
@@ -161,8 +151,8 @@ def _edit(path: Path, change: Callable[[Document], object]) -> None:
 
 
 def test_a_missing_file_is_an_input_error(tmp_path: Path) -> None:
-    for read in (load_solution, load_case):
-        with pytest.raises(InputError, match="nowhere"):
+    for read in (nip.load_solution, nip.load_case):
+        with pytest.raises(nip.InputError, match="nowhere"):
             read(tmp_path / "nowhere.npz")
 
 
@@ -171,8 +161,8 @@ def test_a_truncated_file_is_an_input_error(stored: Path) -> None:
     content = stored.read_bytes()
     for part in (0.0, 0.01, 0.3, 0.7, 0.99):
         stored.write_bytes(content[: int(part * len(content))])
-        with pytest.raises(InputError, match="damaged"):
-            load_solution(stored)
+        with pytest.raises(nip.InputError, match="damaged"):
+            nip.load_solution(stored)
 
 
 def test_flipped_bytes_are_input_errors_or_harmless(stored: Path) -> None:
@@ -181,15 +171,15 @@ def test_flipped_bytes_are_input_errors_or_harmless(stored: Path) -> None:
     The archive guards contents by checksums; bytes it does not use (times of day) may differ.
     """
     content = stored.read_bytes()
-    original = load_solution(stored)
+    original = nip.load_solution(stored)
     errors = 0
     for place in np.random.default_rng(3).integers(0, len(content), 150):
         changed = bytearray(content)
         changed[place] ^= 0x55
         stored.write_bytes(changed)
         try:
-            read = load_solution(stored)
-        except InputError:
+            read = nip.load_solution(stored)
+        except nip.InputError:
             errors += 1
         else:
             _same(read, original, "events segments")
@@ -244,21 +234,21 @@ def test_an_edited_file_is_an_input_error(
 ) -> None:
     """Missing keys, unknown names and impossible values."""
     _edit(stored, change)
-    with pytest.raises(InputError):
-        load_solution(stored)
+    with pytest.raises(nip.InputError):
+        nip.load_solution(stored)
 
 
 def test_a_case_may_be_edited(case_file: Path) -> None:
     """It is a text that is checked as models are; anything else is refused with its name."""
     _edit(case_file, lambda document: document["case"].update(speed_rpm=600.0))
-    assert load_case(case_file)[1] == Case(speed_rpm=600.0)
+    assert nip.load_case(case_file)[1] == nip.Case(speed_rpm=600.0)
     _edit(case_file, lambda document: document["case"].update(speed_rpm=-600.0))
-    with pytest.raises(InputError, match=r"speed_rpm = -600\.0"):
-        load_case(case_file)
+    with pytest.raises(nip.InputError, match=r"speed_rpm = -600\.0"):
+        nip.load_case(case_file)
     for text in ("", "{}", "[]", "no json", '{"format": 1}', "\x00\xff"):
         case_file.write_text(text, encoding="latin-1")
-        with pytest.raises(InputError, match=r"case\.json"):
-            load_case(case_file)
+        with pytest.raises(nip.InputError, match=r"case\.json"):
+            nip.load_case(case_file)
 
 
 @pytest.mark.parametrize(
@@ -269,9 +259,9 @@ def test_another_format_is_refused_by_number(
 ) -> None:
     """The message names both formats, and the version that read the other one."""
     words = f"format {number}{other}, and this version reads format 3; simulate the case again"
-    for path, read in ((stored, load_solution), (case_file, load_case)):
+    for path, read in ((stored, nip.load_solution), (case_file, nip.load_case)):
         _edit(path, lambda document: document.update(format=number))
-        with pytest.raises(InputError, match=words):
+        with pytest.raises(nip.InputError, match=words):
             read(path)
 
 
@@ -292,8 +282,8 @@ def test_an_archive_that_would_grow_too_large_is_refused(tmp_path: Path) -> None
     assert path.stat().st_size < 2**21
     tracemalloc.start()
     try:
-        with pytest.raises(InputError, match=r"1\.07e\+09 bytes; at most 4\.03e\+08 are read"):
-            load_solution(path)
+        with pytest.raises(nip.InputError, match=r"1\.07e\+09 bytes; at most 4\.03e\+08 are read"):
+            nip.load_solution(path)
         assert tracemalloc.get_traced_memory()[1] < 2**24
     finally:
         tracemalloc.stop()
@@ -305,8 +295,8 @@ def test_an_archive_of_too_many_arrays_is_refused(tmp_path: Path) -> None:
     with zipfile.ZipFile(path, "w") as archive:
         for number in range(50_001):
             archive.writestr(f"{number}.npy", b"")
-    with pytest.raises(InputError, match="it holds 50001 arrays; at most 50000 are read"):
-        load_solution(path)
+    with pytest.raises(nip.InputError, match="it holds 50001 arrays; at most 50000 are read"):
+        nip.load_solution(path)
 
 
 @pytest.mark.parametrize("length", [10**15, 1])
@@ -318,8 +308,8 @@ def test_an_array_is_as_long_as_it_says(tmp_path: Path, length: int) -> None:
             member, {"descr": "<f8", "fortran_order": False, "shape": (length,)}
         )
         member.write(bytes(80))
-    with pytest.raises(InputError, match=r"events\.npy is not as long as it says"):
-        load_solution(path)
+    with pytest.raises(nip.InputError, match=r"events\.npy is not as long as it says"):
+        nip.load_solution(path)
 
 
 class _Trap:
@@ -337,8 +327,8 @@ def test_nothing_in_a_file_is_executed(tmp_path: Path) -> None:
     whole = tmp_path / "whole.npy"
     np.save(whole, trap, allow_pickle=True)
     for path in (inside, whole):
-        with pytest.raises(InputError):
-            load_solution(path)
+        with pytest.raises(nip.InputError):
+            nip.load_solution(path)
 
 
 def test_a_solution_holds_no_pickle_and_says_which_version_wrote_it(
@@ -354,7 +344,7 @@ def test_a_solution_holds_no_pickle_and_says_which_version_wrote_it(
 
 @pytest.mark.parametrize("existing", [True, False])
 def test_nothing_half_written_when_writing_fails(
-    short: Solution, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, existing: bool
+    short: nip.Solution, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, existing: bool
 ) -> None:
     """A full disk leaves the old file, or none, and no temporary one."""
     target = tmp_path / "run.npz"
@@ -366,40 +356,40 @@ def test_nothing_half_written_when_writing_fails(
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(np, "savez_compressed", full)
-    with pytest.raises(InputError, match="No space left on device"):
-        save(short, target)
+    with pytest.raises(nip.InputError, match="No space left on device"):
+        nip.save(short, target)
     left = {item.name: item.read_bytes() for item in tmp_path.iterdir()}
     assert left == ({"run.npz": b"the old one"} if existing else {})
 
 
 @pytest.mark.parametrize("folder", ["nowhere", "a_file"])
 def test_a_folder_that_cannot_be_written_is_an_input_error(
-    short: Solution, tmp_path: Path, folder: str
+    short: nip.Solution, tmp_path: Path, folder: str
 ) -> None:
     """A missing folder, and a file where a folder should be, are named."""
     (tmp_path / "a_file").write_text("")
-    with pytest.raises(InputError, match="cannot be written"):
-        save(short, tmp_path / folder / "run.npz")
-    with pytest.raises(InputError, match="cannot be written"):
-        save_case(short.mechanism, short.case, tmp_path / folder / "case.json")
+    with pytest.raises(nip.InputError, match="cannot be written"):
+        nip.save(short, tmp_path / folder / "run.npz")
+    with pytest.raises(nip.InputError, match="cannot be written"):
+        nip.save_case(short.mechanism, short.case, tmp_path / folder / "case.json")
     assert [item.name for item in tmp_path.iterdir()] == ["a_file"]
 
 
 @pytest.mark.parametrize("limit", ["MOST_BYTES", "MOST_TEXT", "MOST_ARRAYS"])
 def test_what_could_not_be_read_is_not_written(
-    limit: str, short: Solution, stored: Path, monkeypatch: pytest.MonkeyPatch
+    limit: str, short: nip.Solution, stored: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """With each limit of a reader lowered below what a short run has."""
     old = stored.read_bytes()
     monkeypatch.setattr(packed, limit, 1)
-    with pytest.raises(InputError, match="simulate fewer turns"):
-        save(short, stored)
+    with pytest.raises(nip.InputError, match="simulate fewer turns"):
+        nip.save(short, stored)
     assert stored.read_bytes() == old
-    with pytest.raises(InputError):
-        load_solution(stored)
+    with pytest.raises(nip.InputError):
+        nip.load_solution(stored)
 
 
-REPLACED: dict[str, Callable[[Mechanism], tuple[Any, ...] | float]] = {
+REPLACED: dict[str, Callable[[nip.Mechanism], tuple[Any, ...] | float]] = {
     "springs": lambda e62: (replace(e62.springs[0], stiffness=1.0), *e62.springs[1:]),
     "stops": lambda e62: tuple(replace(stop, restitution=0.05) for stop in e62.stops),
     "gravity_m_s2": lambda _: 0.0,
@@ -409,19 +399,21 @@ REPLACED: dict[str, Callable[[Mechanism], tuple[Any, ...] | float]] = {
 
 @pytest.mark.parametrize("part", REPLACED)
 def test_replaced_parts_are_not_saved_as_what_they_were(
-    part: str, short: Solution, e62: Mechanism, tmp_path: Path
+    part: str, short: nip.Solution, e62: nip.Mechanism, tmp_path: Path
 ) -> None:
     """A run is saved with the texts of its machine, which a replaced number is not in."""
     mechanism = replace(e62, **{part: REPLACED[part](e62)})  # type: ignore[arg-type]
     refused = f"^{part} of this mechanism is not"
-    with pytest.raises(InputError, match=refused):
-        save(replace(short, mechanism=mechanism), tmp_path / "run.npz")
-    with pytest.raises(InputError, match=refused):
-        save_case(mechanism, short.case, tmp_path / "case.json")
+    with pytest.raises(nip.InputError, match=refused):
+        nip.save(replace(short, mechanism=mechanism), tmp_path / "run.npz")
+    with pytest.raises(nip.InputError, match=refused):
+        nip.save_case(mechanism, short.case, tmp_path / "case.json")
     assert list(tmp_path.iterdir()) == []
 
 
-def test_numbers_that_were_changed_are_saved(e62: Mechanism, tmp_path: Path) -> None:
+def test_numbers_that_were_changed_are_saved(e62: nip.Mechanism, tmp_path: Path) -> None:
     changed = with_numbers(e62, {"stops.jaw.restitution": 0.05, "links.top_nipper.mass_kg": 1.3})
-    read, _ = load_case(save_case(changed, Case(speed_rpm=650.0), tmp_path / "case.json"))
+    read, _ = nip.load_case(
+        nip.save_case(changed, nip.Case(speed_rpm=650.0), tmp_path / "case.json")
+    )
     assert read.stops == changed.stops

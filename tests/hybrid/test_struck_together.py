@@ -11,15 +11,7 @@ import pytest
 from small_machines import frame, hinge, link, machine, slide, turn
 from units_shown import rows as csv_rows
 
-from nipper_pin import (
-    Collision,
-    EventKind,
-    Mechanism,
-    Solution,
-    load_solution,
-    record,
-    save,
-)
+import nipper_pin as nip
 from nipper_pin.hybrid.result.rebound_errors import rebound_error
 from nipper_pin.hybrid.result.turns import reported_turn
 from nipper_pin.mechanism import Simultaneous
@@ -38,7 +30,7 @@ def falling(
     rates: tuple[float, ...] = (0.0, 0.0, 0.0),
     *,
     sled: bool = False,
-) -> Mechanism:
+) -> nip.Mechanism:
     """Balls of 1, 2 and 3 kg at heights [m] above floors of their own, with rates [m/s].
 
     On a sled that nothing pushes they are one part of a machine, and move as without it.
@@ -69,15 +61,15 @@ def bounces(height: float, rate: float, e_N: float, count: int) -> list[tuple[An
 
 
 @pytest.fixture(scope="module")
-def three() -> Solution:
+def three() -> nip.Solution:
     return turn(falling((0.2, 0.2, 0.2)))
 
 
-def first_rows(solution: Solution) -> list[Collision]:
+def first_rows(solution: nip.Solution) -> list[nip.Collision]:
     return [hit for hit in solution.collisions if hit.event is solution.collisions[0].event]
 
 
-def test_each_stop_has_a_row_with_its_own_loss(three: Solution) -> None:
+def test_each_stop_has_a_row_with_its_own_loss(three: nip.Solution) -> None:
     """Three balls from 0.2 m: m g h (1 - e^2) each, 1.79, 2.51 and 1.12 J."""
     rows = first_rows(three)
     assert [(hit.number, hit.stop) for hit in rows] == [(1, "s0"), (2, "s1"), (3, "s2")]
@@ -110,19 +102,19 @@ def test_the_time_error_of_an_event_is_that_of_its_least_certain_stop(
     assert solution.errors[0].time == strikes[f"s{slow}"]
 
 
-def test_losses_of_the_rows_are_those_of_the_run(three: Solution) -> None:
+def test_losses_of_the_rows_are_those_of_the_run(three: nip.Solution) -> None:
     """The rows of an event add up to it, and with the rests they balance the energy of the run."""
     for event in three.events:
         own = [hit.energy_lost for hit in three.collisions if hit.event is event]
-        if event.kind is EventKind.COLLISION:
+        if event.kind is nip.EventKind.COLLISION:
             assert math.fsum(own) == pytest.approx(event.energy_lost, rel=1e-14)
-    rests = [event.energy_lost for event in three.events if event.kind is EventKind.REST]
+    rests = [event.energy_lost for event in three.events if event.kind is nip.EventKind.REST]
     lost = math.fsum([*(hit.energy_lost for hit in three.collisions), *rests])
     assert lost == pytest.approx(three.energy.impact_losses, rel=1e-13)
     assert three.checks.energy_balance <= 1e-13
 
 
-def test_rebounds_are_those_of_each_stop(three: Solution) -> None:
+def test_rebounds_are_those_of_each_stop(three: nip.Solution) -> None:
     """Heights e^2 h and times 2 e v/g of the first rebounds; the third ends within the turn."""
     for hit, e_N in zip(first_rows(three), RESTITUTIONS, strict=True):
         assert hit.rebound_amplitude == pytest.approx(e_N**2 * 0.2, rel=1e-13)
@@ -130,9 +122,9 @@ def test_rebounds_are_those_of_each_stop(three: Solution) -> None:
         assert hit.rebound_time == pytest.approx(duration, rel=1e-13)
 
 
-def test_documents_and_tables_have_the_rows(three: Solution) -> None:
+def test_documents_and_tables_have_the_rows(three: nip.Solution) -> None:
     """JSON, columns and CSV hold what the table of collisions holds."""
-    document = json.loads(json.dumps(record(three), allow_nan=False))
+    document = json.loads(json.dumps(nip.record(three), allow_nan=False))
     rows = document["collisions"]
     assert [(row["number"], row["stop"]) for row in rows[:3]] == [(1, "s0"), (2, "s1"), (3, "s2")]
     assert [row["time_s"] for row in rows[:3]] == [0.0, 0.0, 0.0]
@@ -142,9 +134,9 @@ def test_documents_and_tables_have_the_rows(three: Solution) -> None:
     assert f"{len(three.collisions)} collisions" in repr(three)
 
 
-def test_a_saved_run_has_the_same_rows(three: Solution, tmp_path: Any) -> None:
-    again = load_solution(save(three, tmp_path / "run"))
-    assert record(again)["collisions"] == record(three)["collisions"]
+def test_a_saved_run_has_the_same_rows(three: nip.Solution, tmp_path: Any) -> None:
+    again = nip.load_solution(nip.save(three, tmp_path / "run"))
+    assert nip.record(again)["collisions"] == nip.record(three)["collisions"]
 
 
 # Heights as floats, so that the balls come down at one time but for round-off, or within 1e-13 s.
@@ -247,7 +239,7 @@ def test_a_stop_that_stays_closed_has_no_row(e_N: float) -> None:
     assert len(first_rows(solution)) == 1
 
 
-def twins(e_left: float, e_right: float, main: str = "left") -> Mechanism:
+def twins(e_left: float, e_right: float, main: str = "left") -> nip.Mechanism:
     """Two jaws on slides, mirror images, that springs push to their stops."""
     return machine(
         [link("left", 1.0), slide("x", "frame", "left", axis=(-1.0, 0.0)),
@@ -301,7 +293,7 @@ def rod(
     mass: float,
     arms: tuple[float, float],
     restitution: tuple[float, float] = (0.5, 0.5),
-) -> Mechanism:
+) -> nip.Mechanism:
     """A uniform rod of 0.3 m on feet of 1 g, which slide upright.
 
     Args:
@@ -335,7 +327,7 @@ def test_a_symmetric_rod_bounces_flat(
     """Both laws say the same of it; rounded numbers are no reason to strike one end first."""
     solution = turn(rod(law, mass, arms, (e_N, e_N)))
     assert not [text for text in solution.warnings if "choice" in text]
-    (rest,) = (event for event in solution.events if event.kind is EventKind.REST)
+    (rest,) = (event for event in solution.events if event.kind is nip.EventKind.REST)
     assert rest.stops == ("l", "r")
     fall = math.sqrt(2.0 * FALL / G)
     assert rest.t == pytest.approx(fall * (1.0 + e_N) / (1.0 - e_N), rel=1e-11)

@@ -9,19 +9,9 @@ import numpy as np
 import pytest
 from small_machines import SLED, TURNING, frame, hinge, link, machine, nipper, slide, turn
 
+import nipper_pin as nip
 from benchmarks.stress.checks.invariants import violations
 from benchmarks.stress.machines.small_machines import bouncing_mass, flaps
-from nipper_pin import (
-    Case,
-    DriveMode,
-    EventKind,
-    ImpactError,
-    Mechanism,
-    Outcome,
-    Resolution,
-    Window,
-    simulate,
-)
 from nipper_pin.arrays import FloatArray
 from nipper_pin.dynamics import Partition, ShaftMotion, System, collide
 from nipper_pin.hybrid.event_location.guards import _flight_root
@@ -30,8 +20,8 @@ from nipper_pin.hybrid.motion.panel import Panel
 from nipper_pin.tolerances.hybrid import GAP_ROUND_OFF
 
 
-@pytest.mark.parametrize("drive", list(DriveMode))
-def test_a_stop_that_closes_at_the_start_collides_there(drive: DriveMode) -> None:
+@pytest.mark.parametrize("drive", list(nip.DriveMode))
+def test_a_stop_that_closes_at_the_start_collides_there(drive: nip.DriveMode) -> None:
     """The table arrives under the mass at time zero, at lead times speed.
 
     A gap that was zero at the start and closing was never seen: the table passed through the mass,
@@ -41,20 +31,20 @@ def test_a_stop_that_closes_at_the_start_collides_there(drive: DriveMode) -> Non
     solution = turn(mechanism, 180.0, drive=drive)
     first = solution.events[0]
     height = mechanism.stop("table").index
-    assert (first.t, first.kind, first.stops[0]) == (0.0, EventKind.COLLISION, "table")
+    assert (first.t, first.kind, first.stops[0]) == (0.0, nip.EventKind.COLLISION, "table")
     assert first.v_before[height] == pytest.approx(-3e-3, rel=1e-12)
     times = np.linspace(0.0, solution.trajectory.span[1], 50)
     assert solution.trajectory.evaluate(times).q[:, height].min() >= -1e-15
 
 
 @pytest.fixture(scope="module")
-def two_flaps() -> Mechanism:
+def two_flaps() -> nip.Mechanism:
     return flaps(2, (0.3,), 0.5, 0.02, 10.0, 9.81).mechanism()
 
 
 @pytest.mark.parametrize(("rate", "after"), [(0.0, 0.0), (3e-15, 0.0), (0.25, 0.25)])
 def test_contacts_that_do_not_approach_take_no_impulse(
-    two_flaps: Mechanism, rate: float, after: float
+    two_flaps: nip.Mechanism, rate: float, after: float
 ) -> None:
     """P = 0 satisfies the law where every rate is positive; one that is round-off becomes zero.
 
@@ -76,10 +66,10 @@ def test_flaps_that_bounce_in_one_rhythm_come_to_rest() -> None:
     three = flaps(3, swing, 0.5, 0.08450230233247534, 48.62970648878668, 0.0).mechanism()
     case = {"start_index": 11.809148731844, "max_collisions": 100}
     solution = turn(three, 35.930164672310816, **case)
-    assert solution.outcome is Outcome.COMPLETED
+    assert solution.outcome is nip.Outcome.COMPLETED
     assert all(len(hit.event.stops) == 3 for hit in solution.collisions)
     assert all(hit.approach_rate < 0.0 for hit in solution.collisions)
-    rests = [event for event in solution.events if event.kind is EventKind.REST]
+    rests = [event for event in solution.events if event.kind is nip.EventKind.REST]
     assert rests
     assert all(len(event.stops) == 3 for event in rests)
 
@@ -172,10 +162,10 @@ def test_stops_that_pull_at_the_start_open_by_complementarity(closed: list[str])
     phases = [{"number": 1, "name": "start", "closed": closed}]
     solution = turn(machine(parts, 2, springs=springs, stops=stops, phases=phases))
     first, *others = solution.events
-    assert (first.kind, first.stops, first.t) == (EventKind.RELEASE, ("a",), 0.0)
+    assert (first.kind, first.stops, first.t) == (nip.EventKind.RELEASE, ("a",), 0.0)
     rest = [event for event in others if event.t == 0.0]
     assert [event.stops for event in rest] == ([("b",)] if closed == ["a"] else [])
-    opens = next(event for event in others if event.kind is EventKind.RELEASE)
+    opens = next(event for event in others if event.kind is nip.EventKind.RELEASE)
     W = sqrt(50.0)
     assert opens.stops == ("b",)
     assert opens.t == pytest.approx(acos(0.2) / W, rel=1e-11)
@@ -186,7 +176,7 @@ def test_stops_that_pull_at_the_start_open_by_complementarity(closed: list[str])
     assert violations(solution) == []
 
 
-def press(restitution: float) -> Mechanism:
+def press(restitution: float) -> nip.Mechanism:
     """A floor that a screw lifts by 0.1 m/s, 80 mm below a ceiling, and a mass between them."""
     parts = [
         link("floor"), slide("lift", "frame", "floor", (0.0, 1.0)),
@@ -215,7 +205,7 @@ def test_a_mass_between_a_held_floor_and_a_ceiling_is_jammed(restitution: float)
     Before that the mass flies between them in times that shrink like the gap; their sum is finite.
     What is refused is the instant in which they meet, with the names of both stops.
     """
-    with pytest.raises(ImpactError, match=r"ceiling.*floor|floor.*ceiling") as caught:
+    with pytest.raises(nip.ImpactError, match=r"ceiling.*floor|floor.*ceiling") as caught:
         turn(press(restitution))
     assert caught.value.evidence["t"] == pytest.approx(0.8, abs=1e-12)
     assert "please report" not in caught.value.message
@@ -264,7 +254,7 @@ def test_what_a_collision_leaves_open_is_no_fault_of_the_rest_that_follows() -> 
         tolerance=2e-11,
     )  # fmt: skip
     collision, rest = solution.events
-    assert (collision.kind, rest.kind) == (EventKind.COLLISION, EventKind.REST)
+    assert (collision.kind, rest.kind) == (nip.EventKind.COLLISION, nip.EventKind.REST)
     G = solution.system.body.closures(rest.q[None])[1][0]
     # What the collision leaves of the closures' rates, and at least some round-off of its own.
     left = np.abs(G @ collision.v_after).max()
@@ -306,7 +296,7 @@ def test_of_two_forces_that_vanish_together_one_comes_back() -> None:
     )  # fmt: skip
     solution = turn(mechanism)
     first = solution.events[0]
-    assert first.kind is EventKind.RELEASE
+    assert first.kind is nip.EventKind.RELEASE
     assert first.t == pytest.approx(0.25, abs=1e-13)
     assert first.stops == ("upper",)
     assert first.closed_after == {"lower"}
@@ -324,9 +314,11 @@ def test_events_of_coarse_runs_meet_the_closures() -> None:
     others stayed where they were: 8e-9 were left.
     """
     numbers = 0.19095002553832346, 0.4997024793025926, 6622.197350980627, 7.149651349551252
-    resolution = Resolution(tolerance=1e-3, flight_nodes=12, kinematic_nodes=8, panels_per_turn=31)
-    case = Case(speed_rpm=634.7158522014964, window=Window.CYCLE, resolution=resolution)
-    solution = simulate(nipper(*numbers), case)
+    resolution = nip.Resolution(
+        tolerance=1e-3, flight_nodes=12, kinematic_nodes=8, panels_per_turn=31
+    )
+    case = nip.Case(speed_rpm=634.7158522014964, window=nip.Window.CYCLE, resolution=resolution)
+    solution = nip.simulate(nipper(*numbers), case)
     body = solution.system.body
     stops = {event.stops[0] for event in solution.events}
     assert stops == {"jaw", "steeve"}
@@ -348,13 +340,13 @@ def test_the_gap_closes_where_it_does(tolerance: float) -> None:
     """
     numbers = 0.1989706720242519, 0.042420346058545305, 4849.703423371149, 11.279290966650025
     model = nipper(*numbers, cylinder__angle_at_touch_deg=115.58298052068753)
-    resolution = Resolution(tolerance=tolerance)
-    case = Case(speed_rpm=607.3992693621092, window=Window.CYCLE, resolution=resolution)
-    solution = simulate(model, case)
+    resolution = nip.Resolution(tolerance=tolerance)
+    case = nip.Case(speed_rpm=607.3992693621092, window=nip.Window.CYCLE, resolution=resolution)
+    solution = nip.simulate(model, case)
     place = next(
         number
         for number, event in enumerate(solution.events)
-        if event.kind is EventKind.COLLISION and event.closed_before == frozenset(["jaw"])
+        if event.kind is nip.EventKind.COLLISION and event.closed_before == frozenset(["jaw"])
     )
     hit, error = solution.events[place], solution.errors[place]
     assert hit.stops == ("steeve",)
@@ -366,7 +358,7 @@ def test_the_gap_closes_where_it_does(tolerance: float) -> None:
 
 
 @pytest.mark.parametrize("panels", range(3, 8))
-def test_first_contact_at_the_end_of_a_panel_is_not_missed(e62: Mechanism, panels: int) -> None:
+def test_first_contact_at_the_end_of_a_panel_is_not_missed(e62: nip.Mechanism, panels: int) -> None:
     """Cycles that start whole panels before the touch, and a hair more or less.
 
     The zero lay behind one panel and before the other by round-off, and the lips passed through
@@ -377,8 +369,8 @@ def test_first_contact_at_the_end_of_a_panel_is_not_missed(e62: Mechanism, panel
     start = touch - 40.0 * panels / 12.0
     found = 0
     for off in (-4e-15, -2e-15, 0.0, 2e-15, 4e-15):
-        case = Case(speed_rpm=115.6, window=Window.CYCLE, start_index=start + off)
-        solution = simulate(e62, case)
+        case = nip.Case(speed_rpm=115.6, window=nip.Window.CYCLE, start_index=start + off)
+        solution = nip.simulate(e62, case)
         times = np.linspace(0.0, solution.trajectory.span[1], 200)
         assert solution.trajectory.evaluate(times).q[:, jaw].min() >= -1e-12
         found += any(hit.stop == "jaw" for hit in solution.collisions)

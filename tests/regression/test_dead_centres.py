@@ -10,20 +10,11 @@ import numpy as np
 import pytest
 from small_machines import frame, hinge, link, machine, slide, turn
 
+import nipper_pin as nip
 from benchmarks.stress.machines.small_machines import four_bar
-from nipper_pin import (
-    Case,
-    ConvergenceError,
-    DriveMode,
-    SimulationError,
-    SingularConfigurationError,
-    Solution,
-    load,
-    simulate,
-)
 
 
-def passed_at(distance: float) -> Solution:
+def passed_at(distance: float) -> nip.Solution:
     """One turn; coupler and rocker are (1 + distance) times as long as they need to be."""
     both = 0.14 * (1.0 + distance)
     linkage = four_bar(0.10, 0.04, 0.5 * both - 0.01, 0.5 * both + 0.01, (0.1, 0.2, 0.3))
@@ -37,7 +28,7 @@ def test_the_error_says_where_and_how_near(distance: float) -> None:
     sqrt(-distance) is the angle, of order one, by which the crank falls short: 1 in index is 9
     degrees. The condition near a dead centre grows like one over that angle.
     """
-    with pytest.raises((ConvergenceError, SingularConfigurationError)) as caught:
+    with pytest.raises((nip.ConvergenceError, nip.SingularConfigurationError)) as caught:
         passed_at(distance)
     evidence = caught.value.evidence
     assert abs(evidence["index"] - 20.0) <= 20.0 * abs(distance) ** 0.5 + 1e-2
@@ -56,7 +47,7 @@ def test_no_motion_is_wrong_on_the_way_through() -> None:
     for exponent in range(1, 15):
         try:
             solution = passed_at(10.0**-exponent)
-        except SimulationError:
+        except nip.SimulationError:
             continue
         passed += 1
         assert solution.checks.energy_balance <= 1e-5
@@ -99,7 +90,7 @@ def test_accelerations_beside_it_are_those_of_the_geometry() -> None:
 
 
 @pytest.fixture(scope="module", params=[354.61857986667974, 354.6, 355.0, 300.0, 600.0])
-def heavy(request: pytest.FixtureRequest) -> Solution:
+def heavy(request: pytest.FixtureRequest) -> nip.Solution:
     """A rocker of 1 t at several speeds: the round-off of none makes panels shorter.
 
     A proximal iteration stopped with accelerations that were off by 2.3e-4: 0.08 J were missing.
@@ -109,7 +100,7 @@ def heavy(request: pytest.FixtureRequest) -> Solution:
     return turn(four_bar(*lengths, masses).mechanism(), request.param)
 
 
-def test_accelerations_meet_the_closures_whatever_the_masses(heavy: Solution) -> None:
+def test_accelerations_meet_the_closures_whatever_the_masses(heavy: nip.Solution) -> None:
     """G a + G_dot v = 0 at every node of the panels next to the dead centre.
 
     G_dot v is a central difference along v: its step of 1e-6 rad leaves a truncation of 1e-12 and a
@@ -129,7 +120,7 @@ def test_accelerations_meet_the_closures_whatever_the_masses(heavy: Solution) ->
         assert np.abs(left).max() <= 3e-10 * size.max()
 
 
-def test_energy_balances_beside_the_dead_centre(heavy: Solution) -> None:
+def test_energy_balances_beside_the_dead_centre(heavy: nip.Solution) -> None:
     """Rates are known to 16 eps times the square of the condition, 7e-6: so is the energy."""
     assert heavy.energy.relative <= 7e-6
 
@@ -139,11 +130,11 @@ def test_an_iteration_that_does_not_end_is_an_error() -> None:
 
     No acceleration satisfies such rows; the one of the last iteration is not to be had.
     """
-    solution = simulate(load(), Case(speed_rpm=450.0))
+    solution = nip.simulate(nip.load(), nip.Case(speed_rpm=450.0))
     system, panel = solution.system, solution.segments[0].panels[0]
     rows = system.constraint_set(frozenset({"jaw", "steeve"}))
     motion = system.shaft.driven(panel.times)
-    with pytest.raises(SingularConfigurationError, match="no solution"):
+    with pytest.raises(nip.SingularConfigurationError, match="no solution"):
         system.accelerations(motion, panel.q, panel.v, rows)
 
 
@@ -155,7 +146,7 @@ def test_rates_that_round_off_decides_on_are_refused() -> None:
     """
     lengths = 0.1, 0.029765829900476708, 0.07142140327096898, 0.05834442662950774
     masses = 844.0445018587659, 0.025349922719742044, 169.60278364847434
-    with pytest.raises(SingularConfigurationError, match="round-off decides") as caught:
+    with pytest.raises(nip.SingularConfigurationError, match="round-off decides") as caught:
         turn(four_bar(*lengths, masses).mechanism(), 46.053612229907756)
     assert caught.value.evidence["index"] == pytest.approx(20.0, abs=1e-3)
     assert caught.value.evidence["condition"] > 4e4
@@ -169,22 +160,22 @@ def test_infinite_accelerations_are_refused_without_a_warning() -> None:
     linkage = four_bar(*lengths, masses).mechanism()
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        with pytest.raises(SimulationError, match="cannot be resolved"):
-            turn(linkage, 2.7854288392067437, cycles=2, drive=DriveMode.INERTIAL)
+        with pytest.raises(nip.SimulationError, match="cannot be resolved"):
+            turn(linkage, 2.7854288392067437, cycles=2, drive=nip.DriveMode.INERTIAL)
 
 
 def test_a_free_shaft_is_not_followed_where_all_links_are_in_line() -> None:
     """Half of the kinetic energy was lost there without a word."""
     lengths = 0.1, 0.024377879307950788, 0.07712676242385766, 0.04725111688409314
     linkage = four_bar(*lengths, (0.001, 86.73275802532613, 1000.0)).mechanism()
-    with pytest.raises(SingularConfigurationError, match="dead centre"):
-        turn(linkage, 1477.3836212311314, cycles=2, drive=DriveMode.INERTIAL)
+    with pytest.raises(nip.SingularConfigurationError, match="dead centre"):
+        turn(linkage, 1477.3836212311314, cycles=2, drive=nip.DriveMode.INERTIAL)
 
 
 TORQUE = 1.0
 
 
-def flywheel(tolerance: float) -> Solution:
+def flywheel(tolerance: float) -> nip.Solution:
     """A free slider-crank that a constant torque drives from rest; its piston has a stop far off.
 
     The gap of the stop is the travel of the piston, which was to be independent throughout: at both

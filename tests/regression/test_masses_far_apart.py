@@ -9,16 +9,8 @@ import numpy as np
 import pytest
 from small_machines import TURNING, frame, hinge, link, machine, nipper, slide, turn
 
+import nipper_pin as nip
 from benchmarks.stress.machines.small_machines import e62
-from nipper_pin import (
-    Case,
-    EventKind,
-    Mechanism,
-    SimulationError,
-    Solution,
-    Window,
-    simulate,
-)
 from nipper_pin.dynamics import close_velocities
 from nipper_pin.mechanism import from_sources
 
@@ -36,9 +28,9 @@ def test_impacts_meet_the_closures_whatever_the_masses() -> None:
         "links__eccentric__mass_kg": 5000.0,
     }
     numbers = 0.3692777920542086, 0.2182642475452975, 4965.6935234898165, 4.6822706988600995
-    case = Case(speed_rpm=148.03270023741666, window=Window.CYCLE, max_collisions=200)
-    solution = simulate(nipper(*numbers, **masses), case)
-    hits = [event for event in solution.events if event.kind is EventKind.COLLISION]
+    case = nip.Case(speed_rpm=148.03270023741666, window=nip.Window.CYCLE, max_collisions=200)
+    solution = nip.simulate(nipper(*numbers, **masses), case)
+    hits = [event for event in solution.events if event.kind is nip.EventKind.COLLISION]
     assert len(hits) > 5
     for event in hits:
         _, jacobian = solution.system.body.closures(event.q[None])
@@ -46,7 +38,7 @@ def test_impacts_meet_the_closures_whatever_the_masses() -> None:
         assert np.abs(jacobian[0] @ event.delta).max() <= 1e-11 * size
 
 
-def _slotted_lever(block_mass: float) -> Mechanism:
+def _slotted_lever(block_mass: float) -> nip.Mechanism:
     """A crank turns a lever through a block in its slot; a flap on the lever bounces."""
     parts = [
         link("crank", 2.0, 0.01, (0.01, 0.0)), hinge("shaft", "frame", "crank"),
@@ -74,17 +66,17 @@ def _slotted_lever(block_mass: float) -> Mechanism:
     )  # fmt: skip
 
 
-def _run(block_mass: float) -> Solution:
+def _run(block_mass: float) -> nip.Solution:
     return turn(_slotted_lever(block_mass), 25.92748785307902, max_collisions=39)
 
 
 @pytest.fixture(scope="module")
-def light() -> Solution:
+def light() -> nip.Solution:
     return _run(3.7482911899514025e-09)
 
 
 def test_accelerations_of_a_light_block_meet_the_closures_and_the_equations_of_motion(
-    light: Solution,
+    light: nip.Solution,
 ) -> None:
     """A block of 4e-9 kg, which the round-off of what pushes it moves with 1e-7 m/s2 of its own.
 
@@ -119,7 +111,7 @@ def test_accelerations_of_a_light_block_meet_the_closures_and_the_equations_of_m
         assert np.abs(balance).max() <= 1e-13 * pulls.sum(axis=1).max()
 
 
-def test_a_light_block_costs_no_panels(light: Solution) -> None:
+def test_a_light_block_costs_no_panels(light: nip.Solution) -> None:
     """A flight of the flap is one panel whatever the block weighs, and ends where it does at 1 mg.
 
     A block of 1e-6 kg changes the motion by 1e-6 of itself; one of 4e-9 kg took up to 111 panels.
@@ -156,13 +148,13 @@ def test_a_nipper_whose_links_differ_by_ten_millions() -> None:
                 item.attrib.update({k: repr(float(x) * factor) for k, x in item.attrib.items()})
     urdf = ElementTree.tostring(root, encoding="unicode")
     changed = from_sources("e62", urdf, source.description, source.folder)
-    solution = simulate(changed, Case(speed_rpm=316.0, window=Window.CYCLE))
+    solution = nip.simulate(changed, nip.Case(speed_rpm=316.0, window=nip.Window.CYCLE))
     assert len(solution.collisions) > 10
     assert solution.energy.relative < 1e-10
 
 
 @pytest.fixture(scope="module")
-def arm() -> Mechanism:
+def arm() -> nip.Mechanism:
     """A bead slides without friction on an arm that turns at constant speed, from 0.1 m on."""
     parts = [
         link("arm"), hinge("shaft", "frame", "arm"),
@@ -172,18 +164,18 @@ def arm() -> Mechanism:
 
 
 @pytest.mark.parametrize("turns", [1, 2])
-def test_a_bead_on_a_turning_arm_is_thrown_outwards(arm: Mechanism, turns: int) -> None:
+def test_a_bead_on_a_turning_arm_is_thrown_outwards(arm: nip.Mechanism, turns: int) -> None:
     """r = r_0 cosh(angle): 27 m after one turn, 14 km after two."""
     there = turn(arm, cycles=turns).trajectory.evaluate(turns, left=True)
     wanted = 0.1 * (math.cosh(2.0 * math.pi * turns) - 1.0)
     assert there.q[0, 1] == pytest.approx(wanted, rel=1e-9)
 
 
-def test_a_bead_that_leaves_for_ever_is_refused(arm: Mechanism) -> None:
+def test_a_bead_that_leaves_for_ever_is_refused(arm: nip.Mechanism) -> None:
     """After four turns r would be 4e9 m, and more than 1e9 m of it one step; the joint is named.
 
     Thrown out to 1e15 m it had more inertia than the shaft that was to be held.
     """
-    with pytest.raises(SimulationError, match="joint out runs away") as caught:
+    with pytest.raises(nip.SimulationError, match="joint out runs away") as caught:
         turn(arm, cycles=4)
     assert caught.value.evidence["moved"] > 1e9
