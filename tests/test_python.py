@@ -18,7 +18,7 @@ from page_words import film_of
 from PIL import Image
 
 import nipper_pin as nip
-from nipper_pin import check, frames
+from nipper_pin import frames
 from nipper_pin.study.sweep import SweepReport
 from nipper_pin.view import scene
 from nipper_pin.view.scene import server
@@ -111,24 +111,6 @@ def test_a_used_solution_pickles_and_is_the_same(solution: nip.Solution) -> None
     assert numbers(again) == before
 
 
-def test_a_solution_crosses_between_processes(solution: nip.Solution) -> None:
-    """One simulated and used elsewhere arrives; one from here is used there."""
-    program = (
-        "import pickle, sys, nipper_pin as nip\n"
-        "came = pickle.load(sys.stdin.buffer)\n"
-        "made = nip.simulate(came.mechanism, came.case)\n"
-        "made.collisions, made.energy, made.trajectory\n"
-        "pickle.dump((came.collisions[1].rebound_time, made), sys.stdout.buffer)\n"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", program], input=pickle.dumps(solution), capture_output=True,
-        check=True,
-    )  # fmt: skip
-    time, made = pickle.loads(done.stdout)
-    assert time == solution.collisions[1].rebound_time
-    assert [hit.t for hit in made.collisions] == [hit.t for hit in solution.collisions]
-
-
 def test_collisions_as_a_frame(solution: nip.Solution) -> None:
     """Of pyarrow, which is installed with the tests: names, units and numbers of the document."""
     pytest.importorskip("pyarrow")
@@ -191,12 +173,6 @@ def test_without_a_library_the_frame_says_what_to_install(
 def test_a_wrong_argument_is_one_clear_error(call: Any, words: str) -> None:
     with pytest.raises(nip.InputError, match=words):
         call()
-
-
-def test_check_is_that_of_the_command(e62: nip.Mechanism) -> None:
-    rated = nip.check(e62)
-    assert rated.record() == check(e62, 450.0).record()
-    assert nip.check(e62, 650.0).speed_rpm == 650.0
 
 
 def test_sweep_computes_and_its_rows_are_read(tmp_path: Path) -> None:

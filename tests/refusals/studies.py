@@ -97,7 +97,6 @@ def path(old: str, new: str) -> tuple[str, str]:
 # Sweeps: the two bounds of a sampled number, the values of a mass, and three points.
 BOUNDS, SAMPLED = "low = 0.1\nhigh = 0.3", "parameters.restitution"
 MASS, MASSES = '"links.top_nipper.mass_kg"', "values = [1.4, 1.1]"
-KEY = "parameters.links.top_nipper.mass_kg"
 CUBE = '[samples]\nmethod = "latin_hypercube"\ncount = 6\nseed = 9\n'
 CASE = "tolerance = 1e-3"
 CYCLE = '[case]\nwindow = "cycle"\n'
