@@ -105,19 +105,11 @@ def test_a_pin_in_a_slot_goes_its_own_way() -> None:
     assert places(with_numbers(yoke, both))["guide"] == pytest.approx([51.0, 0.0], abs=1e-9)
 
 
-def test_length_of_a_link() -> None:
-    """radius_mm is the distance of the pin from the hinge of its link, along the same line."""
-    mechanism = load("e62", {"points.rocker_pin.radius_mm": 190.0})
-    after = places(mechanism)
-    arm = after["rocker"] - after["bottom_nipper"]
-    assert np.hypot(*arm) == pytest.approx(190.0, abs=1e-9)
-    start = places(load("e62"))
-    line = start["rocker"] - start["bottom_nipper"]
-    assert math.atan2(*arm) == pytest.approx(math.atan2(*line), abs=1e-12)
-
-
 def test_a_chain_of_polar_points_is_followed_from_the_frame_outwards() -> None:
-    """Two lengths and an angle at once, in either order of the overrides, give one machine."""
+    """Two lengths and an angle at once, in either order of the overrides, give one machine.
+
+    A length is the distance of a pin from the hinge of its link, along the same line.
+    """
     values = {
         "points.rocker_pin.radius_mm": 188.0,
         "points.nipper_pivot.radius_mm": 66.5,
@@ -133,6 +125,12 @@ def test_a_chain_of_polar_points_is_followed_from_the_frame_outwards() -> None:
         np.testing.assert_allclose(after["bottom_nipper"], pivot, rtol=0.0, atol=1e-9)
         arm = after["rocker"] - after["bottom_nipper"]
         assert np.hypot(*arm) == pytest.approx(188.0, abs=1e-9)
+    after, start = (
+        places(load("e62", chosen)) for chosen in ({"points.rocker_pin.radius_mm": 190.0}, {})
+    )
+    arm, line = (item["rocker"] - item["bottom_nipper"] for item in (after, start))
+    assert np.hypot(*arm) == pytest.approx(190.0, abs=1e-9)
+    assert math.atan2(*arm) == pytest.approx(math.atan2(*line), abs=1e-12)
 
 
 def test_a_hinge_goes_before_what_is_seen_from_it_whatever_their_names() -> None:

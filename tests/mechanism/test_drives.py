@@ -211,22 +211,29 @@ def turn_of(mechanism: Mechanism) -> tuple[np.ndarray, np.ndarray, np.ndarray, n
     return motion.cylinder_angle, motion.q[:, 0], motion.v[:, 0] / math.tau, force
 
 
-@pytest.mark.parametrize("motion", PEAKS)
-def test_a_cam_moves_a_slide(motion: str) -> None:
+SLIDES: dict[str, tuple[dict[str, Any], DriveLaw]] = {
+    **{motion: ({"law": "cam", "motion": motion, "lift_mm": 1e3 * LIFT, **ANGLES}, CAMS[motion])
+       for motion in PEAKS},
+    "series": ({"law": "fourier", "mean_mm": 3.0, "cosine_mm": [10.0, -2.0], "sine_mm": [0.0, 1.0]},
+               Fourier(mean=0.003, cosine=(0.01, -0.002), sine=(0.0, 0.001))),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", SLIDES)
+def test_a_law_moves_a_slide(name: str) -> None:
     """The force of the drive is mass times the acceleration of the law."""
-    psi, x, rate, force = turn_of(ram(law="cam", motion=motion, lift_mm=20.0, **ANGLES))
-    value, first, second = CAMS[motion].evaluate(psi)
-    at_touch = CAMS[motion].evaluate(np.zeros(1))[0]
-    assert x == pytest.approx(value - at_touch, abs=1e-15)
+    drive, law = SLIDES[name]
+    psi, x, rate, force = turn_of(ram(**drive))
+    value, first, second = law.evaluate(psi)
+    assert x == pytest.approx(value - law.evaluate(np.zeros(1))[0], abs=1e-15)
     assert rate == pytest.approx(first, abs=1e-14)
     assert force == pytest.approx(3.0 * second * math.tau**2, abs=1e-10)
 
 
 def test_a_cam_swings_a_hinge() -> None:
-    parts = [link("lever"), hinge("lever", "frame", "lever")]
     drive = {"joint": "lever", "law": "cam", "motion": "cycloidal", "lift_deg": 30.0, **ANGLES}
-    _, angle, _, _ = turn_of(machine(parts, 1, drives={"cam": drive}))
-    assert angle.max() == pytest.approx(math.radians(30.0), rel=1e-14)
+    lever = machine([link("lever"), hinge("lever", "frame", "lever")], 1, drives={"cam": drive})
+    assert turn_of(lever)[1].max() == pytest.approx(math.radians(30.0), rel=1e-14)
 
 
 def test_a_cam_on_an_elastic_shaft() -> None:
@@ -235,13 +242,6 @@ def test_a_cam_on_an_elastic_shaft() -> None:
     mechanism = ram(law="cam", motion="cycloidal", lift_mm=4.0, **ANGLES, **shaft)
     case = Case(speed_rpm=60.0, window="cycle", drive="inertial")
     assert simulate(mechanism, case).checks.energy_balance < 1e-12
-
-
-def test_a_series_moves_a_slide() -> None:
-    series = {"mean_mm": 3.0, "cosine_mm": [10.0, -2.0], "sine_mm": [0.0, 1.0]}
-    psi, x, _, _ = turn_of(ram(law="fourier", **series))
-    expected = 0.01 * np.cos(psi) - 0.002 * np.cos(2 * psi) + 0.001 * np.sin(2 * psi) - 0.008
-    assert x == pytest.approx(expected, abs=1e-15)
 
 
 def test_a_table_moves_a_slide(tmp_path: Path) -> None:

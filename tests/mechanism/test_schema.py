@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import itertools
 import json
 import re
@@ -29,8 +28,6 @@ SCHEMA = model_schema()
 
 VALID = jsonschema.Draft202012Validator(SCHEMA)
 
-E62 = tomllib.loads((ROOT / "models" / "e62" / "e62.toml").read_text(encoding="utf-8"))
-
 
 def test_document_is_the_schema_of_the_structs() -> None:
     """docs/model.schema.json is what the structs give; after a change of them, write it anew:
@@ -38,9 +35,6 @@ def test_document_is_the_schema_of_the_structs() -> None:
     python -c "from nipper_pin.mechanism.files import schema as s; print(s.schema_text(), end='')"
     """
     assert (ROOT / "docs" / "model.schema.json").read_text(encoding="utf-8") == schema_text()
-
-
-def test_schema_is_a_schema() -> None:
     jsonschema.Draft202012Validator.check_schema(SCHEMA)
     assert json.loads(schema_text()) == SCHEMA
 
@@ -78,53 +72,6 @@ def test_every_key_says_what_it_means() -> None:
     assert "[Hz]" in guide["shaft_frequency_hz"]["description"]
 
 
-@pytest.mark.parametrize(
-    ("path", "value"),
-    [
-        ("format", 2),
-        ("title", ""),
-        ("gravity_m_s2", -1.0),
-        ("degrees_of_freedom", 0),
-        ("degrees_of_freedom", 2.5),
-        ("cylinder.direction", "left"),
-        ("cylinder.reference_index", 40.0),
-        ("cylinder.rated_speed_rpm", 0.0),
-        ("cylinder.speed", 1.0),
-        ("drives.pendulum.law", "magic"),
-        ("drives.pendulum.ratio", 1.0),
-        ("drives.pendulum.crank_axis_mm", [0.0]),
-        ("drives.pendulum.joint", ...),
-        ("drives.tension.of", ...),
-        ("stops.jaw.restitution", 1.5),
-        ("stops.jaw.contact.lower", 3),
-        ("springs.steeve.stiffness_N_per_m", 0.0),
-        ("closures.rocker_axis.frame_b", ...),
-        ("phases", []),
-        ("phases.0.closed", "jaw"),
-        ("shortcuts.stiffness", 1),
-        ("colour", "red"),
-    ],
-)
-def test_editor_and_loader_refuse_the_same(path: str, value: object) -> None:
-    """One mistake after the other in a good document: both mark it, and both accept the original.
-
-    The two come from the same structs, but by different code of msgspec, and the schema was edited.
-    """
-    assert VALID.is_valid(E62)
-    document: Any = copy.deepcopy(E62)
-    *heads, last = path.split(".")
-    holder = document
-    for step in heads:
-        holder = holder[int(step) if step.isdigit() else step]
-    if value is ...:
-        del holder[last]
-    else:
-        holder[last] = value
-    assert not VALID.is_valid(document)
-    with pytest.raises(ModelError):
-        describe(document, "e62.toml")
-
-
 def test_tables_that_are_no_drive_law() -> None:
     """Neither another class nor a second law of one name."""
 
@@ -153,7 +100,9 @@ def test_classes_of_one_name() -> None:
 
 MODELS = ("e62", "hanging_pendulum")
 
-WRONG: tuple[Any, ...] = ([], {}, "", "odd", -1.0, True, 3, [[]], {"law": "odd"})
+WRONG: tuple[Any, ...] = (
+    [], {}, "", "odd", -1.0, True, 3, [[]], {"law": "odd"}, 0.0, 2.5, 40.0,
+)  # fmt: skip
 
 
 def documents(name: str) -> dict[str, Any]:
@@ -204,6 +153,15 @@ def said(error: str) -> tuple[str, str]:
     return pattern.removeprefix(r"\."), key[1] if key else ""
 
 
+def loads(document: dict[str, Any]) -> bool | None:
+    """None where 3.0 and its like are refused, which are whole numbers to a schema."""
+    try:
+        describe(document, "model.toml")
+    except ModelError as error:
+        return None if "a whole number" in error.message else False
+    return True
+
+
 def refusal_of_the_converter(document: dict[str, Any]) -> str | None:
     """Its message; None if it takes the document."""
     try:
@@ -215,9 +173,16 @@ def refusal_of_the_converter(document: dict[str, Any]) -> str | None:
 
 @pytest.mark.parametrize("model", MODELS)
 def test_the_place_is_the_one_that_the_converter_names(model: str) -> None:
-    """Of every value that it refuses; and there is none in data that it takes."""
+    """Of every value that it refuses; and there is none in data that it takes.
+
+    An editor that has the schema marks what the loader refuses, tried on a seventh of the mistakes.
+    """
+    assert VALID.is_valid(documents(model))
     refused = 0
-    for document in spoiled(documents(model)):
+    for number, document in enumerate(spoiled(documents(model))):
+        if number % 7 == 0:
+            loaded = loads(document)
+            assert loaded is None or VALID.is_valid(document) == loaded
         found = first_refusal(document, Description)
         error = refusal_of_the_converter(document)
         assert (found is None) == (error is None)
