@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, get_args
+from typing import Any
 
 import numpy as np
 import pytest
@@ -25,13 +25,6 @@ from nipper_pin import (
 )
 from nipper_pin.hybrid.result.turns import turn_names
 from nipper_pin.mechanism import Characteristic, TabulatedSpring, from_sources
-from nipper_pin.mechanism.elements import Interpolation
-from nipper_pin.mechanism.files.description import (
-    DamperDescription,
-    SpringDescription,
-    StopDescription,
-)
-from nipper_pin.mechanism.files.register import DRIVES, FORCES, RESTITUTIONS, STOPS, Register
 from nipper_pin.study.transitions import REDUCED_PAYS_FROM
 from nipper_pin.study.transitions import TURNS_PAY_FROM as FALSE_PREMISES_PAY_FROM
 from nipper_pin.study.turns import TURNS_PAY_FROM
@@ -248,36 +241,3 @@ def alike(few: TransitionTable, many: TransitionTable) -> None:
     assert few.collisions.tolist() == many.collisions[:count].tolist()
     for i in np.flatnonzero(few.outcome == "failed"):
         assert few.message[i] == many.message[i]
-
-
-def test_no_kind_is_left_out() -> None:
-    """All laws of the package, all keys of springs, dampers and stops, all ways to join rows."""
-    used = [make(tables)[1] for make, tables in KINDS.values()]
-
-    def found(room: str) -> list[Tables]:
-        return [table for document in used for table in document.get(room, {}).values()]
-
-    def laws(tables: list[Tables]) -> set[str]:
-        return {table["law"] for table in tables}
-
-    adjusted = [stop["adjusted"] for stop in found("stops") if "adjusted" in stop]
-    restitution = [stop["restitution_law"] for stop in found("stops") if "restitution_law" in stop]
-    assert laws(found("drives")) == own(DRIVES)
-    assert laws(found("forces")) == own(FORCES)
-    assert laws(restitution) == own(RESTITUTIONS)
-    assert laws(adjusted) == own(STOPS)
-    joined = {table.get("interpolation") for table in found("springs")}
-    assert joined == {None, *get_args(Interpolation)}
-    # A file holds the same rows; a contact is a lever only, and the E62 has one.
-    for room, kind, others in (
-        ("springs", SpringDescription, {"file"}),
-        ("dampers", DamperDescription, set()),
-        ("stops", StopDescription, {"contact"}),
-    ):
-        assert set().union(*found(room)) == {*kind.__struct_fields__} - others
-
-
-def own(register: Register[Any]) -> set[str]:
-    """Laws of the package, without those that other tests have added."""
-    tables = register.tables().items()
-    return {name for name, table in tables if table.__module__.startswith("nipper_pin.")}

@@ -8,13 +8,10 @@ from __future__ import annotations
 import io
 import json
 import math
-import os
 import statistics
 import subprocess
 import sys
-from collections.abc import Callable
-from dataclasses import asdict, dataclass, replace
-from importlib.metadata import version
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -26,8 +23,8 @@ from programs import main
 from rich.console import Console
 from snapshots import Words
 
-from benchmarks.peers import Four, Setting, available
-from benchmarks.run_time import peer_work, timing
+from benchmarks.peers import available
+from benchmarks.run_time import timing
 from benchmarks.run_time.benchmark import Benchmark
 from benchmarks.run_time.certified import (
     Certified,
@@ -37,7 +34,7 @@ from benchmarks.run_time.certified import (
 )
 from benchmarks.run_time.cost import four_bar_chain
 from benchmarks.run_time.timing import Timing
-from benchmarks.run_time.turns import TurnRow, _errors, turn_rows
+from benchmarks.run_time.turns import TurnRow, _errors
 from benchmarks.run_time.work_precision import (
     Observed,
     Row,
@@ -51,7 +48,6 @@ from benchmarks.views.work_precision_plot import work_precision_figure
 from nipper_pin import (
     Case,
     Mechanism,
-    SimulationError,
     Window,
     simulate,
 )
@@ -292,24 +288,6 @@ def result() -> Benchmark:
     )  # fmt: skip
 
 
-@pytest.mark.slow
-def test_whole_turns_of_both_engines() -> None:
-    """Two speeds at three tolerances; errors follow the tolerance and are not zero by accident."""
-    rows = turn_rows(repeats=1)
-    tolerances = ("1e-06", "1e-09", "1e-12")
-    settings = [f"{speed} r/min, {item}" for speed in (450, 650) for item in tolerances]
-    assert [row.setting for row in rows if row.engine == "direct"] == settings
-    assert [row.setting for row in rows if row.engine == "reduced"] == settings
-    for direct, reduced in zip(rows[::2], rows[1::2], strict=True):
-        assert direct.tables_ms is None
-        assert reduced.tables_ms is not None
-        tolerance = float(direct.setting.partition(", ")[2])
-        for row in (direct, reduced):
-            assert 0.0 < row.error_times <= 10.0 * tolerance
-            assert 0.0 < row.error_impulses <= 100.0 * tolerance
-            assert row.turns_per_s == pytest.approx(1e3 / row.wall_ms)
-
-
 def test_what_is_printed(result: Benchmark, words: Words) -> None:
     """Eighty columns hold every table; what a narrow one leaves out is in the Markdown."""
     buffer = io.StringIO()
@@ -353,49 +331,6 @@ def test_files_are_written(result: Benchmark, tmp_path: Path, words: Words) -> N
     assert files[1].read_text(encoding="utf-8") == markdown(result)
     assert files[2].read_bytes().startswith(b"\x89PNG")
     words(drawn(work_precision_figure(result)))
-
-
-@dataclass(frozen=True)
-class ByHand:
-    """A peer that knows the answer but for a relative error; it fails where that is one or more."""
-
-    NAME: str
-    SETTINGS: tuple[Setting, ...]
-    PACKAGE: str = "numpy"
-
-    def prepare(self, mechanism: Mechanism, speed_rpm: float) -> Callable[[Setting], Four]:
-        if not self.SETTINGS:
-            message = "no such scene"
-            raise ValueError(message)
-        right = certified()
-        assert (mechanism.name, speed_rpm) == ("e62", right.speed_rpm)
-
-        def run(setting: Setting) -> Four:
-            if setting.value >= 1.0:
-                message = "no bounce"
-                raise SimulationError(message)
-            first, second = right.rebound_times[:2]
-            end = right.transition_time * (1.0 + setting.value)
-            return Four(first, second, right.amplitudes[0], end, 77)
-
-        return run
-
-
-def test_a_peer_that_fails_is_named_and_the_others_go_on(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Each setting is graded by what it found; a quick run leaves some out."""
-    settings = (Setting("coarse", 1.0), Setting("fine", 1e-2), Setting("slow", 1e-3, quick=False))
-    peers = [(ByHand("broken", ()), "1"), (ByHand("good", settings), "2")]
-    monkeypatch.setattr(peer_work, "available", lambda: iter(peers))
-    for quick, labels in ((True, ["fine"]), (False, ["fine", "slow"])):
-        said: list[str] = []
-        rows, failed = peer_work.peer_rows(certified(), quick=quick, repeats=1, say=said.append)
-        assert said == ["peer broken", "peer good"]
-        assert failed == ["broken: no such scene", "good, coarse: no bounce"]
-        assert [row.setting for row in rows] == labels
-        for row in rows:
-            assert (row.engine, row.version, row.evaluations) == ("good", "2", 77)
-            wanted = 1e-2 if row.setting == "fine" else 1e-3
-            assert row.error_worst == row.error_duration == pytest.approx(wanted, rel=1e-9)
 
 
 @pytest.mark.slow
@@ -477,16 +412,3 @@ def test_figures_of_a_clock(
     assert found.wall_ms == pytest.approx(1e3 * statistics.median(others))
     assert found.fastest_ms == pytest.approx(1e3 * min(others))
     assert found.spread_ms == pytest.approx(1e3 * (high - low))
-
-
-def test_the_machine(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Threads as they are set, the processor and its cores, and versions of what is installed."""
-    monkeypatch.setenv("MKL_NUM_THREADS", "5")
-    monkeypatch.delenv("OMP_NUM_THREADS", raising=False)
-    found: dict[str, Any] = timing.environment()
-    assert found["threads"] | {"MKL_NUM_THREADS": "5", "OMP_NUM_THREADS": None} == found["threads"]
-    assert found["processor"]
-    assert found["cores_allowed"] == len(os.sched_getaffinity(0)) <= found["cores"]
-    versions = found["versions"]
-    for name in ("nipper-pin", "pin", "numpy", "scipy", "numba"):
-        assert versions[name] == version(name)

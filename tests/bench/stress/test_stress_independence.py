@@ -9,16 +9,9 @@ from __future__ import annotations
 import ast
 from pathlib import Path
 
-import numpy as np
 import pytest
-from machine_of_all_elements import CASE, everything
-from numpy.polynomial import chebyshev
 
 import benchmarks.stress as stress
-from benchmarks.stress.mechanics.equations import Equations
-from benchmarks.stress.observations import polynomial
-from nipper_pin import Solution, simulate
-from nipper_pin.mechanism import from_sources
 
 FOLDER = Path(stress.__file__).resolve().parent
 CHECKOUT = FOLDER.parents[1]
@@ -121,46 +114,3 @@ def test_a_bound_of_the_engine_would_be_found(tmp_path: Path) -> None:
     ):  # fmt: skip
         planted.write_text(f"def f():\n    {line}\n")
         assert foreign(planted) == [(module, name)]
-
-
-@pytest.fixture(scope="module")
-def run() -> Solution:
-    source = everything()
-    machine = from_sources(source.name, source.urdf, source.description, source.folder)
-    return simulate(machine, CASE)
-
-
-def test_own_accelerations_are_those_of_the_motion(run: Solution) -> None:
-    """Two ways to one number, within the round-off that the judge says; it says 1e-11 at most.
-
-    Velocities at times 2e-4 s apart, differences of the third order.
-    """
-    equations, h = Equations(run), 2e-4
-    segment = max(run.segments, key=lambda item: item.t_end - item.t_start)
-    t = 0.5 * (segment.t_start + segment.t_end)
-    at = run.trajectory.evaluate(t + h * np.array([-2.0, -1.0, 0.0, 1.0, 2.0]))
-    a = equations.accelerations(t, at.q[2], at.v[2], segment.closed)
-    unsure = equations.round_off(t, at.q[2], at.v[2], segment.closed)
-    slopes = np.array([1.0, -8.0, 0.0, 8.0, -1.0]) @ at.v / (12.0 * h)
-    size = float(np.abs(a).max())
-    assert np.abs(a - slopes).max() < 1e-7 * size
-    told = run.trajectory.reactions(t).a[0]
-    assert (np.abs(a - told) <= 2.0 * unsure).all()
-    assert 0.0 < unsure.max() < 1e-11 * size
-
-
-@pytest.mark.parametrize("count", [3, 4, 7, 13, 32])
-def test_panels_are_read_as_polynomials(count: int) -> None:
-    """One of degree N - 1 is met between the nodes and in its slope; at nodes exactly."""
-    coefficients = np.random.default_rng(count).normal(size=count)
-    nodes = chebyshev.chebpts2(count)
-    found = polynomial(chebyshev.chebval(nodes, coefficients)[:, None])
-    eps = np.finfo(float).eps
-    # Lebesgue's constant, for round-off in every value, and of the node that a place is next to.
-    most = (1.0 + 2.0 / np.pi * np.log(count)) * count * eps * np.abs(coefficients).sum()
-    between = chebyshev.chebpts1(count - 1)
-    true = chebyshev.chebval(between, coefficients)
-    assert np.abs(found(0.5 * (1.0 + between))[:, 0] - true).max() < 4.0 * most
-    assert found(found.xi[1])[0] == found.yi[1, 0]
-    rising = chebyshev.chebval(nodes, 2.0 * chebyshev.chebder(coefficients))
-    assert np.abs(found.derivative(found.xi)[:, 0] - rising).max() < 4.0 * count**2 * most

@@ -33,11 +33,9 @@ from benchmarks.stress.machines.small_machines import (
 from benchmarks.stress.refusals import MEASURED, allowed_share
 from nipper_pin import (
     Case,
-    EventKind,
     Mechanism,
     SimulationError,
     Solution,
-    Window,
     simulate,
 )
 
@@ -82,23 +80,6 @@ def test_solutions_may_differ_by_what_they_state_and_no_more(
     impulse = share * 2.0 * error.impulses[stop] / event.P_N[stop] + 64.0 * EPS
     assert compare(stronger(transition, place, 0.5 * impulse), transition) == []
     assert compare(stronger(transition, place, 1.5 * impulse), transition) != []
-
-
-def test_events_that_only_one_run_has(e62: Mechanism) -> None:
-    """A series that ends earlier, at a rest, is the same; a collision less in its midst is not."""
-    run = simulate(e62, Case(speed_rpm=650.0, window=Window.CYCLE, cycles=2))
-    kinds = [event.kind for event in run.events]
-    rest = kinds.index(EventKind.REST)
-    release = kinds.index(EventKind.RELEASE, rest)
-    for left_out, alike in (
-        ({rest - 1}, True), ({rest - 2, rest - 1}, True), ({release - 1}, True), ({1}, False),
-        ({rest}, False), ({release}, False),
-    ):  # fmt: skip
-        kept = [place for place in range(len(kinds)) if place not in left_out]
-        other = replace(run, events=tuple(run.events[place] for place in kept))
-        other.__dict__["errors"] = [run.errors[place] for place in kept]
-        for pair in ((run, other), (other, run)):
-            assert (within_errors(*pair) == []) is alike, left_out
 
 
 def test_the_engines_may_differ_by_what_they_state_and_no_more(transition: Solution) -> None:

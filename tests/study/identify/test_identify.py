@@ -7,7 +7,6 @@ import math
 import sys
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import linear_problem
 import mpmath
@@ -146,44 +145,6 @@ def targets(sigma: float = 0.02) -> str:
             f"}}\nvalue = {value}\nsigma = {sigma * value}\n"
         )
     return "".join(rows)
-
-
-@pytest.mark.slow
-def test_jacobian_is_that_of_the_planar_reference(tmp_path: Path) -> None:
-    """One column against 24-digit arithmetic of a hand-derived equation, differenced there.
-
-    Central differences over a thousandth of the range of 8 mm leave f''' h^2 / 6, 1e-6 of the
-    slope with curvatures on a scale of some mm; the reference is good to 1e-10.
-    """
-    body = "case = { tolerance = 1e-12 }\n" + targets() + free({PRELOAD: (8, 16)})
-    text = problem_file(tmp_path, body)
-    objective = Objective(read_problem(text))
-    column = objective.jacobian(objective.start)[:4, 0]
-    with mpmath.workdps(24):
-        h = mpmath.mpf("1e-6")
-        high, low = (rebounds(mpmath.mpf(11) + sign * h) for sign in (1, -1))
-        wanted = [float((a - b) / (2 * h)) for a, b in zip(high, low, strict=True)]
-    scaled = [
-        8.0 * slope / target.sigma
-        for slope, target in zip(wanted, objective.problem.targets, strict=True)
-    ]
-    assert column == pytest.approx(scaled, rel=1e-5)
-
-
-def rebounds(preload_mm: Any) -> list[Any]:
-    """The four targets by the planar reference."""
-    runs = {}
-    for speed in ("450", "650"):
-        changes = {"speed_rpm": speed, "preload_length_mm": str(preload_mm)}
-        machine = Machine(mpmath.mp, changes)
-        runs[speed] = transition(machine, Settings(order=16, tolerance="1e-17", shortest="1e-12"))
-    (slow, fast) = (runs["450"].collisions, runs["650"].collisions)
-    return [
-        fast[0].rebound_amplitude / slow[0].rebound_amplitude - 1,
-        fast[1].rebound_amplitude / slow[1].rebound_amplitude - 1,
-        fast[0].rebound_time,
-        runs["650"].rests[0][1],
-    ]
 
 
 def test_moved_points_give_the_machine_of_the_planar_reference(e62: Mechanism) -> None:

@@ -100,20 +100,6 @@ def test_a_point_whose_premise_fails_has_the_numbers_of_its_turn(tmp_path: Path)
     assert 33.0 < found.values["clamping_force_N"] < 34.0
 
 
-def test_the_assumed_transition_is_contradicted_with_both_numbers(tmp_path: Path) -> None:
-    """What an earlier search reported and called controlled: 6.79 mrad, 60 N and 25 degrees."""
-    found = problem(tmp_path, STATED)
-    true = design(found, MISLED)
-    values = {"rebound_amplitude_1": 0.00679271, "clamping_force_N": 60.0, "jaw_opening_deg": 25.0}
-    seen = control(found.text(), replace(true, values={**true.values, **values}))
-    assert not seen.confirmed
-    said = "; ".join(seen.contradictions)
-    assert "rebound_amplitude_1 is 0.00679271 rad as reported and 0.015296 rad in the" in said
-    assert "clamping_force_N is 60 N as reported and 33.5324 N in the simulated turn, which" in said
-    assert "breaks clamping_force_N >= 40" in said
-    assert control(found.text(), true).confirmed
-
-
 @pytest.mark.parametrize(
     ("text", "numbers", "engine"),
     [

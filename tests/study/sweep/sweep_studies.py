@@ -9,9 +9,6 @@ import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-import numpy as np
-
-from nipper_pin import load
 from nipper_pin.mechanism import find_model
 from nipper_pin.study.sweep import Plan, read_plan
 from nipper_pin.study.sweep.chunks import run_chunk
@@ -114,31 +111,16 @@ def chunk_files(folder: Path) -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in sorted((folder / "chunks").iterdir())}
 
 
-def tabulated_e62(folder: Path, rows: int = 73) -> Path:
-    """The E62 with its guide law and its steeve spring as CSV files."""
+def tabulated_e62(folder: Path) -> Path:
+    """The E62 with the spring of its steeve as a CSV file."""
     home = folder / "tabulated"
     shutil.copytree(find_model("e62"), home)
     (home / "e62.urdf").rename(home / "tabulated.urdf")
     text = (home / "e62.toml").read_text(encoding="utf-8").partition("[shortcuts]")[0]
     (home / "e62.toml").unlink()
-    for old, new in (
-        ('law = "oscillating_guide"', 'law = "table"\nfile = "pendulum.csv"'),
-        ("crank_radius_mm", "# crank_radius_mm"),
-        ("crank_axis_mm", "# crank_axis_mm"),
-        ("guide_axis_mm", "# guide_axis_mm"),
-        ("guide_offset_mm", "# guide_offset_mm"),
-        ("stiffness_N_per_m = 9000.0", 'file = "steeve.csv"'),
-        ("preload_length_mm", "# preload_length_mm"),
-    ):
-        text = text.replace(old, new, 1)
+    text = text.replace("stiffness_N_per_m = 9000.0", 'file = "steeve.csv"')
+    text = text.replace("preload_length_mm", "# preload_length_mm")
     (home / "tabulated.toml").write_text(text, encoding="utf-8")
-    angles = np.linspace(0.0, 360.0, rows)
-    swing = load("e62").drives[0].law.evaluate(np.radians(angles))[0]
-    swing[-1] = swing[0]
-    for name, head, x, y in (
-        ("pendulum", "cylinder_angle_deg,coordinate_rad", angles, swing),
-        ("steeve", "coordinate_mm,force_N", [-10.0, 0.0, 10.0, 40.0], [9.0, 99.0, 189.0, 459.0]),
-    ):
-        lines = [head, *(f"{float(a)!r},{float(b)!r}" for a, b in zip(x, y, strict=True))]
-        (home / f"{name}.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    rows = "coordinate_mm,force_N\n-10,9\n0,99\n10,189\n40,459\n"
+    (home / "steeve.csv").write_text(rows, encoding="utf-8")
     return home

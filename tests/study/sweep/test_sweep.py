@@ -6,7 +6,6 @@ import os
 import signal
 import time
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pyarrow.parquet as pq
@@ -93,7 +92,6 @@ def test_rows_are_what_single_runs_say(tmp_path: Path) -> None:
         assert np.isnan(row["time_s_9999"])
 
 
-@pytest.mark.slow
 def test_rows_of_csv_tables_vary(tmp_path: Path) -> None:
     """A row of a CSV table is a parameter like any other, alone and with a fixed change of another.
 
@@ -110,26 +108,20 @@ def test_rows_of_csv_tables_vary(tmp_path: Path) -> None:
     "springs.steeve.force_N[3]" = 470.0
     [parameters."springs.steeve.force_N[1]"]
     values = [99.0, 105.0]
-    [parameters."drives.pendulum.coordinate_rad[34]"]
-    values = [%r, %r]
     """
-    law: Any = load(home).drives[0].law
-    own = law.coordinate[34]
-    text = text % (own, own + 1e-4)
     rows = read_sweep(stored(tmp_path / "out", plan(tmp_path, text))).table.to_pylist()
     durations = [row["duration_s"] for row in rows]
-    assert len(rows) == 4
+    assert len(rows) == 2
     for row in rows:
         mechanism = load(home, {
             "springs.steeve.force_N[3]": 470.0,
             "springs.steeve.force_N[1]": row["springs.steeve.force_N[1]"],
-            "drives.pendulum.coordinate_rad[34]": row["drives.pendulum.coordinate_rad[34]"],
         })  # fmt: skip
         single = simulate(mechanism, Case(speed_rpm=650.0)).transitions[0].duration
         assert row["duration_s"] == pytest.approx(single, rel=1e-8)
     assert np.diff(sorted(durations)).min() > 1e-5 * durations[0]
     table, before = home / "steeve.csv", chunk_files(tmp_path / "out")
-    table.write_text(table.read_text(encoding="utf-8").replace("189.0", "190.0"), encoding="utf-8")
+    table.write_text(table.read_text(encoding="utf-8").replace("189", "190"), encoding="utf-8")
     with pytest.raises(InputError, match="another sweep"):
         run_sweep(plan(tmp_path, text), tmp_path / "out", workers=1)
     assert chunk_files(tmp_path / "out") == before

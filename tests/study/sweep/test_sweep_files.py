@@ -75,23 +75,6 @@ def test_no_flipped_bit_changes_a_row(copy: Path) -> None:
             read_sweep(out)
 
 
-def test_a_chunk_that_would_grow_too_large_is_refused(
-    copy: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """One row 50,000 times: much more than the size of the file."""
-    rows = pq.read_table(chunk(copy)).take([0] * 50_000)
-    rows = rows.set_column(0, "scenario", pa.array(range(50_000), pa.int64()))
-    pq.write_table(rows, chunk(copy), compression="zstd")
-    chunk(copy, 1).unlink()
-    most = "nipper_pin.study.sweep.results.chunk_file.MOST_BYTES"
-    monkeypatch.setattr(most, 2_000_000)
-    assert chunk(copy).stat().st_size < 1_000_000
-    with pytest.raises(InputError, match=r"it would take \S+ bytes; at most 2e\+06 are read"):
-        read_sweep(copy / "out")
-    monkeypatch.setattr(most, 10**7)
-    assert read_sweep(copy / "out").stored == 50_000
-
-
 def written(table: pa.Table) -> bytes:
     """A table as a file."""
     sink = pa.BufferOutputStream()

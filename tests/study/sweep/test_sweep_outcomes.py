@@ -199,6 +199,8 @@ def test_extremes_are_those_of_a_search(tmp_path: Path) -> None:
     # A chunk without a value changes nothing.
     values[10:20] = math.nan
     found = extremes(tmp_path, "duration_s")
+    found.add(table(range(3), [math.nan, math.nan, None]))
+    assert (found.record()["smallest"], found.sentences()) == (None, [])
     for chunk in random.permutation(6):
         rows = range(10 * chunk, 10 * chunk + 10)
         found.add(table(rows, values[rows.start : rows.stop]))
@@ -229,19 +231,6 @@ def test_extremes_of_what_is_no_length_of_time(
     found.add(table((1, 2, 3), values, quantity))
     record = found.record()
     assert (record["smallest"]["value"], record["largest"]["value"]) == (low, high)
-
-
-def test_extremes_in_words(tmp_path: Path) -> None:
-    """Of a hinge in mdeg, of a slide in um; nothing where no row has a value."""
-    none = extremes(tmp_path, "duration_s")
-    none.add(table(range(3), [math.nan, math.nan, None]))
-    assert (none.smallest, none.largest, none.sentences()) == (None, None, [])
-    assert none.record()["smallest"] is None
-    for unit, told in (("rad", f"{18e4 / math.pi * 2.5e-5:.4g} mdeg"), ("m", "25.00 um")):
-        found = extremes(tmp_path, "rebound_amplitude_1", rebound_amplitude_1=unit)
-        found.add(table((8,), [2.5e-5], "rebound_amplitude_1"))
-        row = f"first rebound amplitude: {told} (scenario 8: speed_rpm 16, preload 24)"
-        assert found.sentences() == [f"Smallest {row}", f"Largest {row}"]
 
 
 # --- faults of the program -----------------------------------------------------------------------
