@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nipper_pin import Case, InputError, Mechanism, Outcome, Window, load, simulate
+from nipper_pin import Case, Mechanism, Outcome, Window, load, simulate
 from nipper_pin.cli import main
 from nipper_pin.mechanism.skeleton import skeleton, write_skeleton
 
@@ -74,6 +74,8 @@ def second_step(home: Path) -> Path:
 
 @pytest.fixture
 def press(tmp_path: Path) -> Mechanism:
+    """In a folder that is there and empty."""
+    (tmp_path / "press").mkdir()
     return load(write_skeleton(tmp_path / "press"))
 
 
@@ -202,13 +204,6 @@ def test_new_writes_the_name_into_the_urdf_and_the_schema_beside_it(press: Mecha
     assert (folder / "model.schema.json").read_text(encoding="utf-8") == (
         ROOT / "docs" / "model.schema.json"
     ).read_text(encoding="utf-8")
-
-
-def test_new_takes_an_empty_folder(tmp_path: Path) -> None:
-    (tmp_path / "press").mkdir()
-    assert load(write_skeleton(tmp_path / "press")).name == "press"
-    with pytest.raises(InputError, match="not empty"):
-        write_skeleton(tmp_path / "press")
 
 
 def test_every_table_of_the_skeleton_is_explained() -> None:

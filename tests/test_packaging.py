@@ -1,11 +1,9 @@
 import email
-import os
 import re
 import subprocess
 import sys
 import tarfile
 import tomllib
-import venv
 import zipfile
 from importlib import metadata
 from pathlib import Path
@@ -20,23 +18,15 @@ from nipper_pin.extras import EXTRAS, PACKAGES
 ROOT = Path(__file__).resolve().parent.parent
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 LOCK = (ROOT / "constraints.txt").read_text(encoding="utf-8").splitlines()
-PLAIN = {"PYTHONPATH": "", "PYTHONSAFEPATH": "1"}
 PINNED = {
     canonicalize_name(line.partition("==")[0]) for line in LOCK if line and not line.startswith("#")
 }
 
 
-def run(*command, cwd, **environment):
-    done = subprocess.run(
-        [str(part) for part in command], cwd=cwd, env=os.environ | environment, text=True,
-        stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stdout
-    return done.stdout
-
-
 def build(kind, source, folder):
-    run(sys.executable, "-m", "hatchling", "build", "-t", kind, "-d", folder, cwd=source)
+    command = [sys.executable, "-m", "hatchling", "build", "-t", kind, "-d", str(folder)]
+    done = subprocess.run(command, cwd=source, text=True, capture_output=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
     (built,) = folder.glob("*.whl" if kind == "wheel" else "*.tar.gz")
     return built
 
@@ -145,40 +135,6 @@ def test_lock_covers_everything_that_is_installed_for_the_package():
     assert {"llvmlite", "markupsafe", "tornado", "websockets"} <= needed
     # Environments bring their own setuptools.
     assert needed - PINNED <= {"setuptools"}
-
-
-@pytest.fixture(scope="module", name="home")
-def environment_with_the_wheel(wheel, tmp_path_factory):
-    """An environment that holds the wheel, and is lent all else by this one."""
-    home = tmp_path_factory.mktemp("installed") / "environment"
-    venv.create(home, with_pip=False, symlinks=True)
-    (site,) = home.glob("lib/python*/site-packages")
-    # The dependencies are lent by this environment. Not the whole of it: its own record of an
-    # editable install would bring the checkout in.
-    lent = [path for path in sys.path if "site-packages" in Path(path).parts]
-    (site / "lent.pth").write_text("\n".join(lent), encoding="utf-8")
-    python = home / "bin" / "python"
-    pip = (sys.executable, "-m", "pip", "--python", python, "--isolated", "install")
-    run(*pip, "-q", "--disable-pip-version-check", "--no-index", "--no-deps", wheel, cwd=home)
-    where = "import nipper_pin; print(nipper_pin.__file__)"
-    assert str(site) in run(python, "-c", where, cwd=home, **PLAIN)
-    return home
-
-
-@pytest.mark.slow
-def test_installed_wheel_knows_its_models_in_any_directory(home, tmp_path):
-    said = run(home / "bin" / "nipper-pin", "check", "e62", cwd=tmp_path, **PLAIN)
-    assert "jaw" in said
-    assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.slow
-def test_installed_wheel_simulates_without_the_extras(home, tmp_path):
-    modules = ",".join(sorted({name for names in EXTRAS.values() for name in names}))
-    command = (home / "bin" / "python", ROOT / "tests/blocked.py", modules)
-    said = run(*command, "simulate", "e62", "--speed", "650", cwd=tmp_path, **PLAIN)
-    assert "The transition ended with the stop at rest." in said
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_citation_and_changelog_are_of_this_version():

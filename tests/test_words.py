@@ -6,6 +6,7 @@ Each stands there as on terminals of 60, 80 or 200 columns.
 from __future__ import annotations
 
 import io
+import json
 import shlex
 from collections.abc import Callable
 from pathlib import Path
@@ -239,9 +240,13 @@ def test_what_is_wrong_is_red(
     monkeypatch.setenv("COLUMNS", "80")
     monkeypatch.setenv("FORCE_COLOR", "1")
     monkeypatch.setenv("TERM", "xterm")
-    line = "identify wrong.toml --starts 1 --profiles 0 --workers 1"
+    line = "identify wrong.toml --starts 1 --profiles 0 --workers 1 --json wrong.json"
     assert main(shlex.split(line)) == 1
-    words(capsys.readouterr().out)
+    out, err = capsys.readouterr()
+    assert (err.partition(": ")[2][:27], err.count("\n")) == ("THE DATA CONTRADICT THE FIT", 1)
+    document = json.loads((home / "wrong.json").read_text(encoding="utf-8"))
+    assert document["goodness"]["verdict"] == "contradicted"
+    words(out)
 
 
 def test_text_is_printed_without_styles_of_its_own() -> None:

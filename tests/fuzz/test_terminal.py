@@ -98,7 +98,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (in_path, ["simulate", "--case", f"{CODES}/no.json"]),
     (in_path, ["check", CODES]), (in_path, ["simulate", "--case", CODES]),
     (in_path, ["compare", f"{CODES}/run.npz", "run.npz"]), (in_path, ["new", CODES]),
-    (in_path, ["simulate", "--out", f"{CODES}/out/x\udcff"]),
+    (in_path, ["simulate", "--json", f"{CODES}/x\udcff"]),
     (in_path, ["simulate", "--set", f"{CODES}=1"]), (in_path, ["sweep", CODES]),
     (in_path, ["optimise", CODES]), (in_path, ["plot", CODES]),
     (in_path, ["check", "e62", "--drawing", f"{CODES}/m.svg"]),
