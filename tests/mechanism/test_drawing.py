@@ -9,7 +9,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
 
 import numpy as np
 import pinocchio as pin
@@ -190,45 +189,6 @@ def test_every_number_of_the_urdf() -> None:
         pin.forwardKinematics(model, data, q)
         moved = data.oMi[model.getJointId(joint)].translation - still[joint]
         np.testing.assert_allclose(moved[[0, 2]], 1e-3 * np.array(along), rtol=0.0, atol=1e-12)
-
-
-def test_bars_join_the_points_of_a_body_and_blocks_lie_along_their_slides() -> None:
-    """Halfway between two points, as long as they are apart, along their line; none of no length.
-
-    The frame of the link stands in its first point; turns about +y are clockwise. Each body has a
-    depth of its own. The rest of what is seen is in the reviewed text.
-    """
-    root = ElementTree.fromstring(drawn_mechanism(YOKE).urdf)
-
-    def shape(link: str, name: str) -> list[list[float]]:
-        found = root.find(f"link[@name='{link}']/visual[@name='{name}']")
-        assert found is not None
-        words = [item.attrib[key] for key in ("xyz", "rpy", "size") for item in found.iter()
-                 if key in item.attrib]  # fmt: skip
-        return [[float(word) for word in text.split()] for text in words]
-
-    assert root.find(".//visual[@name='bar_2']") is None
-    depths = []
-    for link, name, ends in (
-        ("crank", "bar_0", "O A"), ("lever", "bar_0", "A O"), ("lever", "bar_1", "O F"),
-    ):  # fmt: skip
-        start, end = (np.array(POINTS[point]) for point in ends.split())
-        base = POINTS["O" if link == "crank" else "A"]
-        at, turn, size = shape(link, name)
-        np.testing.assert_allclose(
-            [at[0], at[2]], 1e-3 * (0.5 * (start + end) - base), rtol=0.0, atol=1e-9
-        )
-        angle = -math.atan2(end[1] - start[1], end[0] - start[0])
-        assert math.remainder(turn[1] - angle, math.tau) == pytest.approx(0.0, abs=1e-8)
-        assert size[0] == pytest.approx(1e-3 * math.dist(start, end), rel=1e-6)
-        depths.append((at[1], size[1]))
-    for link, name in (("ram", "block"), ("frame", "rail_feed")):
-        at, turn, size = shape(link, name)
-        assert turn == pytest.approx([0.0, -math.atan2(4.0, 3.0), 0.0], abs=1e-8)
-        depths.append((at[1], size[1]))
-    layers = sorted({at for at, _ in depths})
-    assert len(layers) == 4
-    assert min(np.diff(layers)) > 0.999 * max(size for _, size in depths)
 
 
 def test_groups_of_parts() -> None:
