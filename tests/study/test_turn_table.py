@@ -14,24 +14,17 @@ from typing import Any
 
 import numpy as np
 import pytest
-from judge import press
 from two_engines import EPS, FORCE, difference
 
 from nipper_pin import (
     DriveMode,
     InputError,
     Mechanism,
-    TurnTable,
     UnknownNameError,
     load,
     turn_table,
 )
 from nipper_pin.hybrid.result.turns import (
-    TURN,
-    TURN_DRIVE,
-    TURN_STOP,
-    is_of_drive,
-    of_turn,
     turn_names,
 )
 from nipper_pin.mechanism.drawing import drawn_mechanism
@@ -234,27 +227,3 @@ def test_a_table_in_one_line_in_a_page_and_in_columns(e62: Mechanism) -> None:
         np.testing.assert_array_equal(frame[name].to_numpy(), table.quantity(name))
     with pytest.raises(KeyError):
         table.quantity("impulse_sum_N_m_s_jaw")
-
-
-def test_names_of_quantities_say_their_unit(e62: Mechanism) -> None:
-    """Of each machine those of its stops; a hinge's stop without contact point has N m."""
-    for item in (*TURN, *TURN_STOP, *TURN_DRIVE):
-        unit = item.term.unit
-        if unit in ("s", "N", "N m", "J", "N s", "N m s"):
-            assert item.name.endswith("_" + unit.replace(" ", "_"))
-        else:
-            assert unit in ("", "{gap}")
-    machine = press()
-    assert {name for name in turn_names(machine) if "_flap" in name} == {
-        "collisions_flap", "impulse_sum_N_m_s_flap", "impulse_sum_error_N_m_s_flap",
-        "largest_impulse_N_m_s_flap", "largest_impulse_error_N_m_s_flap",
-    }  # fmt: skip
-    assert "impulse_sum_N_s_ball" in turn_names(machine)
-    assert "impulse_sum_N_s_steeve" in turn_names(e62)
-    assert of_turn("largest_gap", e62)[0].unit_at(e62, "jaw") == "rad"
-    fields = {*TurnTable.__dataclass_fields__}
-    assert {item.column for item in (*TURN, *TURN_STOP, *TURN_DRIVE)} <= fields
-    torques = {name for name in turn_names(machine, drives=True) if "torque" in name}
-    assert torques == {"largest_torque_N_sled", "largest_torque_error_N_sled"}
-    assert is_of_drive("largest_torque_N_sled", machine)
-    assert not is_of_drive("largest_torque_N_m_sled", machine)

@@ -153,17 +153,6 @@ def test_thresholds_for_the_published_growth(study):
     assert counts.matches["rebounds_as_published_and_unchanged_by_stiffness"] == (wanted,)
 
 
-def test_time_at_a_threshold_tends_to_the_limit(study):
-    """What is missing at rate w is 2 w / (b (1 - e)): in proportion to the threshold.
-
-    At 1e-4 of the second rebound rate of e = 0.05 that is 1e-4 of the time and less.
-    """
-    durations = study.studies.restitution.table.duration
-    limit = durations[-1] / durations[0] - 1.0
-    assert study.counts.time_increase[0] == pytest.approx(limit, rel=1e-3)
-    assert np.isnan(study.counts.time_increase[-1])
-
-
 def test_the_change_by_inertial_shafts_falls_with_their_inertia(study):
     """First order in 1 / I: ten times the inertia, a tenth of the change, up to I's own size.
 
@@ -178,22 +167,6 @@ def test_the_change_by_inertial_shafts_falls_with_their_inertia(study):
         assert rows[1.0].shaft_jump > 0.0
         # A shaft that gives way takes impulse from the jaw.
         assert rows[1.0].first_impulse < 0.0
-
-
-def test_effects_of_inertial_shafts_are_those_of_two_runs(study, e62):
-    """Relative changes, and how much of its rate the first collision takes from a shaft."""
-    held, free = (simulate(e62, Case(speed_rpm=650.0, drive=kind)) for kind in ("held", "inertial"))
-    (effect,) = (item for item in study.drives.effects if (item.factor, item.speed_rpm) == (1, 650))
-    for key, place, number in (("first_impulse", 0, "impulse"),
-                               ("first_amplitude", 0, "rebound_amplitude"),
-                               ("second_amplitude", 1, "rebound_amplitude")):  # fmt: skip
-        one, other = (getattr(run.collisions[place], number) for run in (held, free))
-        assert getattr(effect, key) == pytest.approx(other / one - 1.0, rel=1e-9)
-    durations = [run.transitions[0].duration for run in (held, free)]
-    assert effect.transition_time == pytest.approx(durations[1] / durations[0] - 1.0, rel=1e-9)
-    hit = free.collisions[0].event
-    kept = hit.v_after[free.system.driven] / hit.v_before[free.system.driven]
-    assert effect.shaft_jump == pytest.approx(np.abs(kept - 1.0).max(), rel=1e-9)
 
 
 def test_marks_of_a_turn(e62):

@@ -11,13 +11,11 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 from benchmarks.peers import Four, Setting
 from benchmarks.peers.protocol import Bounces
-from nipper_pin import Case, Mechanism, load, simulate
-from nipper_pin.dynamics import System
+from nipper_pin import Mechanism, load
 
 SPEED_RPM = 650.0
 CASES = json.loads(
@@ -104,32 +102,6 @@ def test_the_hand_derived_equation_agrees_with_the_reference(case: str) -> None:
     model = load("e62", {paths[key]: value for key, value in changes.items()})
     four = rk4.prepare(model, speed)(Setting("", 1e-5))
     assert max(_errors(four, case)) <= 1e-11
-
-
-def test_the_equation_is_that_of_the_engine(e62: Mechanism) -> None:
-    """Jaw acceleration against Pinocchio's constrained dynamics, at states along a flight.
-
-    Round-off of the engine's forces is about 1e-12 of an acceleration of 850 rad/s2; gravity alone
-    is 1e-2 of it, the Coriolis terms more, so a missing term would show by ten orders.
-    """
-    _peer("rk4", "numba")
-    planar = import_module(f"{ROOM}.planar_model")
-    bound = import_module(f"{ROOM}.planar")
-    equation = bound.jaw_equation(planar.planar_model(e62, SPEED_RPM))
-    solution = simulate(e62, Case(speed_rpm=SPEED_RPM))
-    system = System(e62, solution.shaft)
-    jaw = e62.stop("jaw").index
-    times = np.linspace(1e-4, 5e-3, 9)
-    motion = solution.trajectory.evaluate(times)
-    rows = system.constraint_set(frozenset())
-    driven = solution.shaft.driven(times)
-    wanted = system.accelerations(driven, motion.q, motion.v, rows)[:, jaw]
-    found = [
-        equation(float(t), float(q[jaw]), float(v[jaw]))
-        for t, q, v in zip(times, motion.q, motion.v, strict=True)
-    ]
-    assert np.abs(wanted).min() > 100.0
-    assert found == pytest.approx(wanted, rel=1e-9)
 
 
 @pytest.mark.parametrize(("name", "coarse", "fine", "order"), [

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -11,7 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 from linear_problem import AT, PATHS, RANGES, STARTS, Linear, fitted, problem
-from rich.console import Console
 from scipy.stats import chi2
 
 from nipper_pin import SimulationError
@@ -23,7 +21,6 @@ from nipper_pin.study.identify.fitting.fit import descend
 from nipper_pin.study.identify.fitting.limits import excesses, limit_rows
 from nipper_pin.study.identify.problem.working_cycle import SAMPLES, Phase
 from nipper_pin.tolerances.study import FIT_STEP
-from nipper_pin.view.studies.identify_report import print_fit
 
 MATRIX = np.array([[30.0, 5.0, 0.0], [0.0, 40.0, -3.0], [2.0, 0.0, 50.0], [9.0, 9.0, 9.0]])
 END = np.array([0.3, 0.6, 0.4])
@@ -251,18 +248,6 @@ def test_a_fit_that_breaks_its_limits() -> None:
     assert wrong.broken_limits == pytest.approx(told)
     with pytest.raises(MisfitError, match=r"closing_index by \+0.075, opening_index by -0.1, jaw"):
         wrong.check()
-
-
-def test_report_names_what_is_not_known(capsys: pytest.CaptureFixture[str]) -> None:
-    """One target narrows one direction of three, and two numbers at least are not known."""
-    asked = problem(np.full(1, 100.0), np.full(1, 2.0))
-    fit = fitted(Linear(asked, matrix=np.full((1, 3), 30.0), offset=np.full(1, 100.0)), *END)
-    print_fit(fit, fit.goodness, fit.known, (), Console(width=200))
-    text = capsys.readouterr().out
-    for name in ("preload length of spring steeve [mm]", "restitution of stop jaw"):
-        assert re.search(rf"^{re.escape(name)}  .* \d+%\?$", text, re.MULTILINE)
-    assert "1 of 3 directions" in text
-    assert "Fitted, not validated" in text
 
 
 def test_a_start_that_was_lost_is_in_the_record() -> None:

@@ -217,7 +217,9 @@ def held(found: Plan, record: dict[str, Any], out: Path) -> Plan:
 def test_every_key_of_a_study(tmp_path: Path, words: Words) -> None:
     """In ``plan.json``, and what stands there where a study says nothing."""
     said = []
-    texts = {FULL: 1e-3, TABLE: 1e-10, "[parameters.restitution]\nvalues = [0.1]\n": 1e-10}
+    one = "[parameters.restitution]\nvalues = [0.1]\n"
+    turns = f'[case]\nwindow = "cycle"\n{one}'
+    texts = {FULL: 1e-3, TABLE: 1e-10, one: 1e-10, turns: 1e-10}
     for text, tolerance in texts.items():
         found = plan(tmp_path, text)
         assert found.job.tolerance == tolerance

@@ -17,7 +17,7 @@ from nipper_pin.cli import main
 from nipper_pin.hybrid.result.turns import turn_names
 from nipper_pin.mechanism import from_sources, model_folder
 from nipper_pin.study.sweep import Plan, run_sweep
-from nipper_pin.study.turns import TURNS, TURNS_PAY_FROM
+from nipper_pin.study.turns import TURNS_PAY_FROM
 
 CYCLE = '[case]\nwindow = "cycle"\nturns = 3\nleast_force_N = 60.0\n'
 FEW = TABLE.replace("600", str(TURNS_PAY_FROM))
@@ -101,18 +101,6 @@ def test_machines_that_cannot_be_built(tmp_path: Path) -> None:
     assert chunk["outcome"].to_pylist() == ["followed", "failed"]
     assert chunk["turns"].to_pylist() == [1, 0]
     assert np.isnan(chunk["clamped_share"].to_numpy()).tolist() == [False, True]
-
-
-def test_identity_and_record_of_a_plan(swept: tuple[Plan, Path], tmp_path: Path) -> None:
-    """Turns and level are part of them; transitions have no word of turns."""
-    assert b'"turn"' not in plan(tmp_path, FEW).job.text()
-    record = json.loads((swept[1] / "plan.json").read_text(encoding="utf-8"))
-    keys = ("window", "turns", "least_force_N")
-    assert [record[key] for key in keys] == ["cycle", 3, 60.0]
-    usual = plan(tmp_path, f'[case]\nwindow = "cycle"\n{FEW}').job
-    assert usual.turn is not None
-    assert (usual.turn.turns, usual.turn.least_force_N) == (TURNS, 0.0)
-    assert "clamped_share" in usual.quantities
 
 
 def test_chunks_of_turns(tmp_path: Path) -> None:
