@@ -28,12 +28,16 @@ from nipper_pin.dynamics import (
     close_positions,
     collide,
     drive_impulses,
+    inverted,
 )
+from nipper_pin.dynamics.pivoting import complementary
+from nipper_pin.dynamics.small_systems import inverse_of, inverses_of, same_sign, solutions_of
 from nipper_pin.dynamics.strike import strike
 from nipper_pin.hybrid.contact.complementarity import pressed
 from nipper_pin.mechanism import Stop
 
 SEEDS = range(60)
+
 NOW = np.zeros(1)
 
 
@@ -118,7 +122,7 @@ def met(seed: int) -> Meeting:
     return Meeting(system, q, jacobian, lift, dependent, contacts, rng)
 
 
-def complementary(A: np.ndarray, b: np.ndarray) -> list[tuple[tuple[int, ...], np.ndarray]]:
+def every_choice(A: np.ndarray, b: np.ndarray) -> list[tuple[tuple[int, ...], np.ndarray]]:
     """All sets that satisfy A P + b >= 0, P >= 0 with P zero outside of the set and xi in it."""
     found = []
     for size in range(len(b) + 1):
@@ -150,7 +154,7 @@ def test_impacts_are_the_only_complementary_ones(seed: int) -> None:
     W, inverse = meeting.normals(), meeting.response()
     A, b = W.T @ inverse @ W, (1.0 + e) * before
     assert np.linalg.cond(A) < 1e5
-    solutions = complementary(A, b)
+    solutions = every_choice(A, b)
     assert len(solutions) == 1
     chosen, P = solutions[0]
     impact = collide(system, meeting.q, v, meeting.jacobian, contacts, e.tolist())
@@ -180,7 +184,7 @@ def test_random_impacts_are_of_every_kind() -> None:
         before[0] = -abs(before[0]) - 0.1
         W = meeting.normals()
         e = np.array([stop.restitution for stop in meeting.contacts])
-        chosen = complementary(W.T @ meeting.response() @ W, (1.0 + e) * before)[0][0]
+        chosen = every_choice(W.T @ meeting.response() @ W, (1.0 + e) * before)[0][0]
         kinds.add((len(before), len(chosen)))
     assert {(2, 1), (2, 2), (3, 1), (3, 2), (3, 3), (4, 2)} <= kinds
 
@@ -236,7 +240,7 @@ def test_resting_contacts_are_the_only_complementary_ones(seed: int) -> None:
     missing = system.body.inverse_dynamics(q, v[None], drift[None])[0]
     force = system.applied_forces(q, v[None])[0] - missing
     W, inverse = meeting.normals(), meeting.response()
-    solutions = complementary(W.T @ inverse @ W, W.T @ (inverse @ force + drift))
+    solutions = every_choice(W.T @ inverse @ W, W.T @ (inverse @ force + drift))
     assert len(solutions) == 1
     names = frozenset(stop.name for stop in contacts)
     motion = system.shaft.driven(NOW)
@@ -265,3 +269,117 @@ def test_a_series_ends_without_moving_the_other_closed_stops(seed: int) -> None:
     alone = arrest(meeting.system, meeting.q, v, meeting.jacobian, [first])
     moved = max(abs(stop.rate(alone.v_after)) for stop in closed)
     assert moved > 0.0
+
+
+@pytest.mark.parametrize("size", [1, 2, 4, 6])
+def test_one_system_is_solved_as_many_are(size):
+    """Solutions meet their equations; residuals are round-off times the number of terms."""
+    random = np.random.default_rng(size)
+    # Parts of larger arrays, as columns of a Jacobian are.
+    matrices = random.normal(size=(3, size, 2 * size))[:, :, ::2] + 3.0 * np.eye(size)
+    right = random.normal(size=(3, size))
+    close = {"rtol": 0.0, "atol": 1e-13}
+    for part in (slice(0, 1), slice(0, 3)):
+        found = solutions_of(matrices[part], right[part])
+        assert found.shape == right[part].shape
+        np.testing.assert_allclose(np.einsum("nij,nj->ni", matrices[part], found), right[part],
+                                   **close)  # fmt: skip
+        units = np.matmul(inverses_of(matrices[part]), matrices[part])
+        np.testing.assert_allclose(units, np.broadcast_to(np.eye(size), units.shape), **close)
+    np.testing.assert_allclose(inverse_of(matrices[1]) @ matrices[1], np.eye(size), **close)
+
+
+@pytest.mark.parametrize("count", [1, 2])
+@pytest.mark.parametrize(
+    "matrix", [[[0.0, 0.0], [0.0, 0.0]], [[1.0, 2.0], [2.0, 4.0]], [[0.0, 1.0], [0.0, 3.0]]]
+)
+def test_singular_ones_are_refused(matrix, count):
+    """One system or several: a pivot of zero is an error, and its condition infinite."""
+    matrices = np.array([matrix] * count)
+    with pytest.raises(np.linalg.LinAlgError):
+        inverses_of(matrices)
+    # Of equations that contradict one another, and of those that do not.
+    for right in (np.ones((count, 2)), np.zeros((count, 2))):
+        with pytest.raises(np.linalg.LinAlgError):
+            solutions_of(matrices, right)
+    condition, inverse = inverted(matrices[0])
+    assert condition == np.inf
+    assert np.isnan(inverse).all()
+
+
+def test_none_is_no_error():
+    """A mechanism without closures has systems without rows."""
+    assert inverses_of(np.empty((1, 0, 0))).shape == (1, 0, 0)
+    assert solutions_of(np.empty((1, 0, 0)), np.empty((1, 0))).shape == (1, 0)
+
+
+def test_signs_of_determinants_are_compared():
+    """Rows that change places change the sign; a singular matrix has none."""
+    one = np.diag([2.0, 3.0])
+    swapped, singular = one[::-1].copy(), np.ones((2, 2))
+    assert same_sign(one, -one)
+    assert same_sign(singular, np.zeros((2, 2)))
+    assert same_sign(np.empty((0, 0)), np.empty((0, 0)))
+    for first, second in combinations((one, swapped, singular), 2):
+        assert not same_sign(first, second)
+        assert not same_sign(second, first)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_the_choice_is_that_of_all_choices(seed: int) -> None:
+    """Units of the coordinates differ by up to 1e4; the same set gives the same bits."""
+    rng = np.random.default_rng(seed)
+    n = 1 + seed % 8
+    root = rng.normal(size=(n, n)) * 10.0 ** rng.uniform(-2.0, 2.0, n)
+    b = rng.normal(size=n) * 10.0 ** rng.uniform(-2.0, 2.0, n)
+    A = root.T @ root
+    ((_, right),) = every_choice(A, b)
+    assert np.array_equal(complementary(A, b), right)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_of_dependent_stops_a_few_carry_all(seed: int) -> None:
+    """A has a lower rank than rows; P is that of min |B P + c|^2 / 2, P >= 0, with A = B' B.
+
+    b = B' c makes A P + b >= 0 possible always. The conditions hold to the round-off of sums of
+    eight terms, 1e-13 of the largest, and no more stops carry than there are directions.
+    """
+    rng = np.random.default_rng(seed)
+    n = 2 + seed % 7
+    rank = int(rng.integers(1, n))
+    B, c = rng.normal(size=(rank, n)), rng.normal(size=rank)
+    P = complementary(B.T @ B, B.T @ c)
+    assert P is not None
+    xi = B.T @ (B @ P + c)
+    scale = 1e-12 * max(np.abs(B.T @ B) @ P + np.abs(B.T @ c))
+    assert P.min() >= 0.0
+    assert xi.min() >= -scale
+    assert np.abs(xi * P).max() <= scale * max(P.max(), 1.0)
+    assert np.count_nonzero(P) <= rank
+
+
+@pytest.mark.parametrize(
+    ("A", "b"),
+    [
+        ([[1.0, -1.0], [-1.0, 1.0]], [-1.0, -1.0]),  # a link that two held walls squeeze
+        ([[0.0]], [-1.0]),  # one that nothing moves
+        ([[0.0, 0.0], [0.0, 2.0]], [-1.0, -1.0]),
+    ],
+)
+def test_what_is_jammed_has_no_impulses(A: list[list[float]], b: list[float]) -> None:
+    assert complementary(np.array(A), np.array(b)) is None
+
+
+@pytest.mark.parametrize("n", [13, 40, 80])
+def test_many_stops_take_no_search(n: int) -> None:
+    """Balls in a row, each with the relative slide to the last one: A is (-1, 2, -1).
+
+    The first pair approaches with 1 and no one else, so that all contacts have to take an impulse
+    of (n - i) / (n + 1). 2^80 sets could not be tried.
+    """
+    A = 2.0 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
+    b = np.zeros(n)
+    b[0] = -1.0
+    wanted = (n - np.arange(n)) / (n + 1.0)
+    # Its condition is 4 (n + 1)^2 / pi^2, below 3000.
+    assert complementary(A, b) == pytest.approx(wanted, rel=3000 * 2.3e-16)

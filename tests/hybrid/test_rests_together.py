@@ -373,25 +373,17 @@ def test_a_free_coordinate_goes_on_to_the_time_of_rest() -> None:
     assert (same.v[0] == hit.event.v_after).all()
 
 
-def _recorded(rest: float, later: float) -> EventLog:
-    """A rest whose limit lies at a time, with an error of 1e-6 s, and a collision after it."""
+@pytest.mark.parametrize(("rest", "there", "error"), [(1.0, 0.9, 0.1 + 1e-6), (0.8, 0.8, 1e-6)])
+def test_a_rest_that_is_brought_forward_is_off_by_what_it_was_moved(
+    rest: float, there: float, error: float
+) -> None:
+    """A limit that lies beyond the next event, a collision at 0.9 s, is put there."""
     none = np.zeros(1)
     impact = Impact(none, none, np.zeros(0), {}, 0.0)
     state = State(0.5, none, none, np.zeros((0, 1)), (none, none, none), Closed())
     log = EventLog(lambda _: frozenset({"jaw", "steeve"}))
     log.record(EventKind.REST, state, rest, ["jaw"], impact, Closed(), series_error=1e-6)
-    log.record(EventKind.COLLISION, state, later, ["steeve"], impact, Closed())
-    return log
-
-
-def test_a_rest_that_is_brought_forward_is_off_by_what_it_was_moved() -> None:
-    """A limit that lies beyond the next event is put there, and its error grows by the way."""
-    rest, hit = _recorded(1.0, 0.9).events
-    assert rest.t == hit.t == 0.9
-    assert rest.series_error == pytest.approx(0.1 + 1e-6, rel=1e-12)
-
-
-def test_a_rest_before_the_next_event_stays_where_it_is() -> None:
-    rest, hit = _recorded(0.8, 0.9).events
-    assert (rest.t, hit.t) == (0.8, 0.9)
-    assert rest.series_error == 1e-6
+    log.record(EventKind.COLLISION, state, 0.9, ["steeve"], impact, Closed())
+    first, hit = log.events
+    assert (first.t, hit.t) == (there, 0.9)
+    assert first.series_error == pytest.approx(error, rel=1e-12)

@@ -1,10 +1,11 @@
-"""Solutions on disk: every bit comes back, damage is named, nothing is half written or executed."""
+"""Saved runs and cases: every bit comes back, damage is named, nothing else is read or executed."""
 
 from __future__ import annotations
 
 import dataclasses
 import io
 import json
+import shutil
 import tracemalloc
 import zipfile
 from collections.abc import Callable
@@ -17,9 +18,10 @@ import pytest
 
 import nipper_pin
 import nipper_pin as nip
+from nipper_pin.cli import main
 from nipper_pin.hybrid.files import archive as packed
 from nipper_pin.hybrid.files import npz as storage
-from nipper_pin.mechanism import with_numbers
+from nipper_pin.mechanism import find_model, with_numbers
 from nipper_pin.mechanism.drives import ConstantSpeed
 
 RUNS = {
@@ -27,6 +29,7 @@ RUNS = {
     "inertial": nip.Case(speed_rpm=450.0, drive=nip.DriveMode.INERTIAL, rest_rate=0.02),
     "turns": nip.Case(speed_rpm=650.0, window=nip.Window.CYCLE, cycles=4, start_index=23.0),
 }
+
 Document = dict[str, Any]
 
 
@@ -417,3 +420,81 @@ def test_numbers_that_were_changed_are_saved(e62: nip.Mechanism, tmp_path: Path)
         nip.save_case(changed, nip.Case(speed_rpm=650.0), tmp_path / "case.json")
     )
     assert read.stops == changed.stops
+
+
+SAVED = Path(__file__).parents[1] / "reference/saved"
+
+TIMES = [float.fromhex("0x1.99aad7df37aafp-5"), float.fromhex("0x1.acdcf58a9b63bp-5")]
+
+
+@pytest.fixture
+def machine(tmp_path: Path) -> Path:
+    """A folder of ours with a machine whose meshes are its own."""
+    folder = tmp_path / "e62"
+    shutil.copytree(find_model("e62"), folder)
+    return folder
+
+
+def test_a_mesh_of_the_reader_is_not_read(machine: Path, tmp_path: Path) -> None:
+    """A file that names another folder, or another file of the same one."""
+    private = tmp_path / "private"
+    private.mkdir()
+    shutil.copy(machine / "meshes/spring.stl", private / "secret.stl")
+    case = nip.save_case(nip.load(machine), nip.Case(speed_rpm=650.0), tmp_path / "case.json")
+    nip.load_case(case)
+
+    def another(document: dict[str, Any]) -> None:
+        source = document["mechanism"]
+        source["folder"] = str(private)
+        source["urdf"] = source["urdf"].replace("meshes/rockers.stl", "secret.stl")
+
+    _edit(case, another)
+    with pytest.raises(nip.NipperError, match=r"secret\.stl in .* is not the mesh"):
+        nip.load_case(case)
+
+
+def test_a_mesh_that_has_changed_is_not_shown(
+    machine: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run = nip.save(nip.simulate(nip.load(machine), nip.Case(speed_rpm=650.0)), tmp_path / "run.npz")
+    assert nip.load_solution(run).mechanism.mesh_folder == str(machine)
+    with (machine / "meshes/spring.stl").open("ab") as stream:
+        stream.write(b"\0")
+    page = tmp_path / "page.html"
+    assert main(["view", "--solution", str(run), "--html", str(page)]) == 2
+    assert "meshes/spring.stl" in capsys.readouterr().err
+    assert not page.exists()
+    # Without its files the run is what it was; only its picture is plainer.
+    shutil.rmtree(machine)
+    assert nip.load_solution(run).events
+
+
+def test_a_table_of_the_reader_is_not_read(tmp_path: Path) -> None:
+    """Its first line would be shown by the refusal."""
+    (tmp_path / "secret.csv").write_text("the first line of a secret\n")
+    case = nip.save_case(
+        nip.load("hanging_pendulum"), nip.Case(speed_rpm=300.0), tmp_path / "case.json"
+    )
+
+    def another(document: dict[str, Any]) -> None:
+        document["mechanism"]["folder"] = str(tmp_path)
+        document["mechanism"]["description"]["springs"] = {
+            "tab": {"joint": "lid", "file": "secret.csv"}
+        }
+
+    _edit(case, another)
+    with pytest.raises(nip.NipperError, match=r"springs\.tab names a file") as refused:
+        nip.load_case(case)
+    assert "secret" not in refused.value.message
+
+
+def test_old_files_are_read() -> None:
+    """Every number as it was written."""
+    run = nip.load_solution(SAVED / "format_3.npz")
+    assert [event.t for event in run.events] == TIMES
+    losses = [hit.energy_lost for hit in run.collisions]
+    assert losses == [0.13213468424623176, 0.00529061240520938]
+    mechanism, case = nip.load_case(SAVED / "format_3.json")
+    assert (mechanism.name, case.speed_rpm, case.cycles) == ("hanging_pendulum", 300.0, 2)
+    again = [event.t for event in nip.simulate(mechanism, case).events]
+    assert again == pytest.approx(TIMES, abs=1e-13)

@@ -124,11 +124,23 @@ def copied(tmp_path: Path) -> Path:
 
 
 def test_a_copied_folder_is_a_model_of_its_own_name(copied: Path) -> None:
+    """Or of that of a TOML file in it; files with the name of the folder come before others."""
     mechanism = load(copied)
     assert mechanism.name == "e62 (copy)"
     assert mechanism.urdf == load("e62").urdf
     assert mechanism.mesh_folder == str(copied)
     assert find_model(copied) == copied
+    with pytest.raises(ModelError, match=r"'e62\.urdf' cannot be used: a folder .* TOML file"):
+        load(copied / "e62.urdf")
+    text = (copied / "e62.toml").read_text(encoding="utf-8")
+    (copied / "fast.toml").write_text(text.replace("450.0", "650.0"), encoding="utf-8")
+    fast = load(copied / "fast.toml")
+    assert (fast.name, fast.cylinder.rated_speed_rpm) == ("fast", 650.0)
+    assert load(copied / "e62.toml").name == "e62"
+    for kind in ("urdf", "toml"):
+        shutil.copy(copied / f"e62.{kind}", copied / f"{copied.name}.{kind}")
+        (copied / f"e62.{kind}").write_text("", encoding="utf-8")
+    assert load(copied).name == copied.name
 
 
 @pytest.mark.parametrize(("urdf", "toml"), [("robot.urdf", "stops.toml"), ("A.URDF", "b.TOML")])
@@ -137,13 +149,6 @@ def test_any_names_of_two_files(copied: Path, urdf: str, toml: str) -> None:
     (copied / "e62.toml").rename(copied / toml)
     (copied / "._e62.toml").write_text("what another system leaves behind", encoding="utf-8")
     assert load(str(copied)).name == "e62 (copy)"
-
-
-def test_files_with_the_name_of_the_folder_come_before_others(copied: Path) -> None:
-    for kind in ("urdf", "toml"):
-        shutil.copy(copied / f"e62.{kind}", copied / f"{copied.name}.{kind}")
-        (copied / f"e62.{kind}").write_text("", encoding="utf-8")
-    assert load(copied).name == copied.name
 
 
 @pytest.mark.parametrize("kind", ["urdf", "toml"])
@@ -162,14 +167,6 @@ def test_names_that_nothing_has() -> None:
         assert no_file(Path(name)) == ""
         with pytest.raises(UnknownNameError):
             load(name)
-
-
-def test_one_of_several_toml_files_is_named(copied: Path) -> None:
-    text = (copied / "e62.toml").read_text(encoding="utf-8")
-    (copied / "fast.toml").write_text(text.replace("450.0", "650.0"), encoding="utf-8")
-    fast = load(copied / "fast.toml")
-    assert (fast.name, fast.cylinder.rated_speed_rpm) == ("fast", 650.0)
-    assert load(copied / "e62.toml").name == "e62"
 
 
 @pytest.mark.parametrize(
@@ -193,11 +190,6 @@ def test_what_is_no_model(tmp_path: Path) -> None:
         load(tmp_path / "nothing")
     with pytest.raises(ModelError, match="found nothing"):
         load(tmp_path)
-
-
-def test_a_urdf_alone_is_no_model(copied: Path) -> None:
-    with pytest.raises(ModelError, match=r"'e62\.urdf' cannot be used: a folder .* TOML file"):
-        load(copied / "e62.urdf")
 
 
 def test_the_urdf_that_counts_is_renamed(copied: Path) -> None:

@@ -190,9 +190,6 @@ def test_it_adds_to_the_dampers_of_the_file_and_has_a_path() -> None:
     assert sorted(item.damping for item in mechanism.dampers) == [0.5, 0.7]
     changed = with_numbers(mechanism, {"urdf.joint.wheel.dynamics.damping": 0.9})
     assert sorted(item.damping for item in changed.dampers) == [0.5, 0.9]
-
-
-def test_a_slide_has_it_too() -> None:
     parts = [link("ram"), with_dynamics(slide("ram", "frame", "ram"), 'damping="3.0"')]
     assert [item.damping for item in machine(parts, 1).dampers] == [3.0]
 
