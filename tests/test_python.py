@@ -7,10 +7,10 @@ import math
 import pickle
 import subprocess
 import sys
-from html.parser import HTMLParser
 from importlib import import_module
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -28,26 +28,13 @@ SWEEP = 'format = 1\nchunk = 2\nquantities = ["duration_s"]\n[case]\nspeed_rpm =
 SWEEP += "[parameters.restitution]\nvalues = [0.1, 0.2, 0.3]\n"
 
 
-class Page(HTMLParser):
+class Page:
     """Tags and texts of a piece of HTML; every tag that is opened has to be closed."""
 
     def __init__(self, text: str) -> None:
-        super().__init__()
-        self.tags: list[str] = []
-        self.texts: list[str] = []
-        self.open: list[str] = []
-        self.feed(text)
-        assert self.open == []
-
-    def handle_starttag(self, tag: str, _attrs: object) -> None:
-        self.tags.append(tag)
-        self.open.append(tag)
-
-    def handle_endtag(self, tag: str) -> None:
-        assert self.open.pop() == tag
-
-    def handle_data(self, data: str) -> None:
-        self.texts.append(data)
+        root = ElementTree.fromstring(f"<page>{text}</page>")
+        self.tags = [item.tag for item in root.iter()]
+        self.texts = list(root.itertext())
 
 
 @pytest.fixture

@@ -56,7 +56,6 @@ COMMANDS = {
     "new_of_the_gallery": ((80,), "new --from toggle_press another"),
     "gallery": (ALL, "new --list"),
     "sweep": ((60,), "sweep sweep.toml --out results --workers 1"),
-    "speed_limit": ((60,), "speed-limit e62 --from 450 --to 2000 --speeds 6 --turns 20"),
     "fit": ((60,), "identify camera.toml --starts 1 --profiles 1 --workers 1"),
     "fit_of_one_number": ((80,), "identify one.toml --starts 1 --profiles 0 --workers 1"),
     "fit_beyond_a_limit": ((80,), "identify limits.toml --starts 1 --profiles 0 --workers 1"),

@@ -36,7 +36,6 @@ from pathlib import Path
 from numpy import linspace
 from nipper_pin import NipperError, load, load_case, load_solution
 from nipper_pin.reduced.turns import turn_quantities, turns
-from nipper_pin.study.identify.problem.measured import read_measured
 from nipper_pin.study.sweep.results.chunk_file import read_file
 from nipper_pin.view.scene.meshes import read_mesh
 def most_turns(_):
@@ -45,8 +44,8 @@ def most_turns(_):
     turn_quantities(**many, turns=10_000, last=8_600)
     turn_quantities(**many, max_collisions=1_000_000)
 resource.setrlimit(resource.RLIMIT_CPU, (120, 120))
-readers = {"model": load, "case": load_case, "run": load_solution, "measured": read_measured,
-           "chunk": read_file, "mesh": read_mesh, "turns": most_turns}
+readers = {"model": load, "case": load_case, "run": load_solution, "chunk": read_file,
+           "mesh": read_mesh, "turns": most_turns}
 said = ""
 try:
     readers[sys.argv[1]](Path(sys.argv[2]))
@@ -188,13 +187,6 @@ def numbers(folder: Path) -> Path:
     return path
 
 
-def measurements(folder: Path) -> Path:
-    path = folder / "m.csv"
-    line = "450,rebound_time_s_1,0.0042,1e-4,0.2\n"
-    path.write_text("speed_rpm,quantity,value,sigma,restitution\n" + line * 10_000)
-    return path
-
-
 def triangles(path: Path) -> Path:
     """A mesh of as many bytes as are read, no two of its corners equal."""
     count = (MOST_MESH - 84) // 50
@@ -236,11 +228,9 @@ LARGEST: dict[str, tuple[str, Made, str]] = {
         lambda folder: table(folder, MOST_ROWS, MOST_TABLE // MOST_ROWS - 1),
         "",
     ),
-    "million rows": ("model", lambda folder: table(folder, 10**6), "larger than 16 MiB"),
     "case": ("case", case_of_lists, "not a saved case"),
     "run": ("run", long_run, ""),
     "numbers": ("run", numbers, "not a saved solution"),
-    "measurements": ("measured", measurements, ""),
     "mesh": ("mesh", lambda folder: triangles(folder / "a.stl"), ""),
     "mesh that touches": ("model", mesh_that_touches, "apart at jaw"),
     "chunk": ("chunk", chunk, ""),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import json
 import tomllib
 from collections.abc import Callable
@@ -145,20 +144,12 @@ def test_every_reader_has_the_limit(
         read(file)
 
 
-def run(document: dict[str, Any]) -> bytes:
-    """A saved run with another document."""
+def saved_run(file: Path) -> tuple[dict[str, Any], Callable[[], None]]:
+    """The document of a saved run, and what writes the run with the changed document."""
     with np.load(RUN) as stored:
         found = {name: stored[name] for name in stored.files}
-    whole = {**json.loads(str(found.pop("document"))), **document}
-    stream = io.BytesIO()
-    np.savez(stream, document=np.array(json.dumps(whole)), **found)
-    return stream.getvalue()
-
-
-def document_of_the_run() -> dict[str, Any]:
-    with np.load(RUN) as stored:
-        found: dict[str, Any] = json.loads(str(stored["document"]))
-    return found
+    document: dict[str, Any] = json.loads(str(found.pop("document")))
+    return document, lambda: np.savez(file, document=np.array(json.dumps(document)), **found)
 
 
 @pytest.mark.parametrize(
@@ -170,10 +161,10 @@ def test_runs_out_of_order_are_refused(
     table: str, place: int, key: str, value: float, tmp_path: Path
 ) -> None:
     """Found by the fuzzer: errors of events divided by a time that went backwards."""
-    document = document_of_the_run()
-    document[table][place][key] = value
     file = tmp_path / "run.npz"
-    file.write_bytes(run(document))
+    document, write = saved_run(file)
+    document[table][place][key] = value
+    write()
     with pytest.raises(InputError, match=r"not in order|<= 1e\+30"):
         load_solution(file)
 
@@ -181,15 +172,15 @@ def test_runs_out_of_order_are_refused(
 def test_copies_of_a_turn_may_overlap_by_round_off(tmp_path: Path) -> None:
     """Turns that are copies begin at a sum of turns, which is rounded."""
     file = tmp_path / "run.npz"
-    document = document_of_the_run()
+    document, write = saved_run(file)
     first, second = document["segments"][:2]
     assert first["t_end"] == second["t_start"] > 0.0
     first["t_end"] *= 1.0 + 4e-16
     assert first["t_end"] > second["t_start"]
-    file.write_bytes(run(document))
+    write()
     assert load_solution(file).segments[0].t_end == first["t_end"]
     first["t_end"] *= 1.0 + 1e-12
-    file.write_bytes(run(document))
+    write()
     with pytest.raises(InputError, match="not in order"):
         load_solution(file)
     copies = Case(speed_rpm=650.0, window="cycle", cycles=60)

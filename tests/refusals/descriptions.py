@@ -171,6 +171,9 @@ DRIVES = {
     "force without a law": f"forces.x = {{ {RAIL}, c_N_s2_per_m2 = 1.0 }}",
     "force of no law": f'forces.x = {{ {RAIL}, law = "rubber" }}',
     "restitution without a law": stop(f"{RAIL}, restitution_law = {{ fast = 0.1, scale = 1.0 }}"),
+    "stop with two places": stop(f'{RAIL}, at_mm = 3.0, adjusted = {{ law = "screw", '
+                                 'pitch_mm = 1.5, turns = 4.0 }'),
+    "stop adjusted by no law": stop(f'{RAIL}, adjusted = {{ law = "scruw" }}'),
     "stop adjusted without a law": stop(f"{RAIL}, adjusted = {{ pitch_mm = 1.5, turns = 4.0 }}"),
     "circle of gears": geared("x", "x", "y"),
     "gears before a circle": geared("y", "x", "y", "z"),
