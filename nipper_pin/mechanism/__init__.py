@@ -19,19 +19,9 @@ from .load import (
     number_of,
     with_numbers,
 )
-from .mechanism import (
-    Closure,
-    Contact,
-    Drive,
-    Joint,
-    Mechanism,
-    Phase,
-    Simultaneous,
-    Spring,
-    Start,
-    Stop,
-)
+from .mechanism import Mechanism
 from .model_files import find_model, known_models, model_folder
+from .parts import Closure, Contact, Drive, Joint, Phase, Simultaneous, Spring, Start, Stop
 from .shapes import collision_model
 
 __all__ = [

@@ -6,7 +6,8 @@ from collections.abc import Collection
 from dataclasses import replace
 from weakref import WeakKeyDictionary
 
-from .mechanism import Mechanism, Stop
+from .mechanism import Mechanism
+from .parts import Stop
 
 _LED: WeakKeyDictionary[Mechanism, Mechanism] = WeakKeyDictionary()
 

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
 
 from ..arrays import FloatArray
-
-if TYPE_CHECKING:
-    from .mechanism import Joint, Start, Stop
+from .parts import Joint, Start, Stop
 
 _SMALL = 1e-3
 

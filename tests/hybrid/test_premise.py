@@ -15,7 +15,6 @@ from rich.console import Console
 
 import nipper_pin as nip
 from nipper_pin.cli import main
-from nipper_pin.hybrid.result.premise import premise_of
 from nipper_pin.mechanism.skeleton import write_skeleton
 from nipper_pin.study.transitions import TURN
 from nipper_pin.view.run import print_solution
@@ -168,4 +167,4 @@ def test_another_arrival_is_noticed(e62: nip.Mechanism) -> None:
     solution = nip.simulate(e62, nip.Case(speed_rpm=650.0))
     first = solution.events[0]
     moved = replace(first, q=first.q + 1e-3)
-    assert premise_of(replace(solution, events=(moved, *solution.events[1:]))).holds is False
+    assert replace(solution, events=(moved, *solution.events[1:])).premise.holds is False

@@ -41,7 +41,7 @@ def test_a_lie_is_noticed(lie: str, monkeypatch: pytest.MonkeyPatch) -> None:
     fast = [replace(one, speed_rpm=740.0, preload=0.007) for one in drawn[:3]]
     if lie == "direct":
         monkeypatch.setattr(
-            "nipper_pin.hybrid.result.premise.premise_of", lambda _: Premise(True, "a lie")
+            "nipper_pin.hybrid.result.premise.premise_of", lambda *_: Premise(True, "a lie")
         )
     else:
         real = premises.transitions

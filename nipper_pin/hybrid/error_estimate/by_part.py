@@ -6,9 +6,8 @@ its flights and change nothing. An event of stops of several parts is one of eac
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,9 +16,6 @@ from ...arrays import FloatArray
 from ...dynamics import System
 from ..event import Event
 from .zonotope import Deviations
-
-if TYPE_CHECKING:
-    from .event_errors import EventError
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,18 +67,3 @@ def parts_of(system: System) -> Iterator[Part]:
     """The parts of a machine that have stops."""
     for first, *_ in system.apart(system.mechanism.stops):
         yield part_of(system, first.name)
-
-
-def of_all_parts(event: Event, found: Sequence[tuple[Event, EventError]]) -> EventError:
-    """Errors of an event from those in each of its parts."""
-    if len(found) == 1:
-        return found[0][1]
-    # That of its first stop comes first.
-    found = sorted(found, key=lambda item: item[0].stops[0] != event.stops[0])
-    impulses = {name: wrong for _, error in found for name, wrong in error.impulses.items()}
-    return replace(
-        found[0][1],
-        time=max(error.time for _, error in found),
-        impulses={name: impulses[name] for name in event.P_N if name in impulses},
-        strikes={name: error.at(name) for own, error in found for name in own.stops},
-    )

@@ -26,7 +26,7 @@ from ...tolerances.hybrid import (
 )
 from ..event import Event, EventKind
 from ..segment import Segment
-from .by_part import of_all_parts, parts_of
+from .by_part import parts_of
 from .determined import at_start
 from .linear_maps import ImpactMap, LinearMaps, pushing
 from .local_error import round_off
@@ -85,7 +85,22 @@ def event_errors(
         errors = _of_part(maps, segments, own, _State(part.of(start.states), _FRESH))
         for event, error in zip(own, errors, strict=True):
             found[event.number - 1].append((event, error))
-    return tuple(of_all_parts(*item) for item in zip(events, found, strict=True))
+    return tuple(_of_all_parts(*item) for item in zip(events, found, strict=True))
+
+
+def _of_all_parts(event: Event, found: Sequence[tuple[Event, EventError]]) -> EventError:
+    """Errors of an event from those in each of its parts."""
+    if len(found) == 1:
+        return found[0][1]
+    # That of its first stop comes first.
+    found = sorted(found, key=lambda item: item[0].stops[0] != event.stops[0])
+    impulses = {name: wrong for _, error in found for name, wrong in error.impulses.items()}
+    return replace(
+        found[0][1],
+        time=max(error.time for _, error in found),
+        impulses={name: impulses[name] for name in event.P_N if name in impulses},
+        strikes={name: error.at(name) for own, error in found for name in own.stops},
+    )
 
 
 def _of_part(

@@ -12,10 +12,10 @@ from ..state import State
 from .trajectory import Motion
 
 if TYPE_CHECKING:
-    from .solution import Solution
+    from .simulated import Simulated
 
 
-def motion_at(solution: Solution, event: Event) -> Motion:
+def motion_at(solution: Simulated, event: Event) -> Motion:
     """The state just after an event, at its time; see :meth:`Solution.motion_at`.
 
     Raises:

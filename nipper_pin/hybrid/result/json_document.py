@@ -12,11 +12,11 @@ from ...tolerances.hybrid import SHORTEST_PANEL
 from ..case import Case
 from .quantities import COLLISION, TRANSITION
 from .self_check import need_sound
-from .solution import Solution
+from .simulated import Simulated
 from .tables import Collision
 
 
-def record(solution: Solution) -> dict[str, Any]:
+def record(solution: Simulated) -> dict[str, Any]:
     """Return a solution as plain data.
 
     Times t count from the start of the run [s]; ``time_s``, ``start_s`` and ``end_s`` from the
@@ -68,7 +68,7 @@ def record(solution: Solution) -> dict[str, Any]:
     }
 
 
-def _turns_computed(solution: Solution) -> int:
+def _turns_computed(solution: Simulated) -> int:
     """Turns that were begun; copies of an earlier one are none."""
     end = solution.segments[-1].t_end if solution.segments else 0.0
     # Shorter than what is resolved, of each turn before, is no further turn.
@@ -76,7 +76,7 @@ def _turns_computed(solution: Solution) -> int:
     return min(solution.repeated_from or solution.case.cycles, begun)
 
 
-def _collision(solution: Solution, item: Collision) -> dict[str, Any]:
+def _collision(solution: Simulated, item: Collision) -> dict[str, Any]:
     return {
         "number": item.number,
         "stop": item.stop,

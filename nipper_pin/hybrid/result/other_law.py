@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from ...dynamics import System
 from ...dynamics.strike import same_by_every_law, strike
@@ -13,27 +12,27 @@ from ...tolerances.mechanics import FAINT_GAP_RATE
 from ...units import MS_PER_S
 from ..event import Event, EventKind
 
-if TYPE_CHECKING:
-    from .solution import Solution
-
 # Enough for rows of ten balls, in a tenth of a second.
 _MOST_STRIKES = 10_000
 _OTHER: dict[Simultaneous, Simultaneous] = {"newton": "sequential", "sequential": "newton"}
 _MEANS = {"newton": "all at once", "sequential": "from contact to contact"}
 
 
-def law_that_matters(solution: Solution) -> str:
+def law_that_matters(system: System, events: Sequence[Event]) -> str:
     """Return one sentence where the other law gives another outcome; empty if it gives the same.
 
+    Only impacts at two stops or more that share a motion are looked at, until the first one that
+    differs.
+
     Args:
-        solution: The solution. Only impacts at two stops or more that share a motion are looked at,
-            until the first one that differs.
+        system: The system that was followed.
+        events: Its events in order of time.
     """
-    system, law = solution.led_system, solution.mechanism.simultaneous
-    for event in solution.led_events:
+    law = system.mechanism.simultaneous
+    for event in events:
         if event.kind is not EventKind.COLLISION or event.source != event.number:
             continue
-        for stops in system.apart([solution.mechanism.stop(name) for name in event.P_N]):
+        for stops in system.apart([system.mechanism.stop(name) for name in event.P_N]):
             if len(stops) > 1 and _differs(system, event, stops, _OTHER[law]):
                 names = " and ".join(", ".join(stop.name for stop in stops).rsplit(", ", 1))
                 return (

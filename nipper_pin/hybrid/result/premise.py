@@ -8,23 +8,22 @@ arrives in the initial phase repeats this very transition in every turn.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...dynamics import System
 from ...errors import SimulationError
 from ...tolerances.hybrid import DECISION_TOLERANCE, REST_BEFORE_TOUCH, SAME_ASSEMBLY
-from ..case import Resolution, Window
+from ..case import Case, Resolution, Window
 from ..contact.complementarity import pressed
 from ..event import Event, EventKind
 from ..run.periodicity import comes_back, winding
 from ..run.phase_manager import go_on
+from ..segment import Segment
 from ..state import State
-
-if TYPE_CHECKING:
-    from .solution import Solution
+from .trajectory import Trajectory
 
 MOST_IN_TURN = 10_000
 """Collisions of a turn that are followed."""
@@ -44,35 +43,45 @@ class Premise:
     why: str
 
 
-def premise_of(solution: Solution) -> Premise:
+def premise_of(
+    system: System,
+    case: Case,
+    events: Sequence[Event],
+    segments: Sequence[Segment],
+    trajectory: Trajectory,
+) -> Premise:
     """Follow a transition to the next touch and see in which phase the machine arrives.
 
     Args:
-        solution: The solution; one of whole turns assumes nothing.
+        system: The system that was followed.
+        case: The case; one of whole turns assumes nothing.
+        events: Events of that system in order of time.
+        segments: Motion between them.
+        trajectory: The same motion at any time.
     """
-    if solution.case.window is not Window.TRANSITION:
+    if case.window is not Window.TRANSITION:
         return Premise(None, "Whole turns assume nothing of how the machine arrives.")
-    system, touch = solution.led_system, solution.led_events[0]
+    touch = events[0]
     reason = _unanswerable(system, touch)
     if reason:
         return Premise(None, reason)
     before = (1.0 - REST_BEFORE_TOUCH) * system.shaft.period
-    start = _end(solution)
-    case = replace(
-        solution.case,
+    start = _end(system, events[-1], segments, trajectory)
+    further = replace(
+        case,
         max_collisions=MOST_IN_TURN,
         resolution=Resolution(
-            tolerance=max(solution.case.resolution.tolerance, DECISION_TOLERANCE),
+            tolerance=max(case.resolution.tolerance, DECISION_TOLERANCE),
             panels_per_turn=_PANELS,
         ),
     )
     try:
-        end, events = go_on(system, case, start, before)
+        end, later = go_on(system, further, start, before)
     except SimulationError as error:
         return Premise(None, f"The turn cannot be followed to the next touch: {error.message}")
     if end is None:
         return Premise(None, "The turn has too many collisions to be followed to the next touch.")
-    return _judged(system, touch, end, (*solution.led_events, *events))
+    return _judged(system, touch, end, (*events, *later))
 
 
 def _unanswerable(system: System, touch: Event) -> str:
@@ -86,14 +95,13 @@ def _unanswerable(system: System, touch: Event) -> str:
     return ""
 
 
-def _end(solution: Solution) -> State:
+def _end(system: System, last: Event, segments: Sequence[Segment], trajectory: Trajectory) -> State:
     """State at the end of a run, from which it can be followed on."""
-    system, last = solution.led_system, solution.led_events[-1]
     t, q, v = last.t, last.q, last.v_after
-    if solution.segments:
-        t = solution.segments[-1].t_end
+    if segments:
+        t = segments[-1].t_end
         if t > last.t:
-            state = solution.trajectory.evaluate(np.array([t]), left=True)
+            state = trajectory.evaluate(np.array([t]), left=True)
             q, v = state.q[0], state.v[0]
     jacobian = system.body.closures(q[None])[1][0]
     return State(t, q, v, jacobian, system.shaft.driven_at(t), last.closed_after)

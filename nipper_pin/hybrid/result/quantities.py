@@ -14,7 +14,7 @@ from ...mechanism import Mechanism, Stop
 from ...terms import TERMS, Term, term_of
 from ..error_estimate.together import StrikeError
 from ..event import EventKind
-from .solution import Solution
+from .simulated import Simulated
 from .tables import Collision, Transition
 
 T = TypeVar("T")
@@ -33,7 +33,7 @@ class Quantity(Generic[T]):
     """
 
     name: str
-    read: Callable[[Solution, T], float | None] | None = None
+    read: Callable[[Simulated, T], float | None] | None = None
     column: str = ""
     force: str | None = None
 
@@ -67,12 +67,12 @@ def force_unit(mechanism: Mechanism, stop: Stop) -> str:
     return "N m" if turns else "N"
 
 
-def _own(name: str) -> Callable[[Solution, object], Any]:
+def _own(name: str) -> Callable[[Simulated, object], Any]:
     """Reads an attribute of a collision or a transition; None without a transition."""
     return lambda _, item: None if item is None else getattr(item, name)
 
 
-def _error(solution: Solution, hit: Collision) -> StrikeError:
+def _error(solution: Simulated, hit: Collision) -> StrikeError:
     return solution.errors[hit.event.number - 1].at(hit.stop)
 
 
@@ -108,7 +108,7 @@ COLLISION: tuple[Quantity[Collision], ...] = (
 """Quantities of a collision."""
 
 
-def _duration_error(solution: Solution, found: Transition | None) -> float | None:
+def _duration_error(solution: Simulated, found: Transition | None) -> float | None:
     if found is None:
         return None
     stop = solution.mechanism.transition_stop
@@ -120,7 +120,7 @@ def _duration_error(solution: Solution, found: Transition | None) -> float | Non
     return float(solution.errors[rest.number - 1].time)
 
 
-def _collisions(solution: Solution, found: Transition | None) -> float:
+def _collisions(solution: Simulated, found: Transition | None) -> float:
     if found is not None:
         return found.collisions
     stop = solution.mechanism.transition_stop

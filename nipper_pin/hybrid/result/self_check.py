@@ -11,10 +11,10 @@ from ...errors import SelfCheckError
 from ...tolerances.hybrid import SELF_CHECK, SELF_CHECK_TOLERANCES, STORED_ENERGY
 
 if TYPE_CHECKING:
-    from .solution import Solution
+    from .simulated import Simulated
 
 
-def need_sound(solution: Solution) -> None:
+def need_sound(solution: Simulated) -> None:
     """Refuse a run whose closures gape, or whose energy comes from nowhere.
 
     The gap is compared with the reach of the mechanism, and the energy that is left over with the
@@ -35,7 +35,7 @@ def need_sound(solution: Solution) -> None:
         raise SelfCheckError(message, check=name, residual=found, tolerance=most)
 
 
-def _residuals(solution: Solution, allowed: float) -> Iterator[tuple[str, str, float, float]]:
+def _residuals(solution: Simulated, allowed: float) -> Iterator[tuple[str, str, float, float]]:
     """Name, unit, size and bound of each residual."""
     system, energy = solution.system, solution.energy
     yield "the closures gape by", "m", solution.checks.closure_m, allowed * system.body.reach_m
@@ -47,7 +47,7 @@ def _residuals(solution: Solution, allowed: float) -> Iterator[tuple[str, str, f
     yield "the energy balance leaves over", "J", abs(energy.residual), most
 
 
-def _stored(solution: Solution) -> float:
+def _stored(solution: Simulated) -> float:
     """Energy [J] of springs and weights, of which the balance has small differences."""
     system, model = solution.system, solution.mechanism.model
     seen = [event.q for event in solution.events]

@@ -13,13 +13,13 @@ from ...units import MS_PER_S
 from ..event import EventKind
 
 if TYPE_CHECKING:
-    from .solution import Solution
+    from .simulated import Simulated
 
 _SHOWN = ("number", "stop", "time_s", "index", "approach_rate", "separation_rate", "energy_lost_J",
           "rebound_amplitude", "rebound_time_s")  # fmt: skip
 
 
-def line(solution: Solution) -> str:
+def line(solution: Simulated) -> str:
     """One line; nothing is computed for it."""
     hits = (event for event in solution.events if event.kind is EventKind.COLLISION)
     count = sum(len(event.struck(solution.mechanism)) for event in hits)
@@ -29,7 +29,7 @@ def line(solution: Solution) -> str:
     )
 
 
-def page(solution: Solution) -> str:
+def page(solution: Simulated) -> str:
     """HTML: the case, how the run ended, and its collisions."""
     facts = {"case": _case(solution), "outcome": solution.outcome.value}
     if solution.transitions:
@@ -40,7 +40,7 @@ def page(solution: Solution) -> str:
     return html(solution.mechanism.title or solution.mechanism.name, facts, list(shown), rows)
 
 
-def columns(solution: Solution) -> dict[str, Column]:
+def columns(solution: Simulated) -> dict[str, Column]:
     """Collisions as columns, by the names of the JSON document (docs/json.md).
 
     Returns:
@@ -60,7 +60,7 @@ def _column(values: list[Any]) -> Column:
     return np.array([np.nan if value is None else value for value in values])
 
 
-def _case(solution: Solution) -> str:
+def _case(solution: Simulated) -> str:
     case = solution.case
     turns = f"{case.cycles} turn{'' if case.cycles == 1 else 's'}"
     window = turns if case.window.value == "cycle" else case.window.value

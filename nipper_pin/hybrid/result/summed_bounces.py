@@ -2,32 +2,32 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
-from ...mechanism import Stop
+from ...mechanism import Mechanism, Stop
 from ...tolerances.hybrid import DROPPED_SERIES
+from ..case import Case
 from ..event import Event, EventKind
 
-if TYPE_CHECKING:
-    from .solution import Solution
 
-
-def bounces_summed_up(solution: Solution) -> str:
+def bounces_summed_up(mechanism: Mechanism, case: Case, events: Sequence[Event]) -> str:
     """Return one sentence where a series ends at its limit with rebounds that are still large.
 
     A threshold of rates is a choice, and needs no sentence.
 
     Args:
-        solution: The solution. The first such series is named.
+        mechanism: The mechanism.
+        case: The case.
+        events: Events in order of time. The first such series is named.
     """
-    if solution.case.rest_rate is not None:
+    if case.rest_rate is not None:
         return ""
-    most = (DROPPED_SERIES * solution.case.resolution.tolerance) ** (1.0 / 3.0)
-    for rest in solution.events:
+    most = (DROPPED_SERIES * case.resolution.tolerance) ** (1.0 / 3.0)
+    for rest in events:
         if rest.kind is not EventKind.REST or rest.source != rest.number:
             continue
-        for stop in map(solution.mechanism.stop, rest.stops):
-            rebounds = _rebounds(solution.events[: rest.number - 1], stop)
+        for stop in map(mechanism.stop, rest.stops):
+            rebounds = _rebounds(events[: rest.number - 1], stop)
             if rebounds and rebounds[-1] > most * max(rebounds):
                 return (
                     f"Of the bounces of stop {stop.name} {len(rebounds)} are computed. Those that "
@@ -38,7 +38,7 @@ def bounces_summed_up(solution: Solution) -> str:
     return ""
 
 
-def _rebounds(events: tuple[Event, ...], stop: Stop) -> list[float]:
+def _rebounds(events: Sequence[Event], stop: Stop) -> list[float]:
     """Rates of the rebounds of the series that the events end with [rad/s or m/s]."""
     rates: list[float] = []
     for event in reversed(events):

@@ -18,7 +18,7 @@ from ...arrays import FloatArray
 from ...errors import AssemblyError
 from ...tolerances.mechanics import ASSEMBLY_TOLERANCE_M, ROUNDED_SHARE
 from ...units import MM_PER_M
-from ..mechanism import Closure, Stop
+from ..parts import Closure, Stop
 from ..scale import reach, unit_of, written
 from .placements import own_name
 from .tree import Tree

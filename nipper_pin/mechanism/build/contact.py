@@ -15,7 +15,7 @@ from ...tolerances.mechanics import ACROSS_PLANE, DISTANCE_ACCURACY_M, TOUCH_TOL
 from ...units import MM_PER_M, coordinate_text
 from ..files.description import ContactDescription
 from ..files.urdf_parts import UrdfJoint
-from ..mechanism import Contact
+from ..parts import Contact
 from ..scale import reach, unit_of, written
 from .lips import Lips, Meeting, Shape, farthest, meet
 from .placements import supports

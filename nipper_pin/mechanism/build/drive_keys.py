@@ -7,7 +7,7 @@ from collections import defaultdict
 from ...errors import ModelError
 from ..drives import DriveTable
 from ..files.register import DRIVES
-from ..mechanism import Joint
+from ..parts import Joint
 
 _REFLECTED = {"revolute": "reflected_inertia_kg_m2", "prismatic": "reflected_mass_kg"}
 

@@ -15,7 +15,7 @@ from ...units import M_PER_MM, RAD_PER_DEG
 from ..elements import Characteristic, Damper, Strut, TabulatedSpring
 from ..files.description import DamperDescription, Description, SpringDescription
 from ..files.urdf_parts import Urdf
-from ..mechanism import Joint, Spring
+from ..parts import Joint, Spring
 from ..scale import reach, unit_of
 from .placements import joint_placements
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from ...errors import InputError, ModelError, UnknownNameError
 from ..forces import ForceTable, JointForce
-from ..mechanism import Joint
+from ..parts import Joint
 
 
 def build_forces(

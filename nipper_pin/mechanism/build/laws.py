@@ -14,7 +14,7 @@ from ...tolerances.mechanics import DRIVE_REPEATS
 from ..cylinder import Cylinder
 from ..drives import DriveLaw, DriveTable, FollowingTable, OscillatingGuide
 from ..files.description import CylinderDescription, Description
-from ..mechanism import Joint
+from ..parts import Joint
 from ..scale import written
 
 

@@ -18,8 +18,9 @@ from ..files.side_view import side_view_text
 from ..files.toml_text import need_plain_text
 from ..files.urdf import check_urdf, parse_xml
 from ..files.urdf_parts import Urdf
-from ..mechanism import Closure, Coupling, Drive, Joint, Mechanism, Phase, Stop
+from ..mechanism import Mechanism
 from ..parallel import together
+from ..parts import Closure, Coupling, Drive, Joint, Phase, Stop
 from .closing import close_gaps
 from .drive_keys import check_drive
 from .elements import build_elements

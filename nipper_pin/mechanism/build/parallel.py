@@ -16,7 +16,7 @@ import pinocchio as pin
 from ...arrays import FloatArray
 from ...tolerances.hybrid import GAP_ROUND_OFF
 from ...tolerances.mechanics import RANK_TOLERANCE
-from ..mechanism import Stop
+from ..parts import Stop
 from ..scale import reach, unit_of, units_of
 from .closing import PLANE
 from .touch_checks import Held

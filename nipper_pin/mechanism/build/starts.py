@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from ...errors import ModelError, UnknownNameError
 from ...units import M_PER_MM, RAD_PER_DEG
 from ..files.description import InitialDescription
-from ..mechanism import Drive, Joint, Start, Stop
+from ..parts import Drive, Joint, Start, Stop
 
 _KEYS = {
     "prismatic": (("at_mm", M_PER_MM), ("rate_mm_per_s", M_PER_MM)),

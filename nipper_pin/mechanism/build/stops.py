@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from ...errors import InputError, ModelError, UnknownNameError
 from ...units import M_PER_MM, RAD_PER_DEG, coordinate_text
 from ..files.description import Description, StopDescription
-from ..mechanism import Contact, Joint, Stop
+from ..parts import Contact, Joint, Stop
 from .contact import find_contact
 from .tree import Tree
 

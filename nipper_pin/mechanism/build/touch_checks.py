@@ -15,7 +15,7 @@ from ...units import MM_PER_M
 from ..drives import OscillatingGuide
 from ..files.side_view import side_view_text
 from ..files.urdf_parts import Urdf
-from ..mechanism import Closure, Coupling, Drive, Joint, Phase, Stop
+from ..parts import Closure, Coupling, Drive, Joint, Phase, Stop
 from ..scale import reach, unit_of, units_of, written
 from .closing import PLANE, frame_point
 from .placements import supports

@@ -12,7 +12,7 @@ from ...errors import ModelError
 from ..files.meshes import check_corners, check_size
 from ..files.urdf_parts import Urdf, UrdfJoint
 from ..files.urdf_shapes import UrdfShape
-from ..mechanism import Joint
+from ..parts import Joint
 from .placements import own_name
 
 _ALONG_AXES = {

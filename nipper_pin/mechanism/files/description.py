@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from msgspec import Meta, field
 
 from ..elements import Interpolation
-from ..mechanism import Simultaneous
+from ..parts import Simultaneous
 from .toml_types import (
     Damping,
     Index,

@@ -9,8 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import FloatArray
+from ...errors import InputError
+from ...frames import Column, data_frame
+from ...hybrid.result.quantities import COLLISION, TRANSITION
 from ...mechanism import Mechanism
+from ...notebook import html
 from ...reduced.results import CollisionRows
+from ...terms.shown import counted
+from ..table_summary import outcomes, spring_columns
 
 FAILED = "failed"
 REDUCED = "reduced"
@@ -73,14 +79,15 @@ class TransitionTable(CollisionRows):
 
     def __repr__(self) -> str:
         """One line."""
-        from ..table_summary import line
-
-        return line(self)
+        told = f"{counted(len(self), 'case')}, {outcomes(self.outcome)}"
+        return f"<TransitionTable of {self.model}: {told}; {self.why}>"
 
     def _repr_html_(self) -> str:
-        from ..table_summary import page
-
-        return page(self)
+        shown = {name: list(values) for name, values in self._columns(collisions=1).items()}
+        rows = list(zip(*shown.values(), strict=True))
+        title = f"{len(self):,} transitions of {self.model}"
+        facts = {"outcomes": outcomes(self.outcome), "engine": self.why}
+        return html(title, facts, list(shown), rows)
 
     def to_frame(self, library: str | None = None, *, collisions: int = 2) -> Any:
         """All cases as a data frame: names and units of the JSON document and of study files.
@@ -92,7 +99,35 @@ class TransitionTable(CollisionRows):
         Raises:
             InputError: It is not installed, or a number is out of range.
         """
-        from ...frames import data_frame
-        from ..table_summary import columns
+        return data_frame(self._columns(collisions), library)
 
-        return data_frame(columns(self, collisions), library)
+    def _columns(self, collisions: int) -> dict[str, Column]:
+        """Names of the JSON document, of collision K with _K behind.
+
+        Returns:
+            Numbers as arrays, shape (n,), NaN where a case has none; all else as lists.
+        """
+        if collisions < 0:
+            message = f"collisions = {collisions}: at least 0"
+            raise InputError(message, collisions=collisions)
+        whole: dict[str, Column] = {
+            "engine": self.engine.tolist(),
+            "outcome": self.outcome.tolist(),
+            "message": list(self.message),
+            "speed_rpm": self.speed_rpm,
+            "restitution": self.restitution,
+            **spring_columns(self.mechanism, stiffness=self.stiffness, preload=self.preload),
+        }
+        for quantity in TRANSITION:
+            values = getattr(self, quantity.column or quantity.name)
+            whole[quantity.name] = values.tolist() if values.dtype == object else values
+        nothing = np.full(len(self), np.nan)
+        stop = self.mechanism.transition_stop
+        # Of an impulse the name with the unit of the stop.
+        each = {item.name: getattr(self, item.column) for item in COLLISION
+                if item.column and item.fits(self.mechanism, stop)}  # fmt: skip
+        return whole | {
+            f"{name}_{place + 1}": rows[:, place] if place < rows.shape[1] else nothing
+            for place in range(collisions)
+            for name, rows in each.items()
+        }

@@ -14,6 +14,7 @@ from ...frames import Column, data_frame
 from ...hybrid.result.turns import of_turn, turn_names
 from ...mechanism import Mechanism
 from ...notebook import html
+from ...terms.shown import counted
 from ..table_summary import outcomes, spring_columns
 
 # Columns that a notebook shows beside parameters and outcome.
@@ -115,16 +116,15 @@ class TurnTable:
 
     def __repr__(self) -> str:
         """One line."""
-        count = len(self)
-        cases = f"{count:,} case{'' if count == 1 else 's'}"
-        return f"<TurnTable of {self.model}: {cases}, {outcomes(self)}; {self.why}>"
+        told = f"{counted(len(self), 'case')}, {outcomes(self.outcome)}"
+        return f"<TurnTable of {self.model}: {told}; {self.why}>"
 
     def _repr_html_(self) -> str:
         every = self._columns()
         head = ("engine", "outcome", "message", "speed_rpm", *_SHOWN)
         rows = list(zip(*(list(every[name]) for name in head), strict=True))
         title = f"Turns of {self.model}: {len(self):,} cases"
-        return html(title, {"outcomes": outcomes(self), "engine": self.why}, head, rows)
+        return html(title, {"outcomes": outcomes(self.outcome), "engine": self.why}, head, rows)
 
     def quantity(self, name: str) -> FloatArray:
         """Values of a quantity by its name in files, such as ``rest_index``, shape (n,).
@@ -162,7 +162,7 @@ class TurnTable:
             "message": list(self.message),
             "speed_rpm": self.speed_rpm,
             **{f"stops.{name}.restitution": e_N for name, e_N in self.restitution.items()},
-            **spring_columns(self),
+            **spring_columns(self.mechanism, stiffness=self.stiffness, preload=self.preload),
             "turns": self.turns,
             "repeats_after": self.repeats_after,
             **{

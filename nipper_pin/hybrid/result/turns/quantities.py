@@ -10,12 +10,12 @@ from typing import Any
 
 from ....mechanism import Mechanism
 from ..quantities import Quantity, coordinate_unit
-from ..solution import Solution
+from ..simulated import Simulated
 from .parts import DriveTurn, StopTurn
 from .turn import Turn
 
 
-def _own(name: str) -> Callable[[Solution, object], Any]:
+def _own(name: str) -> Callable[[Simulated, object], Any]:
     """Reads an attribute of a turn, or of a stop in it."""
     return lambda _, item: getattr(item, name)
 

@@ -1,0 +1,210 @@
+"""A simulated stretch of motion, and what is computed from it when it is asked for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from ...arrays import FloatArray
+from ...dynamics import ShaftMotion, System
+from ...mechanism import Mechanism
+from ...mechanism.parallel import led
+from ..case import Case
+from ..event import Event
+from ..run.outcome import Outcome
+from ..segment import Segment
+from .rebounds import Rebounds
+from .tables import (
+    Collision,
+    PhaseInterval,
+    Transition,
+    collision_table,
+    phase_intervals,
+    transitions,
+)
+
+if TYPE_CHECKING:
+    from ..error_estimate.event_errors import EventError
+    from .energy_balance import EnergyBalance
+    from .premise import Premise
+    from .trajectory import Trajectory
+
+
+@dataclass(frozen=True)
+class LinkVelocities:
+    """Velocities of the moving links at one state.
+
+    Attributes:
+        links: Names.
+        angular: Counter-clockwise in the side view [rad/s], shape (links,).
+        centroid: (x, z) of the centre of mass [m/s], shape (links, 2).
+    """
+
+    links: tuple[str, ...]
+    angular: FloatArray
+    centroid: FloatArray
+
+
+@dataclass(frozen=True)
+class Checks:
+    """Residuals of a run, all of which should be zero.
+
+    Attributes:
+        closure_m: Largest closure gap of the computed motion [m].
+        closure_rate_m_s: Largest closure rate [m/s].
+        energy_balance: Residual of the energy balance by the largest kinetic energy [-].
+    """
+
+    closure_m: float
+    closure_rate_m_s: float
+    energy_balance: float
+
+
+# Most runs are asked for none of what the properties below import where they need it.
+@dataclass(frozen=True, eq=False, repr=False)
+class Simulated:
+    """A simulated stretch of motion; a transition without rebound is a collision and no motion.
+
+    Tables, dense motion, forces and balances are computed when they are first asked for; a solution
+    that is pickled leaves them behind.
+
+    Attributes:
+        mechanism: The mechanism.
+        case: The case.
+        shaft: Motion of the cylinder; its start angle belongs to time zero.
+        events: Events in order of time.
+        segments: Motion between events, in order of time, without gaps.
+        outcome: How the run ended.
+        evaluations: Evaluations of the constrained dynamics.
+        wall_s: Wall time of the run [s].
+        repeated_from: Turn that all further ones are copies of, or None.
+    """
+
+    mechanism: Mechanism
+    case: Case
+    shaft: ShaftMotion
+    events: tuple[Event, ...]
+    segments: tuple[Segment, ...]
+    outcome: Outcome
+    evaluations: int
+    wall_s: float
+    repeated_from: int | None
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What was simulated; Pinocchio's objects, which are found again, cannot be pickled."""
+        return {item.name: getattr(self, item.name) for item in fields(self)}
+
+    @cached_property
+    def system(self) -> System:
+        """The system that the solution belongs to, for evaluations afterwards."""
+        return System(self.mechanism, self.shaft, self.case.drive)
+
+    @cached_property
+    def led_system(self) -> System:
+        """The system that was followed: of stops that close together it has the leader."""
+        alone = led(self.mechanism)
+        if alone is self.mechanism:
+            return self.system
+        return System(alone, self.shaft, self.case.drive)
+
+    @cached_property
+    def led_events(self) -> tuple[Event, ...]:
+        """The events of that system."""
+        from ..parallel import of_leaders
+
+        return of_leaders(self.mechanism, self.events)
+
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        """Dense motion and forces at any time."""
+        from .trajectory import Trajectory
+
+        return Trajectory(self.system, self.segments)
+
+    @cached_property
+    def collisions(self) -> tuple[Collision, ...]:
+        """Collisions with their rebounds."""
+        rebounds = Rebounds(self.system, self.segments, self.events, self.case, self.led_system)
+        return collision_table(self.system, self.events, rebounds)
+
+    @cached_property
+    def phases(self) -> tuple[PhaseInterval, ...]:
+        """Phases in order of time."""
+        initial = self.mechanism.phase(self.mechanism.initial_phase).closed
+        t_end = self.segments[-1].t_end if self.segments else 0.0
+        return phase_intervals(self.system, self.events, initial, t_end)
+
+    @cached_property
+    def transitions(self) -> tuple[Transition, ...]:
+        """Completed bounce series of the transition stop."""
+        stop = self.mechanism.transition_stop
+        return transitions(self.collisions, self.events, stop)
+
+    @cached_property
+    def premise(self) -> Premise:
+        """Premise of a transition: whether a whole turn arrives in its start state, and why not."""
+        from .premise import premise_of
+
+        return premise_of(
+            self.led_system, self.case, self.led_events, self.segments, self.trajectory
+        )
+
+    @property
+    def premise_holds(self) -> bool | None:
+        """True or False; None where it was not asked or cannot be told: see ``premise``."""
+        return self.premise.holds
+
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """What to know before its numbers are used, a sentence each; usually nothing."""
+        from .other_law import law_that_matters
+        from .summed_bounces import bounces_summed_up
+
+        mechanism = self.mechanism
+        told = (
+            mechanism.closing,
+            mechanism.curves,
+            law_that_matters(self.led_system, self.led_events),
+            bounces_summed_up(mechanism, self.case, self.events),
+        )
+        return tuple(filter(None, told))
+
+    @cached_property
+    def drive_impulses(self) -> tuple[FloatArray, ...]:
+        """Impulses of the held drives at every event, shape (drives,) each [N m s]."""
+        from .energy_balance import impulses_of_drives
+
+        return impulses_of_drives(self.system, self.events)
+
+    @cached_property
+    def errors(self) -> tuple[EventError, ...]:
+        """Estimated errors of the events, in their order."""
+        from ..error_estimate.event_errors import event_errors
+        from ..parallel import errors_for_all
+
+        found = event_errors(self.led_system, self.segments, self.led_events)
+        return errors_for_all(self.mechanism, found)
+
+    @cached_property
+    def energy(self) -> EnergyBalance:
+        """Energy balance of the whole run."""
+        from .energy_balance import energy_balance
+
+        return energy_balance(self.system, self.segments, self.events)
+
+    @cached_property
+    def checks(self) -> Checks:
+        """Closure and energy residuals of the whole run."""
+        from .trajectory import closure_residuals
+
+        gap, rate = closure_residuals(self.system, self.segments)
+        return Checks(gap, rate, self.energy.relative)
+
+    def link_velocities(self, event: Event) -> tuple[LinkVelocities, LinkVelocities]:
+        """Velocities of every link before and after an event (eqs 18 to 27 of the paper)."""
+        before, after = (
+            LinkVelocities(self.mechanism.links, *self.system.body.link_velocities(event.q, v))
+            for v in (event.v_before, event.v_after)
+        )
+        return before, after
