@@ -8,6 +8,7 @@ import re
 import tokenize
 from collections.abc import Iterator
 from functools import cache
+from graphlib import TopologicalSorter
 from importlib import import_module
 from inspect import ismodule
 from pathlib import Path
@@ -68,6 +69,27 @@ def test_comments_have_at_most_two_lines() -> None:
 def test_files_are_short() -> None:
     package = modules("nipper_pin", "benchmarks")
     assert [path for path in package if text_of(path).count("\n") > FILE] == []
+
+
+# Modules go one way.
+
+
+def imported(path: Path) -> Iterator[str]:
+    """What a file imports from beside it, in functions and for annotations too."""
+    package = path.relative_to(ROOT).parts[:-1]
+    for node in ast.walk(tree_of(path)):
+        if isinstance(node, ast.ImportFrom) and node.level:
+            found = ".".join([*package[: len(package) - node.level + 1], node.module or ""])
+            yield from (found, *(f"{found.rstrip('.')}.{item.name}" for item in node.names))
+
+
+def test_no_circle_of_imports() -> None:
+    names = {
+        ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): path
+        for path in modules("nipper_pin")
+    }
+    graph = {name: names.keys() & {*imported(path)} - {name} for name, path in names.items()}
+    TopologicalSorter(graph).prepare()
 
 
 # Tolerances stand in one place, each with a unit and a reason.
