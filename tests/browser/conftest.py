@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import shutil
+import signal
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field
@@ -76,3 +79,22 @@ def open_page(
         found.page.close()
 
     return opened
+
+
+@pytest.fixture(scope="session")
+def serving() -> Callable[..., AbstractContextManager[str]]:
+    """A command that serves a page, and its address; an interrupt ends it as it should."""
+
+    @contextmanager
+    def served(*words: str) -> Iterator[str]:
+        program = "import sys; from nipper_pin.cli import main; sys.exit(main())"
+        command = [sys.executable, "-c", program, *words, "--port", "0", "--no-browser"]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
+            assert server.stdout is not None
+            try:
+                yield server.stdout.readline().split()[4]
+            finally:
+                server.send_signal(signal.SIGINT)
+            assert server.wait(timeout=60) == 0
+
+    return served

@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import io
-import signal
-import subprocess
-import sys
 from collections.abc import Iterator
 from importlib.util import find_spec
 
@@ -21,7 +18,6 @@ pytestmark = [
     pytest.mark.slow,
 ]
 
-COMMAND = [sys.executable, "-c", "import sys; from nipper_pin.cli import main; sys.exit(main())"]
 # three.js, inside of viser, says this of viser's own clock whenever a page is opened.
 ALWAYS_SAID = "THREE.Clock: This module has been deprecated"
 SPEED, RESTITUTION, STIFFNESS, PRELOAD = range(4)
@@ -34,14 +30,9 @@ FIELD = f"{PANEL} .mantine-TextInput-input"
 
 
 @pytest.fixture(scope="module")
-def address() -> Iterator[str]:
-    command = [*COMMAND, "live", "--speed", "650", "--port", "0", "--no-browser"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
-        try:
-            yield server.stdout.readline().split()[4]
-        finally:
-            server.send_signal(signal.SIGINT)
-        assert server.wait(timeout=60) == 0
+def address(serving) -> Iterator[str]:
+    with serving("live", "--speed", "650") as place:
+        yield place
 
 
 @pytest.fixture(scope="module")
@@ -297,9 +288,16 @@ def seen(page: Page, colour: str) -> int:
     return int((np.abs(pixels - wanted).max(axis=-1) < 12.0).sum())
 
 
+def against(page: Page, setting: str, ratio: float) -> None:
+    """The page compares with a setting, and says by how much the impulse differs."""
+    assert setting in page.inner_text("#against")
+    told = page.locator("[data-difference=impulse]").inner_text()
+    assert float(told.removesuffix(" %")) == pytest.approx(100.0 * (ratio - 1.0), abs=0.051)
+
+
 def test_ghost_and_pinned_curve_are_seen_and_the_pinned_one_stays(page: Page) -> None:
     """By their colours, their data and the legend."""
-    now, before, pinned = "0072B2", "A6CDE6", "E69F00"
+    blue, before, pinned = "0072B2", "A6CDE6", "E69F00"
     press_button(page, "pin this curve")
     page.wait_for_selector("[data-curve=pinned]")
     page.wait_for_timeout(900)
@@ -310,42 +308,18 @@ def test_ghost_and_pinned_curve_are_seen_and_the_pinned_one_stays(page: Page) ->
         wanted = 1e3 * np.degrees(run(value, 0.2, 9.0, 11.0).collisions[0].rebound_amplitude)
         assert line(page, 0, curve)[1].max() == pytest.approx(wanted, rel=1e-3)
     page.locator(".u-wrap").first.scroll_into_view_if_needed()
-    assert min(seen(page, colour) for colour in (now, before, pinned)) > 100
+    assert min(seen(page, colour) for colour in (blue, before, pinned)) > 100
     assert page.inner_text("[data-curve=pinned]") == "pinned: speed 650 r/min"
     assert page.inner_text("[data-curve=before]") == "before: speed 700 r/min"
+    # And the numbers are compared with the pinned ones, then with those before.
+    one, two, now = (run(speed, 0.2, 9.0, 11.0).collisions[0] for speed in (650.0, 700.0, 740.0))
+    against(page, "the pinned setting (speed 650 r/min)", now.impulse / one.impulse)
     press_button(page, "unpin")
     page.wait_for_selector("[data-curve=pinned]", state="detached")
     page.wait_for_timeout(300)
     assert seen(page, pinned) == 0
     assert seen(page, before) > 100
-
-
-def test_differences_are_those_of_two_runs(page: Page) -> None:
-    """First to the setting before, then to the pinned one; runs of their own."""
-    one, two = run(650.0, 0.2, 9.0, 11.0), run(700.0, 0.2, 9.0, 11.0)
-    page.wait_for_timeout(900)
-
-    def compare(before: Solution, now: Solution) -> None:
-        first, second = before.collisions[0], now.collisions[0]
-        for key, old, new in (
-            ("amplitude", first.rebound_amplitude, second.rebound_amplitude),
-            ("duration", before.transitions[0].duration, now.transitions[0].duration),
-            ("impulse", first.impulse, second.impulse),
-        ):  # fmt: skip
-            told = page.locator(f"[data-difference={key}]").inner_text()
-            assert told.endswith(" %")
-            assert float(told.split()[0]) == pytest.approx(100.0 * (new / old - 1.0), abs=0.051)
-
-    enter(page, SPEED, "700")
-    compare(one, two)
-    assert "the setting before (speed 650 r/min)" in page.inner_text("#against")
-    press_button(page, "pin this curve")
-    page.wait_for_selector("[data-curve=pinned]")
-    page.wait_for_timeout(900)
-    enter(page, STIFFNESS, "8")
-    enter(page, SPEED, "680")
-    compare(two, run(680.0, 0.2, 8.0, 11.0))
-    assert "the pinned setting (speed 700 r/min, stiffness 9 N/mm)" in page.inner_text("#against")
+    against(page, "the setting before (speed 700 r/min)", now.impulse / two.impulse)
 
 
 def test_axes_stand_still_for_a_small_change_and_reset_returns(page: Page) -> None:

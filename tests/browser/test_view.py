@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import signal
-import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -21,8 +18,6 @@ from nipper_pin.view.scene.page import write_page
 
 # A browser takes seconds to start and to draw.
 pytestmark = pytest.mark.slow
-
-COMMAND = [sys.executable, "-c", "import sys; from nipper_pin.cli import main; sys.exit(main())"]
 
 
 @pytest.fixture(scope="module")
@@ -182,22 +177,16 @@ def test_the_line_scrubs(page: Page) -> None:
     assert time == pytest.approx(share * duration, rel=0.02)
 
 
-def test_the_live_server_shows_the_same(chromium: Browser, watch) -> None:
-    command = [*COMMAND, "view", "--speed", "650", "--port", "0", "--no-browser"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
-        try:
-            address = server.stdout.readline().split()[4]
-            page = chromium.new_page(viewport={"width": 1100, "height": 900})
-            found = watch(page)
-            page.goto(address)
-            page.wait_for_selector("#pane canvas")
-            until(page, "animator.time > 0.2")
-            seek(page, 1.0)
-            image = machine(page)
-            page.close()
-        finally:
-            server.send_signal(signal.SIGINT)
-        assert server.wait(timeout=60) == 0
+def test_the_live_server_shows_the_same(chromium: Browser, watch, serving) -> None:
+    with serving("view", "--speed", "650") as address:
+        page = chromium.new_page(viewport={"width": 1100, "height": 900})
+        found = watch(page)
+        page.goto(address)
+        page.wait_for_selector("#pane canvas")
+        until(page, "animator.time > 0.2")
+        seek(page, 1.0)
+        image = machine(page)
+        page.close()
     assert (image.max(axis=-1) - image.min(axis=-1) > 60.0).mean() > 0.05
     assert found.complaints == []
 
