@@ -74,17 +74,21 @@ def test_links_lead_to_files():
 
 
 def test_files_and_tests_that_pages_name_exist():
-    """A path begins at the root, in the package, beside it or in a folder of tests."""
+    """Also that Makefile, models and programs name; a path begins at the root or in a package."""
     places = (ROOT, ROOT / "nipper_pin", ROOT / "benchmarks")
+    pages = [*PAGES, *ROOT.glob("*.md"), ROOT / "Makefile", *ROOT.glob("models/*/*.toml")]
+    pages += [*ROOT.glob("scripts/*.toml"), *ROOT.glob("scripts/**/*.py")]
     missing, seen = [], 0
-    for page in [*PAGES, ROOT / "README.md", ROOT / "CONTRIBUTING.md"]:
+    for page in pages:
         text = page.read_text(encoding="utf-8")
-        for path, test in re.findall(r"`([\w./]+/\w+\.py)(?:::(\w+)(?:\[[^`]*\])?)?`", text):
+        named = re.findall(r"`([\w./]+/\w+\.py)(?:::(\w+)(?:\[[^`]*\])?)?`", text)
+        named += [(path, "") for path in re.findall(r"\bscripts/[a-z0-9_/]+\.[a-z]+", text)]
+        for path, test in named if page.name != "CHANGELOG.md" else ():
             seen += 1
             found = [place / path for place in places if (place / path).exists()]
             if not found or (test and f"def {test}(" not in found[0].read_text(encoding="utf-8")):
                 missing.append((page.name, path, test))
-    assert seen > 30
+    assert seen > 50
     assert missing == []
 
 

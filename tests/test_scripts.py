@@ -42,13 +42,6 @@ def numbers(pattern: str, text: str) -> list[list[float]]:
     return [[float(item) for item in (row if isinstance(row, tuple) else (row,))] for row in found]
 
 
-def cells(name: str) -> list[str]:
-    """Sources of the code cells of a notebook."""
-    document = json.loads((SCRIPTS / name).read_text(encoding="utf-8"))
-    assert document["nbformat"] == 4
-    return ["".join(cell["source"]) for cell in document["cells"] if cell["cell_type"] == "code"]
-
-
 def test_every_program_is_short_and_has_a_test() -> None:
     text = Path(__file__).read_text(encoding="utf-8")
     for file in SCRIPTS.glob("*.py"):
@@ -224,8 +217,11 @@ def test_the_notebook_runs_cell_by_cell(monkeypatch: pytest.MonkeyPatch) -> None
 
     plt.switch_backend("Agg")
     names: dict[str, Any] = {}
-    for number, source in enumerate(cells("first_steps.ipynb"), start=1):
-        exec(compile(source, f"cell {number} of first_steps.ipynb", "exec"), names)
+    document = json.loads((SCRIPTS / "first_steps.ipynb").read_text(encoding="utf-8"))
+    assert document["nbformat"] == 4
+    for number, cell in enumerate(document["cells"], start=1):
+        if cell["cell_type"] == "code":
+            exec(compile("".join(cell["source"]), f"cell {number}", "exec"), names)
     (angle,) = (axes.lines[0].get_ydata() for axes in plt.figure(1).axes)
     plt.close("all")
     for key, case in {"650": names["solution"], "650_e0.05": names["calm"]}.items():
@@ -237,17 +233,3 @@ def test_the_notebook_runs_cell_by_cell(monkeypatch: pytest.MonkeyPatch) -> None
         assert duration == pytest.approx(float(CERTIFIED[speed]["rest_time_s"]), rel=1e-9)
     amplitude = math.degrees(float(CERTIFIED["650"]["collisions"][0]["rebound_amplitude"]))
     assert max(angle) == pytest.approx(amplitude, rel=1e-4)  # drawn at 400 times
-
-
-def test_every_program_that_a_page_names_is_there() -> None:
-    """Pages, comments of models and of studies, and the programs themselves."""
-    root = SCRIPTS.parent
-    pages = [*root.glob("*.md"), *root.glob("docs/**/*.md"), root / "Makefile"]
-    pages += [*SCRIPTS.rglob("*.py"), *SCRIPTS.glob("*.toml"), *root.glob("models/*/*.toml")]
-    named = {
-        path
-        for page in pages
-        for path in re.findall(r"scripts/[a-z0-9_/]+\.[a-z]+", page.read_text(encoding="utf-8"))
-    }
-    assert len(named) > 20
-    assert [path for path in sorted(named) if not (root / path).is_file()] == []
