@@ -146,9 +146,8 @@ def test_a_document_holds_the_table(compared: nip.Comparison) -> None:
     assert rows["duration_s"]["difference_percent"] == compared.row("duration_s").percent
     assert rows["loss_index"]["difference"] is None
     # Without a value in A, or with zero there, no share can be told; equal zeros are equal.
-    assert [Row("x", "", *pair).percent for pair in ((0.0, 1.0), (None, 1.0), (0.0, 0.0))] == [
-        None, None, 0.0,
-    ]  # fmt: skip
+    pairs = (0.0, 1.0), (None, 1.0), (0.0, 0.0), (-2.0, -3.0)
+    assert [Row("x", "", *pair).percent for pair in pairs] == [None, None, 0.0, -50.0]
     assert document["a"]["speed_rpm"] == A_RPM
     assert document["changes"][0] == {"path": "speed_rpm", "a": A_RPM, "b": B_RPM}
     assert f"{len(compared.rows)} quantities, 2 changes" in repr(compared)

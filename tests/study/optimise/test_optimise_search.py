@@ -18,13 +18,12 @@ from scipy.stats import qmc
 from nipper_pin import InfeasibleError, Mechanism, SimulationError, load
 from nipper_pin.cli import main
 from nipper_pin.study.identify import working_cycle
-from nipper_pin.study.optimise import Aim, optimise, read_problem
+from nipper_pin.study.optimise import optimise, read_problem
 from nipper_pin.study.optimise.points import Evaluator
 from nipper_pin.study.optimise.problem.quantities import cycle_values, thinned
 from nipper_pin.study.optimise.search.samples import (
     SHARE,
     Seen,
-    begins,
     evolve,
     merit,
     samples,
@@ -82,24 +81,6 @@ def seen(z: tuple[float, float], aim: float = 1.0, time: float = 2.0, why: str =
     values = {} if why else {AIM: aim, TIME: time}
     slacks = () if why else (3.0 - time, time - 1.0)
     return Seen(z=z, values=values, slacks=slacks, engine="" if why else "direct", why=why)
-
-
-def test_starts_of_descents() -> None:
-    """The own values first, then the best that are apart by more than 0.15, then any."""
-    looked = [
-        seen((0.5, 0.5), 9.0), seen((0.5, 0.66), 3.0), seen((0.5, 0.36), 1.0),
-        seen((0.1, 0.1), 4.0, 3.5), seen((0.9, 0.9), 5.0), seen((0.9, 0.8), 4.9, 2.9),
-        seen((0.3, 0.9), 0.0, 0.5, "no"), seen((0.2, 0.9), 8.0, 0.25),
-    ]  # fmt: skip
-    aim, by = Aim(quantity=AIM, sense=1.0), Scales(2.0, (4.0, 0.5))
-    found = begins(looked, aim, by, 20)
-    # Violations: 0.5 of 4, 0.75 of 0.5; then what is near to one before.
-    assert found == (
-        (0.5, 0.5), (0.5, 0.66), (0.9, 0.8), (0.1, 0.1), (0.2, 0.9), (0.5, 0.36), (0.9, 0.9),
-    )  # fmt: skip
-    assert begins(looked, aim, by, 3) == found[:3]
-    assert begins(looked, Aim(quantity=AIM, sense=-1.0), by, 2) == ((0.5, 0.5), (0.9, 0.9))
-    assert begins([seen((0.0, 0.0), why="no"), looked[0]], aim, by, 3) == ((0.5, 0.5),)
 
 
 def test_scales_of_a_problem(tmp_path: Path) -> None:
