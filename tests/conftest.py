@@ -80,6 +80,13 @@ def e62() -> Mechanism:
 
 
 @pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder of the test's own, in which it runs."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
 def words(snapshot: SnapshotAssertion) -> Words:
     """Says that a text is the reviewed one."""
     reviewed = snapshot.use_extension(Text)

@@ -43,17 +43,16 @@ def test_json_on_stdout_is_the_record_of_the_run_at_rated_speed(
     assert (told, err) == (json.loads(json.dumps(own)), "")
 
 
+@pytest.mark.usefixtures("here")
 @pytest.mark.parametrize(
     "given",
     [["--window", "transition"], ["--window=transition"],
      pytest.param(["--out=run"], marks=pytest.mark.slow)],
 )  # fmt: skip
 def test_the_command_of_whole_turns_writes_over_nothing(
-    given: list[str], capsys: pytest.CaptureFixture[str], tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:  # fmt: skip
+    given: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
     """The user's own words, as a shell takes them, without the files of this run."""
-    monkeypatch.chdir(tmp_path)
     words = ["e62", "--set", "stops.jaw.restitution=0.25", "--json", "a run.json"]
     assert main(["simulate", *words, *given]) == 0
     last = capsys.readouterr().out.rstrip().splitlines()[-1]

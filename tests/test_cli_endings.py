@@ -28,7 +28,7 @@ high = 11.0
 
 
 @pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(here: Path) -> Path:
     """A folder with small studies, where the commands run."""
     studies = {
         "fit": FIT,
@@ -37,9 +37,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         "one": DESIGN.format(aims='"rebound_amplitude_1"'),
     }
     for name, text in studies.items():
-        (tmp_path / f"{name}.toml").write_text(text, encoding="utf-8")
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
+        (here / f"{name}.toml").write_text(text, encoding="utf-8")
+    return here
 
 
 @pytest.mark.parametrize(

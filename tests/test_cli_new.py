@@ -97,10 +97,9 @@ def test_slider_crank_of_the_tutorial_moves_as_in_closed_form(tmp_path: Path) ->
 
 @pytest.mark.parametrize("step", ["1", "2", "3"])
 def test_commands_of_the_tutorial_work_as_printed(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], step: str
+    here: Path, capsys: pytest.CaptureFixture[str], step: str
 ) -> None:
-    (first_step if step == "1" else second_step)(tmp_path)
-    monkeypatch.chdir(tmp_path)
+    (first_step if step == "1" else second_step)(here)
     text = TUTORIAL.partition(f"## Step {step}:")[2].partition("\n## ")[0]
     commands = re.findall(r"(?m)^    nipper-pin (.+)$", text)
     assert len(commands) >= 2
@@ -226,20 +225,16 @@ def advised_by(capsys: pytest.CaptureFixture[str], *words: str) -> list[list[str
     return [shlex.split(command) for command in commands if command]
 
 
+@pytest.mark.usefixtures("here")
 @pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("name", "transition"),
     [("press", True), ("sieve", False), ("klann", False)],
 )
 def test_what_is_advised_works(
-    name: str,
-    transition: bool,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    name: str, transition: bool, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """In a folder with a space, with a number changed; a transition only where there is one."""
-    monkeypatch.chdir(tmp_path)
     folder = f"my machines/{name}"
     drawn = [] if name == "press" else ["--from", name]
     assert main(["new", *drawn, folder]) == 0

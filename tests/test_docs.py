@@ -26,17 +26,17 @@ def test_page_is_short(page):
     assert words <= MOST
 
 
+@pytest.mark.usefixtures("here")
 @pytest.mark.parametrize(
     "page",
     ["README.md", "docs/index.md", "docs/python.md",
      pytest.param("docs/paper.md", marks=pytest.mark.slow)],
 )  # fmt: skip
-def test_listings_run(page, tmp_path, monkeypatch, capsys):
+def test_listings_run(page, capsys):
     """All Python of a page, one listing after the other, with a shorter table."""
     text = (ROOT / page).read_text(encoding="utf-8")
     listings = re.findall(r"^```python\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
     assert listings
-    monkeypatch.chdir(tmp_path)
     exec("\n".join(listings).replace("20_000", "8"), {})
     assert nip.Outcome.COMPLETED in capsys.readouterr().out or page != "README.md"
 

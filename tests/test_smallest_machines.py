@@ -119,15 +119,9 @@ def models(tmp_path_factory: pytest.TempPathFactory) -> Path:
     [pytest.param(of, marks=[pytest.mark.slow] * (of in FIGURES)) for of in COMMANDS],
 )
 def test_every_command(
-    command: str,
-    machine: str,
-    models: Path,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    command: str, machine: str, models: Path, here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Status 0, no note and the files that were asked for; or status 2 and one sentence."""
-    monkeypatch.chdir(tmp_path)
     words = COMMANDS[command].format(m=models / machine).split()
     status, told = main(words), capsys.readouterr()
     lacks = LACKS.get((command, machine))
@@ -135,18 +129,18 @@ def test_every_command(
         assert status == 2
         assert lacks in told.err
         assert len(told.err.splitlines()) == 1
-        assert not any(tmp_path.iterdir())
+        assert not any(here.iterdir())
         return
     assert (status, told.err) == (0, "")
     files = [word for word in words if Path(word).suffix in (".json", ".svg", ".html", ".gif")]
     for file in files:
-        assert (tmp_path / file).stat().st_size > 100
+        assert (here / file).stat().st_size > 100
         if file.endswith(".json"):
-            json.loads((tmp_path / file).read_text(encoding="utf-8"))
+            json.loads((here / file).read_text(encoding="utf-8"))
     assert ", is off its stop" not in told.out.replace(",  ", ", ")
     if command == "kept run":
         assert main(["view", "--solution", "run/solution.npz", "--html", "page.html"]) == 0
-        rows = (tmp_path / "run" / "collisions.csv").read_text(encoding="utf-8")
+        rows = (here / "run" / "collisions.csv").read_text(encoding="utf-8")
         assert rows.startswith("number")
 
 
@@ -212,22 +206,16 @@ STUDIES = {
 @pytest.mark.parametrize("machine", NUMBERS)
 @pytest.mark.parametrize("study", STUDIES)
 def test_every_study(
-    study: str,
-    machine: str,
-    models: Path,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    study: str, machine: str, models: Path, here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """A sweep, which is drawn and verified, an optimum, an identification; or one sentence."""
-    monkeypatch.chdir(tmp_path)
     command, text, quantity, window, lacks = STUDIES[study]
     number, high = NUMBERS[machine]
     filled = text.format(
         m=models / machine, quantity=quantity, window=window, number=number, high=high
     )
-    (tmp_path / "study.toml").write_text(filled, encoding="utf-8")
-    (tmp_path / "measured.csv").write_text(MEASURED, encoding="utf-8")
+    (here / "study.toml").write_text(filled, encoding="utf-8")
+    (here / "measured.csv").write_text(MEASURED, encoding="utf-8")
     status, told = main(command.split()), capsys.readouterr()
     lack = lacks[machine == "slide"]
     if lack:
@@ -239,4 +227,4 @@ def test_every_study(
     if command.startswith("sweep"):
         status, told = main(["plot", "swept"]), capsys.readouterr()
         assert (status, told.err) == (0, "")
-        assert any((tmp_path / "swept" / "plots").iterdir())
+        assert any((here / "swept" / "plots").iterdir())

@@ -231,9 +231,8 @@ def printed(write: Callable[[Console], None], width: int, *, colours: bool = Fal
 
 
 def test_what_is_wrong_is_red(
-    home: Path, words: Words, monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:  # fmt: skip
+    home: Path, words: Words, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     """A contradicted fit; the user's own text has neither colours nor markup."""
     monkeypatch.chdir(home)
     monkeypatch.setenv("COLUMNS", "80")

@@ -127,17 +127,14 @@ def test_an_edited_case(case: Any, data: st.DataObject) -> None:
 
 
 @pytest.mark.parametrize("words", ["simulate --case", "view --html page.html --solution"])
-def test_a_damaged_file_on_the_command_line(
-    tmp_path: Path, words: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_damaged_file_on_the_command_line(here: Path, words: str) -> None:
     """Status 2, one sentence, and the file is left as it was."""
-    monkeypatch.chdir(tmp_path)
     for content in (
         b"", b"{}", b"PK\x03\x04", b"\x93NUMPY\x01\x00", b"[1, 2", b"\xff\xfe", b"null",
     ):  # fmt: skip
         Path("damaged").write_bytes(content)
         assert assert_clear([*words.split(), "damaged"], 2) == 2
-        assert files(tmp_path) == {"damaged": content}
+        assert files(here) == {"damaged": content}
 
 
 def test_deep_and_long_documents(tmp_path: Path) -> None:

@@ -104,12 +104,10 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (in_path, ["check", "e62", "--drawing", f"{CODES}/m.svg"]),
 ])  # fmt: skip
 def test_no_code_of_a_file_reaches_the_terminal(
-    change: Callable[[Path], None], words: list[str], whole: Path, tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:  # fmt: skip
-    shutil.copytree(whole, tmp_path, dirs_exist_ok=True)
-    change(tmp_path)
-    monkeypatch.chdir(tmp_path)
+    change: Callable[[Path], None], words: list[str], whole: Path, here: Path
+) -> None:
+    shutil.copytree(whole, here, dirs_exist_ok=True)
+    change(here)
     _, out, err = answer(words)
     assert out + err
     assert not raw(out + err)
