@@ -31,6 +31,7 @@ from nipper_pin.cli import main
 from nipper_pin.study.optimise import Limit, Optimum, Problem, optimise
 from nipper_pin.study.optimise.design import design
 from nipper_pin.study.optimise.points import Evaluator
+from nipper_pin.study.optimise.search import descend as descending
 from nipper_pin.study.optimise.search.binding import account
 from nipper_pin.study.optimise.search.trace import Scales
 
@@ -197,6 +198,27 @@ def test_same_seed_same_bits_whoever_computes(tmp_path: Path) -> None:
     assert elsewhere.check is not None
     assert elsewhere.check.z != one.check.z
     assert elsewhere.best.numbers[E_N] == pytest.approx(one.best.numbers[E_N], rel=1e-5)
+
+
+@pytest.mark.campaign
+def test_global_check_finds_what_descents_miss(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Descents that do not move leave the optimum to differential evolution and its descent."""
+    whole = descending.descend
+    calls: list[tuple[float, ...]] = []
+
+    def lazy(text: bytes, scales: Any, start: tuple[float, ...]) -> Any:
+        calls.append(start)
+        found = whole(text, scales, start)
+        return found if len(calls) > 3 else replace(found, z=start, aim=1e3)
+
+    monkeypatch.setattr("nipper_pin.study.optimise.search.stages.descend", lazy)
+    result = quick(problem(tmp_path, AT_LEAST), check=True)
+    u = math.sqrt(2.0 * GRAVITY * LEAST)
+    assert len(calls) == 4
+    assert result.check_gain > 0.0
+    assert result.best.numbers[E_N] == pytest.approx(u / 0.1, rel=1e-5)
 
 
 # --- what cannot be had --------------------------------------------------------------------------
