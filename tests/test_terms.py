@@ -1,4 +1,4 @@
-"""The table of terms: units by names, factors by hand, the page of notation, names in words.
+"""The table of terms: the page of notation says units and words, which are reviewed there.
 
 And the factors between units, held against what they are made of.
 """
@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from units_shown import factor
 
 from nipper_pin import units
 from nipper_pin.terms import TERMS, Term, named, parameter_shown, shown_in, term_of
@@ -22,63 +23,34 @@ sys.path.append(str(ROOT / "scripts/maintain/figures"))
 from write_quantity_page import page  # noqa: E402
 
 NOTATION = (ROOT / "docs/notation.md").read_text(encoding="utf-8")
-# What a name ends with where it says its unit, the longest first.
-ENDINGS = {
-    "_N_m_s": "N m s", "_N_s": "N s", "_N_m": "N m", "_rad": "rad", "_deg": "deg", "_rpm": "r/min",
-    "_mm": "mm", "_N": "N", "_J": "J", "_s": "s",
-}  # fmt: skip
-# Of these the unit follows the stop's coordinate, and names are without one.
-GAPS = ("rebound_amplitude", "amplitude_error", "largest_gap", "largest_gap_error")
-RATES = ("approach_rate", "separation_rate", "rate_error")
-SHARES = ("first_two_share", "clamped_share")
-# What people read of one unit of files, worked out by hand.
-READ = {
-    "s": ("ms", 1000.0), "J": ("mJ", 1000.0), "rad": ("deg", 57.29577951308232),
-    "m": ("mm", 1000.0), "m/s": ("mm/s", 1000.0), "rad/s": ("rad/s", 1.0), "": ("", 1.0),
-    "N": ("N", 1.0), "N m": ("N m", 1.0), "N s": ("N s", 1.0), "N m s": ("N m s", 1.0),
-    "mm": ("mm", 1.0), "deg": ("deg", 1.0), "r/min": ("r/min", 1.0),
-}  # fmt: skip
-SMALL = {"rad": ("mdeg", 57295.77951308232), "m": ("um", 1e6)}
 COUNTS = ("collisions", "turns", "repeats_after")
-
-
-@pytest.mark.parametrize("term", TERMS.values(), ids=TERMS)
-def test_words_are_those_of_any_machine(term: Term) -> None:
-    assert not re.search(r"\b(jaw|lips?|steeve|nipper)\b", term.words)
-
-
-@pytest.mark.parametrize("term", TERMS.values(), ids=TERMS)
-def test_a_name_ends_with_its_unit(term: Term) -> None:
-    if term.name in GAPS:
-        assert term.unit == "{gap}"
-    elif term.name in RATES:
-        assert term.unit == "{gap}/s"
-    else:
-        ending = next((unit for end, unit in ENDINGS.items() if term.name.endswith(end)), "")
-        assert term.unit == ending
 
 
 @pytest.mark.parametrize("gap", ["rad", "m"])
 @pytest.mark.parametrize("term", TERMS.values(), ids=TERMS)
 def test_what_people_read(term: Term, gap: str) -> None:
-    """The unit, its factor on numbers and arrays, and digits that say the number again."""
+    """The factor of the two units of the page, and digits that say the number again."""
     shown = term.shown(gap)
-    unit, factor = READ[term.unit.format(gap=gap)]
-    if term.name in GAPS:
-        unit, factor = SMALL[gap]
-    elif term.name in SHARES:
-        unit, factor = "%", 100.0
-    assert shown.unit == unit
-    assert shown.factor == pytest.approx(factor, rel=1e-14)
-    assert shown.label == (f"{term.words} [{unit}]" if unit else term.words)
+    by = factor(term.unit.format(gap=gap), shown.unit)
+    assert shown.factor == pytest.approx(by, rel=1e-14)
+    assert shown.label == (f"{term.words} [{shown.unit}]" if shown.unit else term.words)
     value = 0.0123456
-    assert shown.value(value) == pytest.approx(factor * value, rel=1e-14)
-    np.testing.assert_allclose(shown.value(np.array([value, -1.0])), [factor * value, -factor])
+    assert shown.value(value) == pytest.approx(by * value, rel=1e-14)
+    np.testing.assert_allclose(shown.value(np.array([value, -1.0])), [by * value, -by])
     text = shown.text(value)
     least = 0.51 * 10.0**-term.decimals if term.decimals is not None else 0.0
-    assert float(text) == pytest.approx(factor * value, rel=0.0 if least else 5.1e-4, abs=least)
-    assert shown.phrase(value) == f"{text} {unit}".rstrip()
+    assert float(text) == pytest.approx(by * value, rel=0.0 if least else 5.1e-4, abs=least)
+    assert shown.phrase(value) == f"{text} {shown.unit}".rstrip()
     assert shown.text(None) == shown.text(math.nan) == "-"
+
+
+@pytest.mark.parametrize("term", TERMS.values(), ids=TERMS)
+def test_a_name_ends_with_its_unit(term: Term) -> None:
+    """If that is not the unit of the stop's coordinate."""
+    ending = term.unit.replace(" ", "_").replace("r/min", "rpm")
+    if "{gap}" not in ending:
+        found = re.search(r"_((N|N_m)(_s)?|rad|deg|rpm|mm|J|s)$", term.name)
+        assert (found[1] if found else "") == ending
 
 
 def test_decimals_stand_where_digits_would_say_less() -> None:
@@ -96,19 +68,13 @@ def test_units_that_are_not_in_the_table_stay_as_they_are() -> None:
     assert shown_in("s", small=True) == ("ms", 1e3)
 
 
-def test_symbols_are_those_of_the_notation() -> None:
-    """Each is explained there, above the tables that are written from the terms."""
-    impulses = dict.fromkeys(("impulse_N_s", "impulse_N_m_s"), "P_N")
-    assert {term.name: term.symbol for term in TERMS.values() if term.symbol} == {
-        "t_s": "t", "cylinder_angle_rad": "psi", "approach_rate": "g_N_dot",
-        "separation_rate": "w", **impulses, "clamping_force_N": "la_N", "stroke_mm": "s",
-    }  # fmt: skip
+def test_symbols_are_explained_above_the_tables() -> None:
     explained = set(re.findall(r"`(\w+)`", NOTATION.partition("### A collision")[0]))
     assert {term.symbol for term in TERMS.values()} - {""} <= explained
 
 
 @pytest.mark.parametrize(
-    ("name", "unit", "label", "factor"),
+    ("name", "unit", "label", "by"),
     [
         ("duration_s", "rad", "time to rest [ms]", 1e3),
         ("rebound_amplitude_1", "rad", "first rebound amplitude [mdeg]", 18e4 / math.pi),
@@ -133,11 +99,11 @@ def test_symbols_are_those_of_the_notation() -> None:
         ("urdf.link.arm.mass", "rad", "urdf.link.arm.mass", 1.0),
     ],
 )  # fmt: skip
-def test_names_in_words(name: str, unit: str, label: str, factor: float) -> None:
+def test_names_in_words(name: str, unit: str, label: str, by: float) -> None:
     """Quantities of a collision, a stop or a drive, and numbers of a model."""
     shown = named(name, unit)
     assert shown.label == label
-    assert shown.factor == pytest.approx(factor, rel=1e-14)
+    assert shown.factor == pytest.approx(by, rel=1e-14)
 
 
 @pytest.mark.parametrize(
