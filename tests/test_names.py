@@ -1,6 +1,6 @@
 """Things of different kinds may have one name: no reading, run or study mixes them up.
 
-Names that have to differ are refused when the files are read, each with the other.
+Names that have to differ are refused when the files are read: see refusals/.
 """
 
 from __future__ import annotations
@@ -140,17 +140,3 @@ def test_things_of_one_name_do_not_meet(
     found = facts(write(tmp_path, same), "same")
     # Coordinates are in the order of names: the same equations in another order.
     np.testing.assert_allclose(found, apart, rtol=1e-7, atol=1e-10)
-
-
-@pytest.mark.parametrize(
-    ("one", "other", "said"),
-    [
-        ("driven joint", "coupled joint", "each joint needs a name of its own"),
-        ("link", "end", "each link needs a name of its own"),
-        ("end", "shape", "it clashes with the link of that name"),
-        ("stopped joint", "slot", "its block slides on a joint 'same'"),
-    ],
-)
-def test_names_that_have_to_differ(one: str, other: str, said: str, tmp_path: Path) -> None:
-    with pytest.raises(nip.ModelError, match=said):
-        nip.load(write(tmp_path, {one: "same", other: "same"}))

@@ -137,6 +137,7 @@ SMALL_URDFS = {
         "x.stl": b""}),
     "two links of one root": (ROOT, ROOT + '<link name="x"/><link name="y"/>'),
     "nothing that resists": (BODY, '<mass value="1"/><inertia ixx="0" iyy="0" izz="0"/>'),
+    "same joint twice": ('joint name="axle"', 'joint name="pivot"'),
     "hinge across the others": ('<axis xyz="0 -1 0"/>', '<axis xyz="1 0 0"/>'),
     "nothing that moves": whole('<robot name="u"><link name="base"/></robot>'),
     **{f"letters of another encoding than {name}": whole(
