@@ -28,15 +28,22 @@ __version__ = "0.1.0"
 
 if TYPE_CHECKING:
     from .dynamics.system import DriveMode
-    from .hybrid.case import Case, Resolution, Window
-    from .hybrid.event import Event, EventKind
+    from .hybrid import (
+        Case,
+        Collision,
+        Event,
+        EventKind,
+        Outcome,
+        PhaseInterval,
+        Resolution,
+        Solution,
+        Transition,
+        Window,
+        simulate,
+    )
     from .hybrid.files.npz import load_case, load_solution, save, save_case
     from .hybrid.result.json_document import record
-    from .hybrid.result.solution import Solution
-    from .hybrid.result.tables import Collision, PhaseInterval, Transition
     from .hybrid.result.trajectory import Impulses, Motion, Reactions
-    from .hybrid.run.outcome import Outcome
-    from .hybrid.simulate import simulate
     from .mechanism import Mechanism, load
     from .study.compare import Comparison, compare
     from .study.entry_points import check, identify, optimise, sweep

@@ -13,8 +13,7 @@ import numpy as np
 
 from nipper_pin.arrays import FloatArray
 from nipper_pin.dynamics import DriveMode
-from nipper_pin.hybrid.case import Case
-from nipper_pin.hybrid.simulate import simulate
+from nipper_pin.hybrid import Case, simulate
 from nipper_pin.mechanism import Mechanism
 
 from .published import Published

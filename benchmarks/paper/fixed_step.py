@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from nipper_pin.arrays import FloatArray
-from nipper_pin.hybrid.case import Case
-from nipper_pin.hybrid.simulate import simulate
+from nipper_pin.hybrid import Case, simulate
 from nipper_pin.mechanism import Mechanism
 
 from ..peers import fixed_steps

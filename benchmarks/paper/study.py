@@ -6,9 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from nipper_pin.hybrid.case import Case
-from nipper_pin.hybrid.result.solution import Solution
-from nipper_pin.hybrid.simulate import simulate
+from nipper_pin.hybrid import Case, Solution, simulate
 from nipper_pin.mechanism import Mechanism, load
 
 from .counts import Counts, collision_counts

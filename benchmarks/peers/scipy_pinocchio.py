@@ -11,7 +11,7 @@ import numpy as np
 
 from nipper_pin.arrays import FloatArray
 from nipper_pin.dynamics import INFINITE_INERTIA, ShaftMotion, System, close_positions, collide
-from nipper_pin.hybrid.run.start import initial_state
+from nipper_pin.hybrid import initial_state
 from nipper_pin.mechanism import Mechanism, rad_s_from_rpm
 
 from .planar import shaft_accelerations

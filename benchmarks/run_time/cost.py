@@ -15,8 +15,7 @@ from typing import Any
 import numpy as np
 
 from nipper_pin.dynamics import DriveMode
-from nipper_pin.hybrid.case import Case, Window
-from nipper_pin.hybrid.simulate import simulate
+from nipper_pin.hybrid import Case, Window, simulate
 from nipper_pin.mechanism import Mechanism
 from nipper_pin.units import US_PER_MS
 

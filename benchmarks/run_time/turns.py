@@ -9,9 +9,7 @@ from itertools import groupby
 import numpy as np
 
 from nipper_pin.arrays import FloatArray
-from nipper_pin.hybrid.case import Case, Resolution, Window
-from nipper_pin.hybrid.event import EventKind
-from nipper_pin.hybrid.simulate import simulate
+from nipper_pin.hybrid import Case, EventKind, Resolution, Window, simulate
 from nipper_pin.mechanism import Mechanism, load
 from nipper_pin.reduced.turns import build_turns, turns
 from nipper_pin.units import MS_PER_S, S_PER_MIN

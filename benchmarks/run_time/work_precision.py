@@ -26,9 +26,7 @@ from typing import Any
 import numpy as np
 
 from nipper_pin.arrays import FloatArray
-from nipper_pin.hybrid.case import Case, Resolution
-from nipper_pin.hybrid.result.solution import Solution
-from nipper_pin.hybrid.simulate import simulate
+from nipper_pin.hybrid import Case, Resolution, Solution, simulate
 
 from .certified import Certified
 from .timing import Timing, timed

@@ -8,7 +8,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from nipper_pin.errors import InputError
-from nipper_pin.hybrid.case import Case, Resolution
+from nipper_pin.hybrid import Case, Resolution
 from nipper_pin.hybrid.files.npz import FORMAT
 from nipper_pin.hybrid.files.own_files import mesh_digests
 from nipper_pin.outputs import complete_file

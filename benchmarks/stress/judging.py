@@ -13,11 +13,7 @@ from dataclasses import dataclass, field, replace
 from types import FrameType
 
 from nipper_pin.errors import NipperError, SelfCheckError, SimulationError
-from nipper_pin.hybrid.case import Case, Resolution, Window
-from nipper_pin.hybrid.result.self_check import need_sound
-from nipper_pin.hybrid.result.solution import Solution
-from nipper_pin.hybrid.run.outcome import Outcome
-from nipper_pin.hybrid.simulate import simulate
+from nipper_pin.hybrid import Case, Outcome, Resolution, Solution, Window, need_sound, simulate
 from nipper_pin.mechanism import Mechanism
 
 from ..tolerances import FINER_RUN, FINEST_RUN

@@ -10,9 +10,8 @@ from numpy.polynomial.chebyshev import chebpts2
 from scipy.interpolate import BarycentricInterpolator
 
 from nipper_pin.arrays import FloatArray
+from nipper_pin.hybrid import Segment, Solution
 from nipper_pin.hybrid.motion.panel import Panel
-from nipper_pin.hybrid.result.solution import Solution
-from nipper_pin.hybrid.segment import Segment
 
 EVENTS = 100
 """Of many events and borders of panels that many are looked at, evenly chosen."""

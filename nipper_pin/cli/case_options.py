@@ -13,7 +13,7 @@ from typing import Any
 from ..dynamics import DriveMode
 from ..errors import InputError
 from ..given import read_number
-from ..hybrid.case import START_INDEX, Case, Window
+from ..hybrid import START_INDEX, Case, Window
 from ..mechanism import Mechanism
 from .arguments import speed
 

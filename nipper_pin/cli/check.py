@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from ..extras import require
-from ..hybrid.case import START_INDEX
+from ..hybrid import START_INDEX
 from ..outputs import check_file
 from .arguments import (
     MODEL,

@@ -10,7 +10,7 @@ from ..dynamics import DriveMode
 from ..errors import InputError
 from ..extras import require
 from ..given import read_number
-from ..hybrid.case import Window
+from ..hybrid import Window
 from ..study.compare import Comparison, compare
 from .arguments import MODEL, RESTITUTION, check_outputs, refuse_beside, write_json
 from .case_options import DRIVE_HELP, DRIVES, add_cycles, add_window

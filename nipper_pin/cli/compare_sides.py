@@ -9,8 +9,7 @@ from pathlib import Path
 
 from ..errors import InputError
 from ..given import read_number
-from ..hybrid.case import Case, Window
-from ..hybrid.result.solution import Solution
+from ..hybrid import Case, Solution, Window
 from .arguments import MODEL, overrides, refuse_beside
 from .case_options import changed_case
 
@@ -75,8 +74,8 @@ def simulated(source: Source, options: argparse.Namespace) -> Solution:
         InputError: A file or value cannot be used.
         SimulationError: The motion cannot be followed.
     """
+    from ..hybrid import simulate
     from ..hybrid.files.npz import load_solution
-    from ..hybrid.simulate import simulate
     from ..mechanism import load, with_numbers
 
     numbers = dict(source.given)

@@ -11,11 +11,8 @@ from typing import Any
 
 from ..errors import InputError
 from ..extras import require
-from ..hybrid.case import Case, Window
+from ..hybrid import Case, Solution, Window, need_sound, simulate
 from ..hybrid.result.json_document import record
-from ..hybrid.result.self_check import need_sound
-from ..hybrid.result.solution import Solution
-from ..hybrid.simulate import simulate
 from ..mechanism import Mechanism
 from .arguments import (
     MODEL,

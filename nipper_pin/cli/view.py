@@ -5,9 +5,7 @@ from __future__ import annotations
 import argparse
 
 from ..errors import InputError
-from ..hybrid.case import Window
-from ..hybrid.result.self_check import need_sound
-from ..hybrid.result.solution import Solution
+from ..hybrid import Solution, Window, need_sound
 from ..view.show import PORT, need_film, need_page
 from .arguments import add_model, check_outputs, load_mechanism, refuse_beside, write_json
 from .case_options import add_window, new_case
@@ -95,7 +93,7 @@ def _solution(options: argparse.Namespace) -> Solution:
         InputError: Arguments contradict one another, or a file or value cannot be used.
     """
     if options.solution is None:
-        from ..hybrid.simulate import simulate
+        from ..hybrid import simulate
 
         mechanism = load_mechanism(options)
         return simulate(mechanism, new_case(options, mechanism, Window.CYCLE))

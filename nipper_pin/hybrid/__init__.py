@@ -1,1 +1,36 @@
 """Motion with changing contacts: events, phases and whole runs."""
+
+from .case import FASTEST_RPM, START_INDEX, Case, Resolution, Window
+from .error_estimate.event_errors import EventError
+from .event import Event, EventKind
+from .result.self_check import need_sound
+from .result.solution import Solution
+from .result.tables import Collision, PhaseInterval, Transition
+from .run.outcome import Outcome
+from .run.periodicity import comes_back
+from .run.start import initial_state
+from .segment import Segment
+from .simulate import simulate
+from .state import State
+
+__all__ = [
+    "FASTEST_RPM",
+    "START_INDEX",
+    "Case",
+    "Collision",
+    "Event",
+    "EventError",
+    "EventKind",
+    "Outcome",
+    "PhaseInterval",
+    "Resolution",
+    "Segment",
+    "Solution",
+    "State",
+    "Transition",
+    "Window",
+    "comes_back",
+    "initial_state",
+    "need_sound",
+    "simulate",
+]

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from ..arrays import FloatArray
 from ..errors import InputError
 from ..given import LARGEST, column, number, numbers, refuse, whole
-from ..hybrid.case import FASTEST_RPM
+from ..hybrid import FASTEST_RPM
 from ..tolerances.reduced import COARSEST_TOLERANCE, FINEST_TOLERANCE
 
 # Scratch of so many collisions takes 24 MB.

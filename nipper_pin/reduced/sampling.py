@@ -11,8 +11,8 @@ from ..dynamics import DriveMode, Partition, ShaftMotion, System, partition
 from ..dynamics.touch import assemble
 from ..errors import InputError, NipperError
 from ..given import LARGEST, flag, number
+from ..hybrid import comes_back
 from ..hybrid.error_estimate.determined import at_start
-from ..hybrid.run.periodicity import comes_back
 from ..mechanism import Mechanism, Stop, rad_s_from_rpm
 from ..tolerances.reduced import ARRIVAL_TABLES, NO_ACCELERATION
 from .inputs import check_tolerance

@@ -9,11 +9,8 @@ import numpy as np
 
 from ..dynamics.moving_mass import impact_condition
 from ..errors import NipperError
-from ..hybrid.case import START_INDEX, Case, Window
-from ..hybrid.event import EventKind
+from ..hybrid import START_INDEX, Case, EventKind, Solution, Window, simulate
 from ..hybrid.result.quantities import force_unit
-from ..hybrid.result.solution import Solution
-from ..hybrid.simulate import simulate
 from ..mechanism import Mechanism
 from .interference import Clearance, clearances
 from .masses import LinkMass, link_masses

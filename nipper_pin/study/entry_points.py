@@ -33,7 +33,7 @@ def check(
         InputError: The speed is none, or this is no mechanism.
     """
     need_mechanism(mechanism, "check")
-    from ..hybrid.case import START_INDEX
+    from ..hybrid import START_INDEX
     from .check import check_model
 
     speed = mechanism.cylinder.rated_speed_rpm if speed_rpm is None else speed_rpm

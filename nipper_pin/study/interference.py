@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from ..arrays import FloatArray
-from ..hybrid.result.solution import Solution
+from ..hybrid import Solution
 from ..mechanism import Mechanism, collision_model
 from ..tolerances.study import OVERLAP_M
 

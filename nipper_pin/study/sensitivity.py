@@ -20,8 +20,7 @@ import numpy as np
 from ..arrays import FloatArray
 from ..errors import SimulationError
 from ..given import MOST_WORKERS, number, whole
-from ..hybrid.case import FASTEST_RPM, Case, Window
-from ..hybrid.simulate import simulate
+from ..hybrid import FASTEST_RPM, Case, Window, simulate
 from ..mechanism import Mechanism, rad_s_from_rpm
 from ..reduced import build, transition
 from ..tolerances.study import DOUBTFUL, SMALL_EFFECT, STUDY_TOLERANCE

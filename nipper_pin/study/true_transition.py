@@ -5,14 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from ..errors import SimulationError
-from ..hybrid.case import Case, Window
-from ..hybrid.error_estimate.event_errors import EventError
-from ..hybrid.event import EventKind
+from ..hybrid import (
+    Case,
+    Collision,
+    EventError,
+    EventKind,
+    Outcome,
+    Solution,
+    Transition,
+    Window,
+    simulate,
+)
 from ..hybrid.result.premise import MOST_IN_TURN
-from ..hybrid.result.solution import Solution
-from ..hybrid.result.tables import Collision, Transition
-from ..hybrid.run.outcome import Outcome
-from ..hybrid.simulate import simulate
 from ..mechanism import INDEX_PER_TURN, Mechanism
 
 # Turns that are followed from the touch; the last one is read, from half a turn before its touch.

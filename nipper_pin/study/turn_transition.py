@@ -9,7 +9,7 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..errors import SimulationError
-from ..hybrid.run.outcome import Outcome
+from ..hybrid import Outcome
 from ..mechanism import INDEX_PER_TURN, Mechanism
 from ..reduced.kernels import layout as rows
 from ..reduced.kernels import turn_layout as columns

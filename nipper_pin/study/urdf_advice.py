@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from ..hybrid.result.solution import Solution
+from ..hybrid import Solution
 from ..mechanism import Joint, Mechanism
 from ..mechanism.files import parse_xml, toml
 from ..units import DEG_PER_RAD, MM_PER_M, coordinate_text

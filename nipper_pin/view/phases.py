@@ -7,9 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..hybrid.event import EventKind
-from ..hybrid.result.solution import Solution
-from ..hybrid.result.tables import PhaseInterval
+from ..hybrid import EventKind, PhaseInterval, Solution
 from ..mechanism import Mechanism
 from .reading import phase_name, shown_phases
 

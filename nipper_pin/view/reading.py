@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import math
 
-from ..hybrid.case import Window
-from ..hybrid.event import Event, EventKind
+from ..hybrid import Collision, Event, EventKind, PhaseInterval, Solution, Transition, Window
 from ..hybrid.result.quantities import coordinate_unit, force_unit
-from ..hybrid.result.solution import Solution
-from ..hybrid.result.tables import Collision, PhaseInterval, Transition
 from ..mechanism import Mechanism, Stop, Strut
 from ..terms import digits, shown_in
 from .naming import coordinate_shown

@@ -9,7 +9,7 @@ from ..errors import InputError
 from ..extras import require
 
 if TYPE_CHECKING:
-    from ..hybrid.result.solution import Solution
+    from ..hybrid import Solution
     from ..study.compare import Comparison
     from .scene import Look
 
@@ -45,7 +45,7 @@ def view(
         InputError: A value is out of range, the file or port cannot be used, or a library of the
             extra ``view`` is not installed.
     """
-    from ..hybrid.result.solution import Solution as Simulated
+    from ..hybrid import Solution as Simulated
     from ..study.compare import Comparison as Compared
 
     if not isinstance(solution, Simulated | Compared):

@@ -17,7 +17,7 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import ArrayLike
 
 from ..arrays import FloatArray
-from ..hybrid.result.solution import Solution
+from ..hybrid import Solution
 from ..mechanism import INDEX_PER_TURN, Mechanism
 from ..units import MS_PER_S, S_PER_MS
 from .phases import intervals, legend

@@ -6,9 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from nipper_pin.hybrid.error_estimate.event_errors import EventError
-from nipper_pin.hybrid.event import Event, EventKind
-from nipper_pin.hybrid.result.solution import Solution
+from nipper_pin.hybrid import Event, EventError, EventKind, Solution
 
 from ...tolerances import AGREED, EPS, IMPULSE_ROUND_OFF, MIRRORED, PARTED
 from .invariants import Violation

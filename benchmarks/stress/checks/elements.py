@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from nipper_pin.hybrid.result.solution import Solution
+from nipper_pin.hybrid import Solution
 from nipper_pin.mechanism import TabulatedSpring
 
 from ...tolerances import EPS, POWER, TABLE_LEFT

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from nipper_pin.errors import InputError
-from nipper_pin.hybrid.result.solution import Solution
+from nipper_pin.hybrid import Solution
 
 from ...tolerances import AGREED, EPS
 from .invariants import Violation

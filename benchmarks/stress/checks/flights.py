@@ -8,8 +8,8 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebpts1
 
 from nipper_pin.arrays import FloatArray
+from nipper_pin.hybrid import Solution
 from nipper_pin.hybrid.motion.panel import Panel
-from nipper_pin.hybrid.result.solution import Solution
 
 from ...tolerances import EPS, LEFT_OUT, POSITION_TERMS
 from ..mechanics.equations import Equations

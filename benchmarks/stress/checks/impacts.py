@@ -6,8 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from nipper_pin.hybrid.event import EventKind
-from nipper_pin.hybrid.result.solution import Solution
+from nipper_pin.hybrid import EventKind, Solution
 
 from ...tolerances import (
     CLOSURE_RATE,

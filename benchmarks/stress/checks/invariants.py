@@ -13,9 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nipper_pin.arrays import FloatArray
-from nipper_pin.hybrid.event import EventKind
-from nipper_pin.hybrid.result.solution import Solution
-from nipper_pin.hybrid.run.outcome import Outcome
+from nipper_pin.hybrid import EventKind, Outcome, Solution
 
 from ...tolerances import (
     BALANCED,

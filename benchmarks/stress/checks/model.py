@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from nipper_pin.hybrid.result.solution import Solution
+from nipper_pin.hybrid import Solution
 from nipper_pin.mechanism import Mechanism
 
 from ...tolerances import EPS, SAME_MODEL

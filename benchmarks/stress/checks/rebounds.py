@@ -9,8 +9,7 @@ import numpy as np
 from numpy.polynomial.chebyshev import Chebyshev, chebfit, chebpts2
 
 from nipper_pin.arrays import FloatArray
-from nipper_pin.hybrid.result.solution import Solution
-from nipper_pin.hybrid.result.tables import Collision
+from nipper_pin.hybrid import Collision, Solution
 from nipper_pin.mechanism import Stop
 
 from ...tolerances import AMPLITUDE_SHARE, CLOSURE_SUM, EPS

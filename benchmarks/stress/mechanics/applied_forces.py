@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nipper_pin.hybrid.result.solution import Solution
+from nipper_pin.hybrid import Solution
 from nipper_pin.mechanism import Strut
 
 from ...tolerances import EPS

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nipper_pin.hybrid.result.solution import Solution
+from nipper_pin.hybrid import Solution
 
 from ...tolerances import EPS, ROUNDINGS_PER_LINK
 from .applied_forces import AppliedForces

@@ -10,8 +10,7 @@ import numpy as np
 from ...arrays import FloatArray
 from ...dynamics import ShaftMotion, System
 from ...errors import InputError
-from ...hybrid.run.periodicity import comes_back
-from ...hybrid.run.start import initial_state
+from ...hybrid import comes_back, initial_state
 from ...mechanism import Mechanism, Stop, rad_s_from_rpm
 from ..kernels.turn_layout import Charts
 from .arcs import Arc, Walk, system_at

@@ -8,7 +8,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 from ...errors import NipperError
-from ...hybrid.result.solution import Solution
+from ...hybrid import Solution
 from ...mechanism import Mechanism
 from ...mechanism.edit import Layout, read_dimension, read_layout
 from ...mechanism.files import parse_xml

@@ -7,9 +7,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from ...errors import InputError
-from ...hybrid.case import Window
-from ...hybrid.result.self_check import need_sound
-from ...hybrid.result.solution import Solution
+from ...hybrid import Solution, Window, need_sound
 from ...hybrid.result.turns import INDICES
 from ...mechanism import Mechanism, index_difference
 from .changes import Change, changes

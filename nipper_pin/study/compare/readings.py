@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...errors import InputError
-from ...hybrid.case import Window
+from ...hybrid import Solution, Window
 from ...hybrid.result.quantities import COLLISION, TRANSITION, Quantity
-from ...hybrid.result.solution import Solution
 from ...hybrid.result.turns import TURN, TURN_STOP, Turn, reported_turn
 from ...mechanism import Mechanism
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ...hybrid.case import Case, Window
+from ...hybrid import Case, Window
 from .control import Control
 from .design import Design
 from .points.bounces import REDUCED_TURN, TURN

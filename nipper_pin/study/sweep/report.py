@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import SimulationError
-from ...hybrid.run.outcome import Outcome
+from ...hybrid import Outcome
 from ..transitions import REDUCED_TURN, TURN
 from .results import Tally
 from .results.extremes import Extremes

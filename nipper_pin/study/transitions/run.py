@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ...arrays import FloatArray
 from ...dynamics import DriveMode
 from ...errors import NipperError, SimulationError
-from ...hybrid.case import Case, Resolution
+from ...hybrid import Case, Resolution
 from ...mechanism import Mechanism
 from ...reduced import ReducedModel, Status, transitions
 from ...reduced.kernels import layout as rows

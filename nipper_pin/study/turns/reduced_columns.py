@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ...arrays import FloatArray
-from ...hybrid.case import START_INDEX
+from ...hybrid import START_INDEX
 from ...mechanism import INDEX_PER_TURN, within_turn
 from ...reduced.turns import TurnQuantities, TurnTorques
 

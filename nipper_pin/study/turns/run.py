@@ -9,11 +9,8 @@ import numpy as np
 
 from ...dynamics import DriveMode
 from ...errors import NipperError
-from ...hybrid.case import START_INDEX, Case, Resolution, Window
-from ...hybrid.result.solution import Solution
+from ...hybrid import START_INDEX, Case, Outcome, Resolution, Solution, Window, simulate
 from ...hybrid.result.turns import Turn, of_turn, read_of, reported_turn, turn_names
-from ...hybrid.run.outcome import Outcome
-from ...hybrid.simulate import simulate
 from ...mechanism import Mechanism
 from ...reduced.turns import TurnStatus, turn_quantities, turn_torques
 from ...reduced.turns.results import TURN_REASONS

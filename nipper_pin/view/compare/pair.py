@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import FloatArray
-from ...hybrid.result.solution import Solution
+from ...hybrid import Solution
 from ...study.compare import Comparison
 from ...units import MS_PER_S
 from ..reading import shown_until

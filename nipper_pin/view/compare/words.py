@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ...dynamics import DriveMode
-from ...hybrid.case import Window
-from ...hybrid.result.solution import Solution
+from ...hybrid import Solution, Window
 from ...hybrid.result.turns import INDICES
 from ...study.compare import Change, Comparison, Row
 from ...terms import Shown, digits, fixed, named

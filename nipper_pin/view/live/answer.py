@@ -9,12 +9,8 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...errors import NipperError
-from ...hybrid.case import Case
+from ...hybrid import Case, Collision, Outcome, Solution, simulate
 from ...hybrid.result.quantities import force_unit
-from ...hybrid.result.solution import Solution
-from ...hybrid.result.tables import Collision
-from ...hybrid.run.outcome import Outcome
-from ...hybrid.simulate import simulate
 from ...mechanism import Mechanism
 from ...units import MS_PER_S
 from ..naming import coordinate_shown

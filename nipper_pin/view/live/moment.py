@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from ...arrays import FloatArray
+from ...hybrid import Solution
 from ...hybrid.result.quantities import force_unit
-from ...hybrid.result.solution import Solution
 from ...terms import digits
 from ...units import MM_PER_M, MS_PER_S
 from ..naming import coordinate_shown

@@ -9,9 +9,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, NullFormatter
 
 from ...arrays import FloatArray
+from ...hybrid import Solution, Transition
 from ...hybrid.result.quantities import force_unit
-from ...hybrid.result.solution import Solution
-from ...hybrid.result.tables import Transition
 from ...units import MS_PER_S
 from ..naming import coordinate_shown
 from ..reading import shown_collisions

@@ -10,9 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from ...hybrid import Collision, Solution
 from ...hybrid.result.quantities import COLLISION, Quantity, coordinate_unit, force_unit
-from ...hybrid.result.solution import Solution
-from ...hybrid.result.tables import Collision
 
 _SAMPLES_PER_PHASE = 100
 _ANGLE = "cylinder_angle_rad"

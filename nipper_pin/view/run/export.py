@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from ...hybrid import Solution, need_sound
 from ...hybrid.files.npz import save, save_case
-from ...hybrid.result.self_check import need_sound
-from ...hybrid.result.solution import Solution
 from ...outputs import complete_file, complete_folder
 from .csv_tables import TABLES, tables
 from .plots import PLOTS, plot_solution

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from rich.console import Console
 
-from ...hybrid.result.solution import Solution
-from ...hybrid.result.tables import Collision, Transition
+from ...hybrid import Collision, Solution, Transition
 from ..console import headline, paste, say
 from ..naming import rate_shown, shown
 from ..reading import (

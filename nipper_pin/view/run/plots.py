@@ -7,8 +7,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from ...errors import InputError
-from ...hybrid.case import Window
-from ...hybrid.result.solution import Solution
+from ...hybrid import Solution, Window
 from ...outputs import complete_file
 from ..figure_file import save_figure
 from .bounces import impulse_figure, transition_figure

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 
-from ...hybrid.result.solution import Solution
-from ...hybrid.result.tables import Collision, Transition
+from ...hybrid import Collision, Solution, Transition
 from ...mechanism import Stop
 from ...terms import shown_in
 from ...units import MS_PER_S

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 from rich.console import Console
 
-from ...hybrid.event import Event, EventKind
-from ...hybrid.result.solution import Solution
+from ...hybrid import Event, EventKind, Solution
 from ...terms import fixed
 from ...units import MS_PER_S
 from ..console import headline, say, show_table

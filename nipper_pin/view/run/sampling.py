@@ -8,9 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import FloatArray
-from ...hybrid.event import Event
-from ...hybrid.result.solution import Solution
-from ...hybrid.segment import Segment
+from ...hybrid import Event, Segment, Solution
 from ..reading import shown_phases, shown_until
 
 _FEWEST = 49

@@ -6,9 +6,8 @@ from collections.abc import Sequence
 
 from rich.console import Console
 
+from ...hybrid import Collision, Solution
 from ...hybrid.result.quantities import COLLISION, Quantity, coordinate_unit
-from ...hybrid.result.solution import Solution
-from ...hybrid.result.tables import Collision
 from ...mechanism import Mechanism
 from ...terms import Shown, fixed
 from ...units import MS_PER_S

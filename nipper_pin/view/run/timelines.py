@@ -11,9 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from ...hybrid.case import Window
-from ...hybrid.event import EventKind
-from ...hybrid.result.solution import Solution
+from ...hybrid import EventKind, Solution, Window
 from ...mechanism import INDEX_PER_TURN, Stop
 from ...units import MS_PER_S
 from ..naming import coordinate_shown

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import FloatArray
+from ...hybrid import Collision, Solution
 from ...hybrid.result.quantities import force_unit
-from ...hybrid.result.solution import Solution
-from ...hybrid.result.tables import Collision
 from ...mechanism import Mechanism, Stop, joint_axis, joint_placements
 from .solids import FIXED
 

@@ -12,7 +12,7 @@ from ...arrays import FloatArray
 from ...dynamics import close_positions, partition
 from ...errors import ConvergenceError, InputError, SingularConfigurationError
 from ...given import number
-from ...hybrid.result.solution import Solution
+from ...hybrid import Solution
 from ...mechanism import Mechanism, Stop
 from ..reading import shown_until
 from .pace import Pace, pace

@@ -21,7 +21,7 @@ from PIL import Image
 
 from ...arrays import FloatArray
 from ...errors import InputError
-from ...hybrid.result.solution import Solution
+from ...hybrid import Solution
 from ...mechanism import Stop
 from ...outputs import complete_file
 from ...terms import digits

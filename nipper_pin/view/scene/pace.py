@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import FloatArray
-from ...hybrid.result.solution import Solution
+from ...hybrid import Solution
 from ..reading import shown_until
 
 FRAMES_PER_SECOND = 30.0

@@ -13,7 +13,7 @@ import meshcat
 import umsgpack
 
 from ...arrays import FloatArray
-from ...hybrid.result.solution import Solution
+from ...hybrid import Solution
 from ...mechanism import Mechanism
 from ...outputs import complete_file
 from .arrows import arrow_stops

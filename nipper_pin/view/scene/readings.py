@@ -9,9 +9,8 @@ from itertools import groupby
 import numpy as np
 
 from ...arrays import FloatArray
+from ...hybrid import Collision, Solution
 from ...hybrid.result.quantities import force_unit
-from ...hybrid.result.solution import Solution
-from ...hybrid.result.tables import Collision
 from ...mechanism import Mechanism, Stop
 from ...terms import digits
 from ...units import MM_PER_M, MS_PER_S

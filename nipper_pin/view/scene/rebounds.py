@@ -8,8 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from ...arrays import FloatArray
-from ...hybrid.event import EventKind
-from ...hybrid.result.solution import Solution
+from ...hybrid import EventKind, Solution
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...errors import InputError
-from ...hybrid.case import START_INDEX
+from ...hybrid import START_INDEX
 from ...mechanism import INDEX_PER_TURN, counted_from
 from ...outputs import check_file, complete_file
 from ...study.speed_limit import SpeedLimit, Verdict, where

@@ -20,10 +20,7 @@ import numpy as np
 
 from nipper_pin.arrays import FloatArray
 from nipper_pin.errors import NipperError
-from nipper_pin.hybrid.case import Case, Window
-from nipper_pin.hybrid.event import EventKind
-from nipper_pin.hybrid.result.solution import Solution
-from nipper_pin.hybrid.simulate import simulate
+from nipper_pin.hybrid import Case, EventKind, Solution, Window, simulate
 from nipper_pin.mechanism import Mechanism, load
 from nipper_pin.reduced import reduced_model, transitions
 from nipper_pin.study.transitions import retuned

@@ -26,13 +26,8 @@ RUNNING = {
     "space",
 }
 RESULTS = {
-    "segment": {"Segment"},
-    "error_estimate.event_errors": {"EventError"},
-    "event": {"Event", "EventKind"},
+    "": {"Collision", "Event", "EventError", "EventKind", "Outcome", "Segment", "Solution"},
     "motion.panel": {"Panel"},
-    "result.solution": {"Solution"},
-    "result.tables": {"Collision"},
-    "run.outcome": {"Outcome"},
 }
 DYNAMICS = {"system": {"System"}}
 # What the engine computes accelerations, impulses and states with.

@@ -16,13 +16,9 @@ import numpy as np
 
 from ....arrays import FloatArray
 from ....errors import InputError, SimulationError
-from ....hybrid.case import Case, Resolution
+from ....hybrid import Case, Collision, Outcome, Resolution, Solution, Transition, simulate
 from ....hybrid.result.premise import Premise
 from ....hybrid.result.quantities import of_transition
-from ....hybrid.result.solution import Solution
-from ....hybrid.result.tables import Collision, Transition
-from ....hybrid.run.outcome import Outcome
-from ....hybrid.simulate import simulate
 from ....mechanism import Mechanism
 from ...true_transition import true_transition
 

@@ -12,13 +12,9 @@ import numpy as np
 
 from ....dynamics import ShaftMotion, System
 from ....errors import SimulationError
-from ....hybrid.case import Case, Window
-from ....hybrid.event import Event, EventKind
-from ....hybrid.result.solution import Solution
+from ....hybrid import Case, Event, EventKind, Solution, Window, comes_back, simulate
 from ....hybrid.result.turns import Turn, of_turn
 from ....hybrid.result.turns.held import held
-from ....hybrid.run.periodicity import comes_back
-from ....hybrid.simulate import simulate
 from ....mechanism import INDEX_PER_TURN, Mechanism, counted_from, rad_s_from_rpm
 from ....tolerances.study import CONTROL_ROUND_OFF
 from ....units import S_PER_MIN

@@ -16,9 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ....errors import InputError, NipperError, SimulationError
-from ....hybrid.case import Case, Resolution
-from ....hybrid.run.outcome import Outcome
-from ....hybrid.run.periodicity import comes_back
+from ....hybrid import Case, Outcome, Resolution, comes_back
 from ....mechanism import Mechanism
 from ....reduced import ReducedModel, ReducedTransition, build, transition, unfit
 from ...true_transition import TrueTransition, assumed_transition, transition_of_turns

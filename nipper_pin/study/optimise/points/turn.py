@@ -12,8 +12,7 @@ from itertools import pairwise
 import numpy as np
 
 from ....errors import SimulationError
-from ....hybrid.event import Event
-from ....hybrid.result.solution import Solution
+from ....hybrid import Event, Solution
 from ....mechanism import INDEX_PER_TURN
 from ....tolerances.study import SHORT_STRETCH
 from ....units import MM_PER_M, S_PER_MIN

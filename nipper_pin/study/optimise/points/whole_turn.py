@@ -15,7 +15,7 @@ import numpy as np
 
 from ....dynamics import DriveMode
 from ....errors import SimulationError
-from ....hybrid.case import START_INDEX
+from ....hybrid import START_INDEX
 from ....mechanism import Mechanism, counted_from
 from ....tolerances.study import COARSEST_TURN, QUANTITY_ROUND_OFF
 from ...cases import cases_of

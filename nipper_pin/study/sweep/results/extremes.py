@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ....hybrid.case import START_INDEX
+from ....hybrid import START_INDEX
 from ....hybrid.result.turns import INDICES
 from ....mechanism import counted_from
 from ....terms import named

@@ -8,10 +8,8 @@ import numpy as np
 
 from ....arrays import FloatArray
 from ....errors import NipperError
-from ....hybrid.result.solution import Solution
-from ....hybrid.run.outcome import Outcome
+from ....hybrid import Outcome, Solution, State
 from ....hybrid.run.phase_manager import PhaseManager
-from ....hybrid.state import State
 from ....mechanism import INDEX_PER_TURN
 from ...run.sampling import sample_coordinates
 

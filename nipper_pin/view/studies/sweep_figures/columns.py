@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....arrays import FloatArray
-from ....hybrid.case import START_INDEX
+from ....hybrid import START_INDEX
 from ....hybrid.result.turns import INDICES
 from ....mechanism import counted_from, within_turn
 from ....study.sweep import SweepTable
