@@ -59,7 +59,7 @@ else:
         "hybrid.result.tables": ("Collision", "PhaseInterval", "Transition"),
         "hybrid.event": ("Event", "EventKind"),
         "hybrid.result.json_document": ("record",),
-        "hybrid.simulate": ("simulate",),
+        "hybrid.simulation": ("simulate",),
         "hybrid.result.solution": ("Solution",),
         "hybrid.run.outcome": ("Outcome",),
         "hybrid.files.npz": ("load_case", "load_solution", "save", "save_case"),

@@ -10,7 +10,7 @@ from .run.outcome import Outcome
 from .run.periodicity import comes_back
 from .run.start import initial_state
 from .segment import Segment
-from .simulate import simulate
+from .simulation import simulate
 from .state import State
 
 __all__ = [

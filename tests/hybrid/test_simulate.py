@@ -32,6 +32,23 @@ def test_a_threshold_ends_the_series_at_the_first_slower_rebound(
     assert solution.outcome is nip.Outcome.AT_REST
 
 
+def test_a_transition_is_continued_as_a_whole_turn_goes_on(e62: nip.Mechanism) -> None:
+    """Behind the rest the jaw stays shut, and drives alone move the machine, until it opens."""
+    run = nip.simulate(e62, nip.Case(speed_rpm=650.0))
+    turn = nip.simulate(e62, nip.Case(speed_rpm=650.0, window="cycle"))
+    touch = next(hit.t for hit in turn.collisions if hit.stop == "jaw")
+    further = run.continued(run.shaft.period)
+    opening = next(
+        event for event in turn.events if "jaw" in event.closed_before - event.closed_after
+    )
+    assert further.events == run.events
+    assert further.segments[-1].t_end == pytest.approx(opening.t - touch, rel=1e-9)
+    t = np.linspace(run.events[-1].t, further.segments[-1].t_end, 7)[:-1]
+    found, wanted = further.trajectory.evaluate(t), turn.trajectory.evaluate(touch + t)
+    np.testing.assert_allclose(found.q, wanted.q, rtol=0.0, atol=1e-10)
+    np.testing.assert_allclose(found.v, wanted.v, rtol=0.0, atol=1e-10 * np.abs(wanted.v).max())
+
+
 def test_threshold_and_limit_agree_up_to_the_threshold(e62: nip.Mechanism) -> None:
     """Until the threshold acts both runs are the same bits; then the limit lies later.
 

@@ -11,7 +11,7 @@ import pytest
 from sweep_studies import stored
 
 from nipper_pin import Case, DriveMode, Mechanism, transition_table, turn_table
-from nipper_pin.hybrid import simulate as simulate_module
+from nipper_pin.hybrid import simulation
 from nipper_pin.study import identify, optimise
 from nipper_pin.study.optimise.points import Evaluator
 from nipper_pin.study.sweep import read_plan
@@ -87,13 +87,13 @@ STUDIES: dict[str, tuple[Callable[[Mechanism, Path, Settings], None], Settings]]
 def asked(monkeypatch: pytest.MonkeyPatch) -> list[Case]:
     """The cases of all runs, which are done."""
     cases: list[Case] = []
-    manager = simulate_module.PhaseManager
+    manager = simulation.PhaseManager
 
     def made(system: Any, case: Case, start: Any) -> Any:
         cases.append(case)
         return manager(system, case, start)
 
-    monkeypatch.setattr(simulate_module, "PhaseManager", made)
+    monkeypatch.setattr(simulation, "PhaseManager", made)
     return cases
 
 

@@ -1,18 +1,19 @@
-"""State at the time of an event; a rest lies beyond the last collision that was computed."""
+"""What follows an event: a rest lies beyond the last collision that was computed."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 
 from ..event import Event, EventKind, found_after
-from ..run.phase_manager import go_on
+from ..run.phase_manager import PhaseManager, go_on
 from ..state import State
+from .simulated import Simulated
 from .trajectory import Motion
 
-if TYPE_CHECKING:
-    from .simulated import Simulated
+Run = TypeVar("Run", bound=Simulated)
 
 
 def motion_at(solution: Simulated, event: Event) -> Motion:
@@ -36,3 +37,20 @@ def motion_at(solution: Simulated, event: Event) -> Motion:
             q, v = reached.q, reached.v
     times = np.array([t])
     return Motion(times, system.shaft.angle(times), q[None], v[None])
+
+
+def continued(solution: Run, to: float) -> Run:
+    """The run with the motion after its last event; see :meth:`Solution.continued`.
+
+    Raises:
+        SimulationError: The motion cannot be followed.
+    """
+    last, system = solution.led_events[-1], solution.led_system
+    motion = motion_at(solution, last)
+    q, v = motion.q[0], motion.v[0]
+    _, jacobian = system.body.closures(q[None])
+    start = State(last.t, q, v, jacobian[0], system.shaft.driven_at(last.t), last.closed_after)
+    manager = PhaseManager(system, solution.case, start)
+    manager.step(to)
+    before = [item for item in solution.segments if item.t_start < last.t]
+    return replace(solution, segments=(*before, *manager.segments))

@@ -58,3 +58,19 @@ class Solution(Simulated):
         from .event_state import motion_at
 
         return motion_at(self, event)
+
+    def continued(self, to: float) -> Solution:
+        """This run with the motion after its last event, until the next one or a later time.
+
+        Args:
+            to: The time [s].
+
+        Returns:
+            The same events, and motion that goes on behind the last of them.
+
+        Raises:
+            SimulationError: The motion cannot be followed.
+        """
+        from .event_state import continued
+
+        return continued(self, to)

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from ....arrays import FloatArray
 from ....errors import NipperError
-from ....hybrid import Outcome, Solution, State
-from ....hybrid.run.phase_manager import PhaseManager
+from ....hybrid import Solution
 from ....mechanism import INDEX_PER_TURN
 from ...run.sampling import sample_coordinates
 
@@ -25,22 +22,13 @@ def followed_on(solution: Solution) -> Solution:
     else: the transition itself is not in doubt.
 
     Args:
-        solution: A transition.
+        solution: A transition that ended at rest.
     """
-    if solution.outcome is not Outcome.AT_REST:
-        return solution
-    rest, system = solution.led_events[-1], solution.led_system
+    end = solution.events[-1].t + solution.shaft.period / INDEX_PER_TURN
     try:
-        motion = solution.motion_at(rest)
-        q, v = motion.q[0], motion.v[0]
-        jacobian = system.body.closures(q[None])[1][0]
-        state = State(rest.t, q, v, jacobian, system.shaft.driven_at(rest.t), rest.closed_after)
-        manager = PhaseManager(system, solution.case, state)
-        manager.step(rest.t + solution.shaft.period / INDEX_PER_TURN)
+        return solution.continued(end)
     except NipperError:
         return solution
-    before = [item for item in solution.segments if item.t_start < rest.t]
-    return replace(solution, segments=(*before, *manager.segments))
 
 
 def gap_line(solution: Solution) -> tuple[FloatArray, FloatArray]:
