@@ -27,7 +27,7 @@ from .first_use import at_first_use
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from .dynamics.system import DriveMode
+    from .dynamics import DriveMode
     from .hybrid import (
         Case,
         Collision,

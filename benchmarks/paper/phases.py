@@ -14,8 +14,7 @@ from typing import Any
 import numpy as np
 
 from nipper_pin.arrays import FloatArray
-from nipper_pin.dynamics import ShaftMotion, System, close_positions, close_velocities
-from nipper_pin.dynamics.multipliers import multipliers
+from nipper_pin.dynamics import ShaftMotion, System, close_positions, close_velocities, multipliers
 from nipper_pin.hybrid import Case, EventKind, Window, simulate
 from nipper_pin.mechanism import INDEX_PER_TURN, Mechanism, rad_s_from_rpm, within_turn
 from nipper_pin.units import S_PER_MIN

@@ -12,9 +12,12 @@ from .assembly import (
 from .constraint_set import ConstraintSet
 from .elements import Elements
 from .impact import Impact, arrest, collide, drive_impulses, no_impact
-from .multibody import INFINITE_INERTIA, Multibody
+from .moving_mass import impact_condition
+from .multibody import INFINITE_INERTIA, Multibody, multibody
+from .multipliers import multipliers
 from .shaft import Driven, ShaftMotion
 from .system import DriveMode, System
+from .touch import assemble
 
 __all__ = [
     "INFINITE_INERTIA",
@@ -28,12 +31,16 @@ __all__ = [
     "ShaftMotion",
     "System",
     "arrest",
+    "assemble",
     "close_positions",
     "close_velocities",
     "collide",
     "drive_impulses",
+    "impact_condition",
     "inverses",
     "inverted",
+    "multibody",
+    "multipliers",
     "no_impact",
     "partition",
     "weakest",

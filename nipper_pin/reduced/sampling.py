@@ -7,8 +7,7 @@ import math
 import numpy as np
 
 from ..arrays import FloatArray
-from ..dynamics import DriveMode, Partition, ShaftMotion, System, partition
-from ..dynamics.touch import assemble
+from ..dynamics import DriveMode, Partition, ShaftMotion, System, assemble, partition
 from ..errors import InputError, NipperError
 from ..given import LARGEST, flag, number
 from ..hybrid import comes_back

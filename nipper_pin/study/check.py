@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..dynamics.moving_mass import impact_condition
+from ..dynamics import impact_condition
 from ..errors import NipperError
 from ..hybrid import START_INDEX, Case, EventKind, Solution, Window, simulate
 from ..hybrid.result.quantities import force_unit

@@ -10,10 +10,10 @@ import pytest
 from small_machines import SLED, frame, link, machine, slide, turn
 
 from nipper_pin import Case, ConvergenceError, Mechanism, Resolution, Window, load, simulate
+from nipper_pin.chebyshev import nodes
 from nipper_pin.dynamics import Partition, ShaftMotion, System, impact
 from nipper_pin.hybrid import advance
 from nipper_pin.hybrid.event_location.guards import _gap_root
-from nipper_pin.hybrid.motion.chebyshev import nodes
 from nipper_pin.hybrid.motion.kinematics import kinematic_panel
 from nipper_pin.hybrid.motion.panel import Attempt, Begin, Panel
 from nipper_pin.hybrid.motion.panel_checks import panel_checks

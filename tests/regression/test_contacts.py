@@ -13,9 +13,9 @@ import nipper_pin as nip
 from benchmarks.stress.checks.invariants import violations
 from benchmarks.stress.machines.small_machines import bouncing_mass, flaps
 from nipper_pin.arrays import FloatArray
+from nipper_pin.chebyshev import nodes
 from nipper_pin.dynamics import Partition, ShaftMotion, System, collide
 from nipper_pin.hybrid.event_location.guards import _flight_root
-from nipper_pin.hybrid.motion.chebyshev import nodes
 from nipper_pin.hybrid.motion.panel import Panel
 from nipper_pin.tolerances.hybrid import GAP_ROUND_OFF
 

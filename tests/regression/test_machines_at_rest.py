@@ -12,8 +12,8 @@ from small_machines import SLED, TURNING, frame, hinge, link, machine, slide, tu
 from benchmarks.stress.checks.invariants import violations
 from benchmarks.stress.machines.small_machines import four_bar
 from nipper_pin import DriveMode, Mechanism, Resolution, Solution
+from nipper_pin.chebyshev import nodes
 from nipper_pin.dynamics import ShaftMotion, System
-from nipper_pin.hybrid.motion.chebyshev import nodes
 from nipper_pin.hybrid.motion.noise_floor import roughness
 from nipper_pin.hybrid.motion.panel import Begin, defect, nearby
 from nipper_pin.hybrid.motion.picard import flight_panel

@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import FloatArray
-from ...dynamics import System
-from ...dynamics.moving_mass import impact_condition, impulse_sizes
+from ...dynamics import System, impact_condition
+from ...dynamics.moving_mass import impulse_sizes
 from ...dynamics.strike import same_by_every_law
 from ...errors import ImpactError, SingularConfigurationError
 from ...mechanism import Stop

@@ -10,13 +10,13 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import FloatArray
+from ...chebyshev import nodes
 from ...dynamics import ConstraintSet, Partition, System, inverted
 from ...tolerances.hybrid import (
     INDEPENDENT_ROUND_OFF,
     LOCAL_ERROR_SAFETY,
     POLYNOMIAL_ROUND_OFF,
 )
-from ..motion.chebyshev import nodes
 from ..motion.panel import Panel, defect, nearby
 
 

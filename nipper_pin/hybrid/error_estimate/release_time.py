@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...dynamics import ConstraintSet, System
-from ...dynamics.multipliers import multipliers
+from ...dynamics import ConstraintSet, System, multipliers
 from ...tolerances.hybrid import COORDINATE_ROUND_OFF, FORCE_SLOPE_STEP
 from ..motion.panel import Panel, forces_at
 from .by_part import Part

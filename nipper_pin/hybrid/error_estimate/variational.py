@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import FloatArray
+from ...chebyshev import evaluate_motion, nodes
 from ...dynamics import ConstraintSet, Partition, System, close_velocities
-from ..motion.chebyshev import evaluate_motion, nodes
 from ..motion.panel import Panel
 from .freedoms import Freedoms, free_coordinates
 

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import FloatArray, product
+from ...chebyshev import Series, interpolant, nodes
 from ...dynamics import ConstraintSet, System
 from ...dynamics.moving_mass import force_size
 from ...errors import SimulationError
@@ -24,7 +25,6 @@ from ...tolerances.hybrid import (
     SMALLEST,
 )
 from ...tolerances.mechanics import EPS
-from ..motion.chebyshev import Series, interpolant, nodes
 from ..motion.panel import Panel, one_state_at, stop_forces_at
 from .roots import first_descent, polish
 from .soonest import by_soonest, may_vanish

@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import FloatArray
+from ...chebyshev import nodes
 from ...dynamics import System
 from ...mechanism import Stop
 from ...tolerances.hybrid import GAP_ROUND_OFF, SOONEST_SHARE
-from ..motion.chebyshev import nodes
 from ..motion.panel import Panel
 
 # So few are looked at as they are, sooner than their bounds are found.

@@ -8,8 +8,15 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import FloatArray, largest, product
-from ...dynamics import ConstraintSet, Partition, System, close_positions, close_velocities
-from ...dynamics.multipliers import multipliers
+from ...chebyshev import nodes, tail
+from ...dynamics import (
+    ConstraintSet,
+    Partition,
+    System,
+    close_positions,
+    close_velocities,
+    multipliers,
+)
 from ...errors import SingularConfigurationError
 from ...tolerances.hybrid import (
     CLOCK_ROUND_OFF,
@@ -19,7 +26,6 @@ from ...tolerances.hybrid import (
 )
 from ...tolerances.mechanics import EPS, MAX_CONDITION
 from ..case import Resolution
-from .chebyshev import nodes, tail
 from .noise_floor import of_closures, rates_of_closures
 from .panel import Attempt, Begin, Panel, judged
 

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import FloatArray, product
+from ...chebyshev import evaluate, evaluate_motion, motion_weights, nodes, value_weights
 from ...dynamics import (
     ConstraintSet,
     Driven,
@@ -16,10 +17,10 @@ from ...dynamics import (
     close_positions,
     close_velocities,
     inverses,
+    multipliers,
 )
-from ...dynamics.multipliers import Multipliers, multipliers
+from ...dynamics.multipliers import Multipliers
 from ...tolerances.hybrid import COORDINATE_ROUND_OFF, SMALLEST
-from .chebyshev import evaluate, evaluate_motion, motion_weights, nodes, value_weights
 
 
 class Begin(NamedTuple):

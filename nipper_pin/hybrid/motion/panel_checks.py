@@ -12,9 +12,9 @@ from typing import Protocol
 
 import numpy as np
 
+from ...chebyshev import nodes
 from ...dynamics import ConstraintSet, Elements, System
 from ..case import Resolution
-from .chebyshev import nodes
 from .panel import Panel
 from .residual_check import shows_end, shows_forces, shows_turns
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import FloatArray
+from ...chebyshev import prolonged
 from ...dynamics import ConstraintSet, Partition, System
 from ...errors import SimulationError
 from ...tolerances.hybrid import ITERATION_FLOOR
 from ..case import Resolution
-from .chebyshev import prolonged
 from .panel import Attempt, Begin, Panel, forces_at, judged, shorter
 from .sweeps import Sweeps
 

@@ -14,9 +14,9 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import FloatArray
+from ...chebyshev import nodes
 from ...dynamics import ConstraintSet, Elements, System
 from ...tolerances.hybrid import ROUND_OFF_SAFETY, SMALLEST
-from .chebyshev import nodes
 from .noise_floor import roughness
 from .panel import Panel, defect, nearby
 

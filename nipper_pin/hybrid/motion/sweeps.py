@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from ...arrays import FloatArray, largest, product
+from ...chebyshev import decayed, nodes
 from ...dynamics import ConstraintSet, System
 from ...tolerances.hybrid import (
     COORDINATE_ROUND_OFF,
@@ -16,7 +17,6 @@ from ...tolerances.hybrid import (
     ROUND_OFF_SAFETY,
     SMALLEST,
 )
-from .chebyshev import decayed, nodes
 from .noise_floor import of_closures, roughness
 from .panel import Begin
 

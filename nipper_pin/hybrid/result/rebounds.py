@@ -7,13 +7,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ...chebyshev import Series, nodes
 from ...dynamics import System
 from ...mechanism import Stop
 from ..advance import advance
 from ..case import Case
 from ..event import Event, EventKind
 from ..event_location.roots import first_descent, polish
-from ..motion.chebyshev import Series, nodes
 from ..motion.panel import Panel
 from ..run.phase_manager import PhaseManager
 from ..segment import Segment

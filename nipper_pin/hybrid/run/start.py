@@ -7,8 +7,8 @@ from math import ceil, tau
 
 import numpy as np
 
-from ...dynamics import System
-from ...dynamics.touch import assemble, touch
+from ...dynamics import System, assemble
+from ...dynamics.touch import touch
 from ...errors import ConvergenceError, InputError, SimulationError, SingularConfigurationError
 from ...mechanism import Start, Stop
 from ...tolerances.hybrid import GAP_ROUND_OFF

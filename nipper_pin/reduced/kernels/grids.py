@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 
 from ...arrays import FloatArray
-from ...hybrid.motion.chebyshev import evaluate, nodes, prolonged
+from ...chebyshev import evaluate, nodes, prolonged
 from .layout import (
     DOUBLE,
     INTEGRAL,

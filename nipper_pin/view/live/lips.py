@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import FloatArray
-from ...dynamics.multibody import multibody
+from ...dynamics import multibody
 from ...mechanism import Mechanism
 from ...units import MM_PER_M
 from ..scene import Colour, solids

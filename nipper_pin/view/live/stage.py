@@ -13,7 +13,7 @@ import viser
 from numpy.typing import NDArray
 
 from ...arrays import FloatArray
-from ...dynamics.multibody import multibody
+from ...dynamics import multibody
 from ...mechanism import Mechanism, Stop
 from ..phases import phase_colour
 from ..scene import CYLINDER, FIXED, Colour, Solid, cylinder_axis, solids

@@ -14,8 +14,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from ....arrays import FloatArray
-from ....dynamics import ShaftMotion, System, close_positions, close_velocities, partition
-from ....dynamics.multipliers import multipliers
+from ....dynamics import (
+    ShaftMotion,
+    System,
+    close_positions,
+    close_velocities,
+    multipliers,
+    partition,
+)
 from ....errors import InputError, SimulationError
 from ....mechanism import Mechanism, rad_s_from_rpm
 from ....tolerances.study import CYCLE_ROOT

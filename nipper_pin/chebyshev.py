@@ -16,7 +16,7 @@ from functools import cache
 
 import numpy as np
 
-from ...arrays import FloatArray, product
+from .arrays import FloatArray, product
 
 _SAMPLES_PER_NODE = 4
 # Nodes from which on the last three coefficients show how they decay.
