@@ -12,6 +12,6 @@ from nipper_pin import Mechanism
 
 
 @pytest.fixture(scope="session")
-def pendulum(tmp_path_factory: pytest.TempPathFactory) -> Mechanism:
+def pendulum() -> Mechanism:
     """A double pendulum with springs and dampers of every kind."""
-    return sprung.double_pendulum(tmp_path_factory.mktemp("pendulum"), gravity=sprung.GRAVITY)
+    return sprung.double_pendulum()

@@ -1,110 +1,61 @@
-"""Small machines with springs and dampers, written to a folder; closed forms are in the tests."""
+"""Small machines with springs and dampers; closed forms are in the tests."""
 
 from __future__ import annotations
 
-from pathlib import Path
+import tomllib
 
 import numpy as np
+import small_machines
+from small_machines import SHAFT, frame, hinge, link, slide
 
-from nipper_pin import Case, Mechanism, Solution, Window, load, simulate
+from nipper_pin import Case, Mechanism, Solution, Window, simulate
 
 MASS = 0.7
 INERTIA = 0.02
 STIFFNESS = 90.0
 GRAVITY = 9.81
 
-_TOML = """format = 1
-title = "machine of a test"
-degrees_of_freedom = {freedom}
-gravity_m_s2 = {gravity!r}
-initial_phase = 1
+# A shaft that nothing hangs on keeps the time of the run.
+CLOCK = {**SHAFT, "joint": "clock", "law": "constant_speed", "ratio": 1.0,
+         "reflected_inertia_kg_m2": 1e-12}  # fmt: skip
+SLIDE_X = ("x", (1.0, 0.0), (0.0, 0.0))
+SLIDE_Z = ("z", (0.0, 1.0), (0.0, 0.0))
+HINGE = ("turn", None, (0.0, 0.0))
 
-[cylinder]
-rated_speed_rpm = 60.0
-direction = "counter-clockwise"
-angle_at_touch_deg = 0.0
-reference_index = 0.0
-reference_angle_deg = 0.0
-
-# Keeps the time of the run: a shaft that nothing hangs on.
-[drives.clock]
-joint = "clock"
-law = "constant_speed"
-ratio = 1.0
-reflected_inertia_kg_m2 = 1e-12
-shaft_frequency_hz = 1.0
-shaft_damping_ratio = 0.0
-
-[[phases]]
-number = 1
-name = "swinging"
-closed = []
-
-"""
-SLIDE_X = ("x", "prismatic", "1 0 0", (0.0, 0.0))
-SLIDE_Z = ("z", "prismatic", "0 0 1", (0.0, 0.0))
-HINGE = ("turn", "continuous", "0 -1 0", (0.0, 0.0))
-
-Joint = tuple[str, str, str, tuple[float, float]]
+Joint = tuple[str, tuple[float, float] | None, tuple[float, float]]
 
 
 def machine(
-    folder: Path,
     joints: list[Joint],
     springs: str,
     *,
     frames: dict[str, tuple[str, float, float]] | None = None,
     centre: tuple[float, float] = (0.0, 0.0),
     gravity: float = 0.0,
-    overrides: dict[str, object] | None = None,
 ) -> Mechanism:
     """A chain of links from the frame outwards, and a clock.
 
     Args:
-        folder: Folder to write the model folder into.
-        joints: Name, type, axis and origin (x, z) in the link before [m]; the link behind joint j
-            is called ``link_j``. Only the last link and hinged ones have mass.
+        joints: Name, axis of a slide, and origin (x, z) in the link before [m]; the link behind
+            joint j is called ``link_j``. Only the last link and hinged ones have mass.
         springs: Tables of springs and dampers.
         frames: Named frames by name: link and place (x, z) on it [m].
-        centre: Centre of mass (x, z) of every link that has mass [m].
+        centre: Centre of mass (x, z) of every link [m].
         gravity: [m/s2].
-        overrides: As for ``load``.
     """
-    parts = ['<robot name="sprung"><link name="frame"/>', _link("hand", 1e-9, 1e-12, (0.0, 0.0)),
-             _joint("clock", "continuous", "0 -1 0", "frame", "hand", (0.0, 0.0))]  # fmt: skip
+    parts = [link("hand", 1e-9, 1e-12), hinge("clock", "frame", "hand")]
     below = "frame"
-    for place, (name, kind, axis, origin) in enumerate(joints):
-        last = place == len(joints) - 1 or kind == "continuous"
-        mass, inertia = (MASS, INERTIA) if last else (1e-12, 1e-12)
-        parts.append(_link(f"link_{name}", mass, inertia, centre))
-        parts.append(_joint(name, kind, axis, below, f"link_{name}", origin))
-        below = f"link_{name}"
-    for name, (link, x, z) in (frames or {}).items():
-        parts.append(f'<link name="{name}"/>')
-        parts.append(_joint(f"{name}_fixed", "fixed", "1 0 0", link, name, (x, z)))
-    home = folder / "sprung"
-    home.mkdir(parents=True, exist_ok=True)
-    (home / "sprung.urdf").write_text("".join(parts) + "</robot>", encoding="utf-8")
-    text = _TOML.format(freedom=len(joints) + 1, gravity=gravity) + springs
-    (home / "sprung.toml").write_text(text, encoding="utf-8")
-    return load(home, overrides)
-
-
-def _link(name: str, mass: float, inertia: float, centre: tuple[float, float]) -> str:
-    return (
-        f'<link name="{name}"><inertial><origin xyz="{centre[0]!r} 0 {centre[1]!r}"/>'
-        f'<mass value="{mass!r}"/><inertia ixx="{inertia!r}" iyy="{inertia!r}" izz="{inertia!r}" '
-        'ixy="0" ixz="0" iyz="0"/></inertial></link>'
-    )
-
-
-def _joint(
-    name: str, kind: str, axis: str, parent: str, child: str, origin: tuple[float, float]
-) -> str:
-    return (
-        f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>'
-        f'<origin xyz="{origin[0]!r} 0 {origin[1]!r}"/><axis xyz="{axis}"/>'
-        '<limit lower="-10" upper="10" effort="1e6" velocity="1e6"/></joint>'
+    for name, axis, origin in joints:
+        own = f"link_{name}"
+        heavy = axis is None or name == joints[-1][0]
+        parts.append(link(own, *((MASS, INERTIA) if heavy else (1e-12, 1e-12)), centre))
+        parts.append(slide(name, below, own, axis, origin) if axis
+                     else hinge(name, below, own, origin))  # fmt: skip
+        below = own
+    parts += [frame(name, parent, (x, z)) for name, (parent, x, z) in (frames or {}).items()]
+    freedom, tables = len(joints) + 1, tomllib.loads(springs)
+    return small_machines.machine(
+        parts, freedom, gravity=gravity, drives={"clock": CLOCK}, **tables
     )
 
 
@@ -152,7 +103,7 @@ frame_a = "knee"
 frame_b = "tip"
 damping_N_s_per_m = 2.0
 """
-LOWER = ("lower", "continuous", "0 -1 0", (0.3, -0.1))
+LOWER = ("lower", None, (0.3, -0.1))
 FRAMES = {
     "post": ("frame", 0.6, 0.5),
     "knee": ("link_turn", 0.05, 0.12),
@@ -160,5 +111,5 @@ FRAMES = {
 }
 
 
-def double_pendulum(folder: Path, **more: object) -> Mechanism:
-    return machine(folder, [HINGE, LOWER], MANY, frames=FRAMES, centre=(0.1, -0.05), **more)  # type: ignore[arg-type]
+def double_pendulum() -> Mechanism:
+    return machine([HINGE, LOWER], MANY, frames=FRAMES, centre=(0.1, -0.05), gravity=GRAVITY)

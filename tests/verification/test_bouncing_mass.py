@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -34,27 +34,18 @@ MASS = 0.7 + 1e-3 + 1e-3
 EPS = float(np.finfo(float).eps)
 RESTITUTIONS = [0.05, 0.2, 0.5, 0.8, 0.9, 0.95]
 
-Run = Callable[..., Solution]
 
+@cache
+def run(e: float, speed: float = 0.06, start: float | None = None) -> Solution:
+    """A run at 60 r/min, one turn a second; a table speed of v m/s is a lead of v metres a turn.
 
-@pytest.fixture(scope="module")
-def run() -> Run:
-    """Runs at 60 r/min, one turn a second; a table speed of v m/s is a lead of v metres a turn."""
-    known: dict[tuple[float, float], Solution] = {}
-
-    def simulated(e: float, speed: float = 0.06, **case: object) -> Solution:
-        if case or (e, speed) not in known:
-            mechanism = load(
-                MODEL,
-                {"stops.table.restitution": e, "drives.table.lead_mm_per_turn": 1e3 * speed},
-            )
-            solution = simulate(mechanism, Case(speed_rpm=60.0, **case))  # type: ignore[arg-type]
-            if case:
-                return solution
-            known[e, speed] = solution
-        return known[e, speed]
-
-    return simulated
+    A transition, or a turn from an index.
+    """
+    changes = {"stops.table.restitution": e, "drives.table.lead_mm_per_turn": 1e3 * speed}
+    case = Case(speed_rpm=60.0)
+    if start is not None:
+        case = Case(speed_rpm=60.0, window=Window.CYCLE, start_index=start)
+    return simulate(load(MODEL, changes), case)
 
 
 def _tolerance(e: float, t: float, flight: float) -> float:
@@ -68,29 +59,41 @@ def _tolerance(e: float, t: float, flight: float) -> float:
 
 
 @pytest.mark.parametrize("e", RESTITUTIONS)
-def test_rates_fall_by_e_at_every_collision(run: Run, e: float) -> None:
-    """Approach rates are e^k V and separation rates e times that."""
-    for k, collision in enumerate(run(e).collisions):
-        w = e**k * 0.06
-        tolerance = _tolerance(e, collision.t, 2.0 * w / GRAVITY)
-        assert collision.approach_rate == pytest.approx(-w, rel=tolerance)
-        assert collision.separation_rate == pytest.approx(e * w, rel=tolerance)
+def test_collisions_are_those_of_the_series(e: float) -> None:
+    """Rates, times, rebounds, impulses and losses of every collision, by the formulas above.
 
-
-@pytest.mark.parametrize("e", RESTITUTIONS)
-def test_collision_times_are_the_partial_sums(run: Run, e: float) -> None:
-    """Collision k comes at 2 e V (1 - e^k) / (g (1 - e)), to 1e-12 of the time of rest."""
+    Approach rates are w = e^k V and separation rates e times that; times are the partial sums
+    2 e V (1 - e^k) / (g (1 - e)); losses M w^2 (1 - e^2) / 2 as seen from the table, and each
+    amplitude is e^2 times the one before.
+    """
+    collisions = run(e).collisions
     rest = 2.0 * e * 0.06 / (GRAVITY * (1.0 - e))
-    for k, collision in enumerate(run(e).collisions):
+    for k, collision in enumerate(collisions):
+        w = e**k * 0.06
+        near = _tolerance(e, collision.t, 2.0 * w / GRAVITY)
         assert collision.t == pytest.approx(rest * (1.0 - e**k), abs=1e-12 * rest)
+        assert collision.approach_rate == pytest.approx(-w, rel=near)
+        assert collision.separation_rate == pytest.approx(e * w, rel=near)
+        assert collision.impulse == pytest.approx(MASS * (1.0 + e) * w, rel=near)
+        lost = 0.5 * MASS * w**2 * (1.0 - e**2)
+        assert collision.energy_lost == pytest.approx(lost, rel=2.0 * near)
+        flight = 2.0 * e * w / GRAVITY
+        near = _tolerance(e, collision.t, flight)
+        height = (e * w) ** 2 / (2.0 * GRAVITY)
+        assert collision.rebound_amplitude == pytest.approx(height, rel=2.0 * near)
+        assert collision.rebound_time == pytest.approx(flight, rel=near)
+    for before, after in itertools.pairwise(collisions):
+        near = 4.0 * _tolerance(e, after.t, 2.0 * after.separation_rate / GRAVITY)
+        ratio = (after.rebound_amplitude or 0.0) / (before.rebound_amplitude or 1.0)
+        assert ratio == pytest.approx(e**2, rel=near)
 
 
 @pytest.mark.parametrize("e", RESTITUTIONS)
-def test_time_of_rest_is_the_zeno_limit(run: Run, e: float) -> None:
+def test_time_of_rest_is_the_zeno_limit(e: float) -> None:
     """Rest comes at 2 e V / (g (1 - e)) to 1e-12, though only finitely many bounces are computed.
 
     What is left out is not small by itself: the last collision computed lies 1e-5 of the series or
-    more before its limit.
+    more before its limit. Collisions and the rest together lose M V^2 / 2: the sum telescopes.
     """
     solution = run(e)
     rest = 2.0 * e * 0.06 / (GRAVITY * (1.0 - e))
@@ -99,51 +102,12 @@ def test_time_of_rest_is_the_zeno_limit(run: Run, e: float) -> None:
     assert solution.events[-1].t == pytest.approx(rest, rel=1e-12)
     assert rest - solution.collisions[-1].t > 1e-6 * rest
     assert solution.transitions[0].duration == pytest.approx(rest, rel=1e-12)
-
-
-@pytest.mark.parametrize("e", RESTITUTIONS)
-def test_amplitudes_fall_by_e_squared(run: Run, e: float) -> None:
-    """Rebounds reach (e^k V)^2 / (2 g): each amplitude is e^2 times the one before."""
-    collisions = run(e).collisions
-    for k, collision in enumerate(collisions, start=1):
-        w = e**k * 0.06
-        tolerance = _tolerance(e, collision.t, 2.0 * w / GRAVITY)
-        assert collision.rebound_amplitude == pytest.approx(
-            w**2 / (2.0 * GRAVITY), rel=2.0 * tolerance
-        )
-        assert collision.rebound_time == pytest.approx(2.0 * w / GRAVITY, rel=tolerance)
-    for before, after in itertools.pairwise(collisions):
-        tolerance = 4.0 * _tolerance(e, after.t, 2.0 * after.separation_rate / GRAVITY)
-        ratio = (after.rebound_amplitude or 0.0) / (before.rebound_amplitude or 1.0)
-        assert ratio == pytest.approx(e**2, rel=tolerance)
-
-
-@pytest.mark.parametrize("e", RESTITUTIONS)
-def test_impulse_and_energy_lost(run: Run, e: float) -> None:
-    """The impulse is M (1 + e) w and the energy lost M w^2 (1 - e^2) / 2, seen from the table."""
-    for k, collision in enumerate(run(e).collisions):
-        w = e**k * 0.06
-        tolerance = _tolerance(e, collision.t, 2.0 * w / GRAVITY)
-        assert collision.impulse == pytest.approx(MASS * (1.0 + e) * w, rel=tolerance)
-        lost = 0.5 * MASS * w**2 * (1.0 - e**2)
-        assert collision.energy_lost == pytest.approx(lost, rel=2.0 * tolerance)
-
-
-@pytest.mark.parametrize("e", RESTITUTIONS)
-def test_losses_of_the_whole_series_are_the_energy_of_the_first_approach(
-    run: Run, e: float
-) -> None:
-    """Collisions and the rest together lose M V^2 / 2: what the limit drops is accounted for.
-
-    The sum telescopes; what the last term lacks is of the order of the last rate squared.
-    """
-    solution = run(e)
     lost = sum(event.energy_lost for event in solution.events)
     assert lost == pytest.approx(0.5 * MASS * 0.06**2, rel=1e-11)
 
 
 @pytest.mark.parametrize("e", RESTITUTIONS)
-def test_no_premature_rest(run: Run, e: float) -> None:
+def test_no_premature_rest(e: float) -> None:
     """The series is followed until w^3 is below a hundred tolerances, w the rate by its first one.
 
     That is w = 4.6e-4 at 1e-12, and takes ln(w) / ln(e) bounces at least, 149 for e = 0.95.
@@ -155,7 +119,7 @@ def test_no_premature_rest(run: Run, e: float) -> None:
 
 
 @pytest.mark.parametrize("excess", [1e-2, 1e-3, 1e-4, 1e-6, 1e-9, 1e-12, 1e-14, 0.0, -1e-14])
-def test_an_impact_just_after_a_panel_is_not_missed(run: Run, excess: float) -> None:
+def test_an_impact_just_after_a_panel_is_not_missed(excess: float) -> None:
     """A flight longer than one panel by a tiny part still ends at its impact.
 
     The first flight takes 2 e V / g; V is chosen so that it is (1 + excess) panels of 1/16 turn.
@@ -171,12 +135,12 @@ def test_an_impact_just_after_a_panel_is_not_missed(run: Run, excess: float) -> 
     assert solution.events[-1].t == pytest.approx(first / (1.0 - e), rel=1e-12)
 
 
-def test_the_table_carries_the_weight_after_rest(run: Run) -> None:
+def test_the_table_carries_the_weight_after_rest() -> None:
     """At constant table speed the force after rest is M g, and the shelf is left behind.
 
     The transition ends at rest; the cycle goes on for the rest of the turn.
     """
-    solution = run(0.5, window=Window.CYCLE, start_index=-1.0)
+    solution = run(0.5, start=-1.0)
     assert solution.events[-1].kind is EventKind.REST
     end = solution.trajectory.span[1]
     reactions = solution.trajectory.reactions(end, left=True)

@@ -5,15 +5,16 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from contextlib import redirect_stdout
+from io import StringIO
 from pathlib import Path
 
 import pytest
 
 import nipper_pin
-from nipper_pin import Case, Window, load, simulate
+from nipper_pin import Case, load, simulate
 
 PROGRAM = """
-import nipper_pin
 from nipper_pin import Case, load, simulate
 solution = simulate(load("e62"), Case(speed_rpm=650.0, window="cycle"))
 for event in solution.events:
@@ -24,27 +25,14 @@ for event in solution.events:
 
 
 def _bits() -> list[str]:
-    solution = simulate(load("e62"), Case(speed_rpm=650.0, window=Window.CYCLE))
-    return [
-        float(number).hex()
-        for event in solution.events
-        for number in (
-            event.t,
-            *event.q,
-            *event.v_before,
-            *event.v_after,
-            *event.P_g,
-            *event.delta,
-            *event.P_N.values(),
-            event.energy_lost,
-            event.series_error,
-        )
-    ]
+    """Every number of every event of one cycle, as hexadecimal floats."""
+    with redirect_stdout(StringIO()) as told:
+        exec(PROGRAM, {})
+    return told.getvalue().split()
 
 
 @pytest.fixture(scope="module")
 def bits() -> list[str]:
-    """Every number of every event of one cycle, as hexadecimal floats."""
     return _bits()
 
 

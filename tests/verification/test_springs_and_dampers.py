@@ -7,7 +7,6 @@ solutions.
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -50,7 +49,7 @@ def elements(kind: str, parts: int) -> str:
 
 @pytest.mark.parametrize("parts", [1, 2, 3])
 @pytest.mark.parametrize("kind", ["slide", "hinge", "line"])
-def test_damped_oscillator(kind: str, parts: int, tmp_path: Path) -> None:
+def test_damped_oscillator(kind: str, parts: int) -> None:
     """x + p = p exp(-d t) (cos w t + d / w sin w t): motion, decrement and heat, to 1e-11.
 
     Some twenty panels at 1e-12 each. With a damping off by a thousandth the last of five swings
@@ -58,7 +57,7 @@ def test_damped_oscillator(kind: str, parts: int, tmp_path: Path) -> None:
     """
     joint = sprung.HINGE if kind == "hinge" else sprung.SLIDE_X
     wall = {"wall": ("frame", -0.4, 0.0)}
-    mechanism = sprung.machine(tmp_path, [joint], elements(kind, parts), frames=wall)
+    mechanism = sprung.machine([joint], elements(kind, parts), frames=wall)
     inertia = sprung.INERTIA if kind == "hinge" else sprung.MASS
     d = 0.5 * DAMPING / inertia
     square = STIFFNESS / inertia - d**2
@@ -82,7 +81,7 @@ def test_damped_oscillator(kind: str, parts: int, tmp_path: Path) -> None:
     assert abs(solution.energy.residual) <= 1e-11 * lost
 
 
-def test_spring_of_free_length_zero_passes_through_its_point(tmp_path: Path) -> None:
+def test_spring_of_free_length_zero_passes_through_its_point() -> None:
     """A force proportional to the line has no singular point: x = a cos w t, to 1e-11.
 
     The mass passes the point four times. With a direction instead of the line as factor it would
@@ -98,14 +97,14 @@ free_length_mm = 0.0
 """
     w = math.sqrt(STIFFNESS / sprung.MASS)
     solution = sprung.swing(
-        sprung.machine(tmp_path, [sprung.SLIDE_X], spring, frames=frames), 4.0 * math.pi / w
+        sprung.machine([sprung.SLIDE_X], spring, frames=frames), 4.0 * math.pi / w
     )
     t = np.linspace(*solution.trajectory.span, 81)
     x, _ = sprung.moved(solution, t, "x")
     assert np.abs(x - 0.25 * (1.0 - np.cos(w * t))).max() <= 1e-11 * 0.25
 
 
-def test_points_that_come_to_coincide_are_refused(tmp_path: Path) -> None:
+def test_points_that_come_to_coincide_are_refused() -> None:
     """One error that names the element and its frames, at the time of the meeting.
 
     Up to there x = a (1 - cos w t) with the stiffness of both springs; at the post the force of
@@ -123,7 +122,7 @@ stiffness_N_per_m = 200.0
 free_length_mm = 50.0
 """
     frames = {"post": ("frame", 0.1, 0.0)}
-    mechanism = sprung.machine(tmp_path, [sprung.SLIDE_X], text, frames=frames)
+    mechanism = sprung.machine([sprung.SLIDE_X], text, frames=frames)
     a, w = (0.15 * STIFFNESS + 10.0) / (STIFFNESS + 200.0), math.sqrt(290.0 / sprung.MASS)
     with pytest.raises(ElementError, match=r"spring rod: .*post and link_x coincide") as caught:
         sprung.swing(mechanism, 2.0)
@@ -131,7 +130,7 @@ free_length_mm = 50.0
     assert caught.value.evidence["t"] == pytest.approx(math.acos(1.0 - 0.1 / a) / w, abs=1e-6)
 
 
-def test_damper_between_points_that_coincide_is_refused(tmp_path: Path) -> None:
+def test_damper_between_points_that_coincide_is_refused() -> None:
     """Exactly at the meeting its force has no direction; a micrometre away it has."""
     text = """
 [dampers.oil]
@@ -140,7 +139,7 @@ frame_b = "link_x"
 damping_N_s_per_m = 2.0
 """
     frames = {"post": ("frame", 0.25, 0.0)}
-    mechanism = sprung.machine(tmp_path, [sprung.SLIDE_X], text, frames=frames)
+    mechanism = sprung.machine([sprung.SLIDE_X], text, frames=frames)
     system = System(mechanism, ShaftMotion(mechanism, 1.0, 0.0))
     place = next(joint.index for joint in mechanism.joints if joint.name == "x")
     q, v = np.zeros((2, 1, 2))
@@ -151,7 +150,7 @@ damping_N_s_per_m = 2.0
         system.applied_forces(q, v)
 
 
-def elastic_pendulum(folder: Path, length: float, angle: float) -> Mechanism:
+def elastic_pendulum(length: float, angle: float) -> Mechanism:
     """A mass with both slides on a spring of free length 0.3 m that hangs from a post."""
     frames = {"post": ("frame", -length * math.sin(angle), length * math.cos(angle))}
     spring = f"""
@@ -161,21 +160,19 @@ frame_b = "link_z"
 stiffness_N_per_m = {STIFFNESS}
 free_length_mm = 300.0
 """
-    return sprung.machine(
-        folder, [sprung.SLIDE_X, sprung.SLIDE_Z], spring, frames=frames, gravity=GRAVITY
-    )
+    return sprung.machine([sprung.SLIDE_X, sprung.SLIDE_Z], spring, frames=frames, gravity=GRAVITY)
 
 
 LENGTH = 0.3 + sprung.MASS * GRAVITY / STIFFNESS
 
 
-def test_elastic_pendulum_keeps_its_energy(tmp_path: Path) -> None:
+def test_elastic_pendulum_keeps_its_energy() -> None:
     """From 50 degrees, stretched by 5 cm, over some ten swings: 1e-10 of what is exchanged.
 
     Spring and gravity exchange a joule and more while the mass swings all over the plane, so a
     force that is not the gradient of the energy by a billionth would show.
     """
-    mechanism = elastic_pendulum(tmp_path, LENGTH + 0.05, math.radians(50.0))
+    mechanism = elastic_pendulum(LENGTH + 0.05, math.radians(50.0))
     solution = sprung.swing(mechanism, 12.0)
     energy = solution.energy
     t = np.linspace(*solution.trajectory.span, 400)
@@ -187,7 +184,7 @@ def test_elastic_pendulum_keeps_its_energy(tmp_path: Path) -> None:
     assert energy.dissipated == 0.0
 
 
-def test_small_swings_of_the_elastic_pendulum(tmp_path: Path) -> None:
+def test_small_swings_of_the_elastic_pendulum() -> None:
     """Half a period pi sqrt(l / g) after a start at 1e-4 rad the mass is on the other side.
 
     The deviations are of the order of the angle squared, 1e-8, and so is the tolerance of 1e-6 of
@@ -195,17 +192,17 @@ def test_small_swings_of_the_elastic_pendulum(tmp_path: Path) -> None:
     """
     angle = 1e-4
     half = math.pi * math.sqrt(LENGTH / GRAVITY)
-    solution = sprung.swing(elastic_pendulum(tmp_path, LENGTH, angle), half)
+    solution = sprung.swing(elastic_pendulum(LENGTH, angle), half)
     t = np.linspace(0.0, half, 21)
     x, _ = sprung.moved(solution, t, "x")
     swung = LENGTH * math.sin(angle)
     assert np.abs(x - -swung * (1.0 - np.cos(np.pi * t / half))).max() <= 1e-6 * swung
 
 
-def test_vertical_swings_of_the_elastic_pendulum(tmp_path: Path) -> None:
+def test_vertical_swings_of_the_elastic_pendulum() -> None:
     """Stretched by 5 cm it swings up and down with sqrt(k / m): z = a (1 - cos w t), to 1e-10."""
     w = math.sqrt(STIFFNESS / sprung.MASS)
-    solution = sprung.swing(elastic_pendulum(tmp_path, LENGTH + 0.05, 0.0), 3.0 * math.tau / w)
+    solution = sprung.swing(elastic_pendulum(LENGTH + 0.05, 0.0), 3.0 * math.tau / w)
     t = np.linspace(*solution.trajectory.span, 81)
     z, _ = sprung.moved(solution, t, "z")
     assert np.abs(z - 0.05 * (1.0 - np.cos(w * t))).max() <= 1e-10 * 0.05

@@ -184,14 +184,14 @@ force_N = [-6.0, -3.0, -2.0, -1.2, 1.5, 25.0]
 """
 
 
-def test_progressive_table_keeps_its_energy_and_goes_back_as_it_came(tmp_path: Path) -> None:
+def test_progressive_table_keeps_its_energy_and_goes_back_as_it_came() -> None:
     """A swing across four rows: energy to 1e-10, and places before and after its end to 1e-10.
 
     Energy is an integral of the table of its own, and nothing of the integration is symmetric in
     time. With a force that jumped at a row, or another beyond it, one of the two would not hold.
     A panel adds at most its tolerance of 1e-13, and there are fewer than a thousand.
     """
-    mechanism = sprung.machine(tmp_path, [sprung.SLIDE_X], PROGRESSIVE)
+    mechanism = sprung.machine([sprung.SLIDE_X], PROGRESSIVE)
     solution = sprung.swing(mechanism, 1.5, resolution=Resolution(tolerance=1e-13))
     assert sum(len(segment.panels) for segment in solution.segments) < 1000
     assert abs(solution.energy.residual) <= 1e-10 * solution.energy.kinetic_peak
@@ -238,13 +238,13 @@ def test_stated_errors_hold_across_the_rows_of_a_table(steeves: dict[str, Path])
     assert run.transitions[0].duration < 0.985 * linear.transitions[0].duration
 
 
-def test_motion_beyond_the_rows_is_refused(tmp_path: Path) -> None:
+def test_motion_beyond_the_rows_is_refused() -> None:
     """The error names spring, joint, place and ends, and the time at which the last row is passed.
 
     With a level table of -2 N the mass reaches 30 mm at sqrt(2 m x / F).
     """
     level = '[springs.coil]\njoint = "x"\ncoordinate_mm = [-5.0, 30.0]\nforce_N = [-2.0, -2.0]\n'
-    mechanism = sprung.machine(tmp_path, [sprung.SLIDE_X], level)
+    mechanism = sprung.machine([sprung.SLIDE_X], level)
     with pytest.raises(ElementError, match=r"spring coil: .*joint x .* from -5 to 30 mm") as caught:
         sprung.swing(mechanism, 1.5)
     evidence = caught.value.evidence

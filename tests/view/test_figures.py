@@ -15,16 +15,18 @@ from judge import press
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 from rich.console import Console
-from runs_shown import run_of, turn
+from runs_shown import run_of, slotted, turn, with_elements
 from snapshots import Words
 
-from nipper_pin import Case, EventKind, InputError, Solution, compare, load, simulate
+from nipper_pin import Case, EventKind, InputError, Solution, check, compare, load, simulate
+from nipper_pin.study.next_steps import NextSteps
 from nipper_pin.study.speed_limit import SpeedLimit, SpeedRange, Verdict
 from nipper_pin.view.compare.files import curves_figure
 from nipper_pin.view.run import print_solution
 from nipper_pin.view.run.bounces import impulse_figure, transition_figure
 from nipper_pin.view.run.plots import plot_solution
 from nipper_pin.view.run.timelines import force_figure, motion_figure, phase_figure
+from nipper_pin.view.studies.check_report import print_report
 from nipper_pin.view.studies.speed_limit_plot import speed_limit_figure
 
 FIGURES = {
@@ -140,3 +142,22 @@ def test_a_failure_leaves_no_half_file(
     with pytest.raises(InputError, match="cannot be written"):
         plot_solution(transition, tmp_path)
     assert list(tmp_path.iterdir()) == []
+
+
+# Springs, dampers, slots and limits in words, as `check` and the tables of a run have them.
+
+
+def test_words_of_elements(words: Words) -> None:
+    """One of each kind, with the units of people."""
+    stream = io.StringIO()
+    console = Console(file=stream, width=100)
+    print_report(check(with_elements(), 600.0), NextSteps((), ()), console)
+    print_solution(run_of("elements"), console)
+    words(stream.getvalue())
+
+
+def test_words_of_a_slot(words: Words) -> None:
+    """Side, joint and place of every stop; the frame and the axis that a pin slides in."""
+    stream = io.StringIO()
+    print_report(check(slotted(), 60.0), NextSteps((), ()), Console(file=stream, width=100))
+    words(stream.getvalue())

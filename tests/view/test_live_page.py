@@ -21,7 +21,7 @@ import viser
 
 from nipper_pin import InputError, Mechanism, load
 from nipper_pin.view.live import page as pages
-from nipper_pin.view.live.curves.axes import SteadyAxis, SteadyDecades, round_above
+from nipper_pin.view.live.lips import Lips
 from nipper_pin.view.live.moment import impulses_at
 from nipper_pin.view.live.page import Page
 from nipper_pin.view.live.settings import knobs
@@ -225,140 +225,102 @@ def test_the_picture_follows_the_clock(
     assert page._text == "there is no motion to show: the touch configuration"
 
 
-def test_texts_come_eight_times_a_second(page: Page) -> None:
-    """Or at once after a slider; names in them are no part of the page."""
-    told = []
-    for now, text, at_once in (
-        (10.0, "a <b>", False), (10.11, "b", False), (10.12001, "c", False), (10.13, "d", True),
-        (10.2, "e", False), (10.2501, "f", False),
-    ):  # fmt: skip
-        page._text = text
-        page._tell(now, at_once=at_once)
-        told.append(re.search(r'id="now">(.*?)</span>', page._now.content)[1])
-    assert told == ["a &lt;b&gt;", "a &lt;b&gt;", "c", "d", "d", "f"]
-    # Two styles, which no reader sees, move the cursor and the lips.
-    words, styles = re.subn(r"<style>.*?</style>", "", page._now.content)
-    assert styles == 2
-    assert re.sub(r"<[^>]*>", "", words) == "Picture: f"
+MM, PIXELS = 1e3, (320.0, 180.0)
 
 
-@pytest.mark.parametrize("slow", [250.0, 500.0])
-def test_the_film_stands_at_its_end_for_a_moment_and_begins_again(page: Page, slow: float) -> None:
-    """0.7 s of playback, however slow: so long the page says the last time, and then the first."""
-    step = 0.02
-    # One index behind the rest.
-    end = run_of("transition").events[-1].t + 60.0 / 650.0 / 40.0
-    page._slow.value = slow
-    told = []
-    for _ in range(int(slow * end / step) + 60):
-        page._draw(step)
-        told.append(page._text.partition(" ms")[0])
-    first, still = told.index(f"{1e3 * end:.2f}"), told.count(f"{1e3 * end:.2f}")
-    assert first == pytest.approx(slow * end / step, abs=1)
-    assert still == pytest.approx(0.7 / step, abs=1)
-    assert told[first + still] == "0.00"
-    assert "0.00" not in told[: first + still]
+def matrices(style: str) -> dict[int, tuple[np.ndarray, np.ndarray]]:
+    """By link: matrix and shift of (x, z) [mm] in the link to pixels, as CSS defines them."""
+    found = {}
+    for body, numbers in re.findall(r"\.lips-(\d+) \{ transform: matrix\(([^)]*)\)", style):
+        a, b, c, d, e, f = map(float, numbers.split(","))
+        found[int(body)] = np.array([[a, c], [b, d]]), np.array([e, f])
+    return found
 
 
-class Moves:
-    """A clock that runs only while the page waits, and sliders that move at some of its times."""
-
-    def __init__(self, *times: float, end: float) -> None:
-        self.now, self.end, self._times = 0.0, end, list(times)
-
-    def wait(self, timeout: float) -> bool:
-        if self.now > self.end:
-            raise StopIteration
-        moved = bool(self._times) and self._times[0] <= self.now + timeout
-        self.now = self._times.pop(0) if moved else self.now + timeout
-        return moved
-
-    def clear(self) -> None:
-        """Nothing is kept: a move is told once."""
-
-    def set(self) -> None:
-        """A slider that moves is told by the times."""
-
-    def perf_counter(self) -> float:
-        return self.now
-
-    def sleep(self, seconds: float) -> None:
-        self.now += seconds
+def contact_in(mechanism: Mechanism) -> dict[str, np.ndarray]:
+    """The contact point (x, z) [mm] in the frames of both lips, which meet there at zero."""
+    model, data = mechanism.model, mechanism.model.createData()
+    pin.forwardKinematics(model, data, np.zeros(model.nq))
+    point = mechanism.stop("jaw").contact.point
+    return {
+        joint.child: MM * data.oMi[model.getJointId(joint.name)].actInv(point)[[0, 2]]
+        for joint in mechanism.joints
+    }
 
 
-def test_the_film_stands_while_sliders_move_and_goes_on_where_it_stood(
-    page: Page, server: viser.ViserServer, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """0.8 s from the last of two moves, in which it is drawn for each setting, at the same time.
+@pytest.mark.parametrize("larger", [1.0, 10.0])
+def test_both_lips_stand_apart_by_the_gap(e62: Mechanism, larger: float) -> None:
+    """The lower one in the middle, the upper one above it by lever times angle, to second order.
 
-    The page's own loop, on a clock that no other work of the machine delays.
+    Drawn at the wrong scale, mirrored or turned, the contact point of the upper lip would lie
+    elsewhere: its place is computed by Pinocchio's own kinematics of another configuration.
     """
-    clock = Moves(2.0, 2.3, end=4.0)
-    monkeypatch.setattr(pages, "time", clock)
-    monkeypatch.setattr(page, "_wake", clock)
-    monkeypatch.setattr(server, "get_clients", lambda: {0: None})
-    shown: list[tuple[float, float]] = []
-    draw = page._draw
-    monkeypatch.setattr(
-        page, "_draw", lambda passed: (draw(passed), shown.append((clock.now, page._clock)))
-    )
-    with pytest.raises(StopIteration):
-        page.run()
-    before = max(t for now, t in shown if now < 2.0)
-    still = [now for now, t in shown if t == before and now >= 2.0]
-    assert still == pytest.approx([2.0, 2.3, 3.1], abs=0.01)
-    # From there on it runs as fast as ever.
-    last, t = shown[-1]
-    assert last > 3.5
-    assert t - before == pytest.approx((last - still[-1]) / page._slow.value, rel=1e-9)
+    run = run_of("transition")
+    first = run.collisions[0]
+    q = run.trajectory.evaluate(first.t + 0.5 * first.rebound_time).q[0]
+    angle = e62.stop("jaw").gap(q)
+    style = Lips(e62).style(q, first.rebound_amplitude, larger)
+    place = contact_in(e62)
+    names = [joint.child for joint in e62.joints]
+    at = {
+        name: matrix @ place[name] + shift
+        for name, (matrix, shift) in ((names[k], found) for k, found in matrices(style).items())
+    }
+    middle = 0.5 * np.array(PIXELS)
+    assert at["bottom_nipper"] == pytest.approx(middle, abs=2e-3)
+    high = {1.0: 12.0, 10.0: 25.0}[larger]
+    scale = PIXELS[1] / high
+    gap = MM * e62.stop("jaw").lever * angle
+    up = middle[1] - at["top_nipper"][1]
+    # The chord of a circle differs from its arc by angle / 2 of it.
+    assert up == pytest.approx(scale * gap, rel=angle)
+    assert abs(at["top_nipper"][0] - middle[0]) < 1.5 * angle * scale * gap + 2e-3
+    for matrix, _ in matrices(style).values():
+        # (x, z) to pixels, whose second axis points down: a rotation, mirrored.
+        assert np.linalg.det(matrix) == pytest.approx(-(scale**2), rel=1e-4)
 
 
-# Curves.
+def test_closed_lips_meet_and_the_scale_is_told(e62: Mechanism) -> None:
+    style = Lips(e62).style(np.zeros(e62.model.nv), 0.0, 1.0)
+    place, names = contact_in(e62), [joint.child for joint in e62.joints]
+    for body, (matrix, shift) in matrices(style).items():
+        if names[body] in ("top_nipper", "bottom_nipper"):
+            at = matrix @ place[names[body]] + shift
+            assert at == pytest.approx(0.5 * np.array(PIXELS), abs=2e-3)
+    assert 'content: "bar 2 mm; true"' in style
+    bar = re.search(r"\.lips-bar \{[^}]*scale\(([\d.]+), 1\)", style)
+    assert bar is not None
+    assert float(bar[1]) == pytest.approx(2.0 * PIXELS[1] / 12.0, rel=1e-4)
 
 
-def test_axes_grow_in_round_steps_and_shrink_only_when_asked() -> None:
-    assert [round_above(value) for value in (0.011, 1.0, 3.1, 6.0, 8.5, 301.0)] == [
-        0.015, 1.0, 4.0, 6.0, 10.0, 400.0
-    ]  # fmt: skip
-    axis, tops = SteadyAxis(), []
-    for needed in (301.0, 310.0, 250.0, 401.0, 10.0):
-        axis.hold(needed)
-        tops.append(axis.top)
-    assert tops == [400.0, 400.0, 400.0, 500.0, 500.0]
-    axis.forget()
-    axis.hold(10.0)
-    assert axis.top == 15.0
-    decades = SteadyDecades()
-    for values, ends in (([0.9, 4e-4], (1e-4, 1.0)), ([1.1], (1e-4, 10.0)), ([0.5], (1e-4, 10.0))):
-        decades.hold(values)
-        assert decades.ends == pytest.approx(ends, rel=1e-12)
-    decades.forget()
-    decades.hold([0.5])
-    assert decades.ends == pytest.approx((0.1, 1.0), rel=1e-12)
+@pytest.mark.parametrize(
+    ("gap_mm", "larger", "high", "bar"),
+    [(2.9, 1.0, 12.0, 2), (3.1, 1.0, 25.0, 5), (0.5, 20.0, 50.0, 10), (1000.0, 1.0, 250.0, 50)],
+)
+def test_the_view_holds_the_largest_rebound(
+    e62: Mechanism, gap_mm: float, larger: float, high: float, bar: int
+) -> None:
+    angle = gap_mm / MM / e62.stop("jaw").lever
+    style = Lips(e62).style(np.zeros(e62.model.nv), angle, larger)
+    scale = np.sqrt(-np.linalg.det(matrices(style)[1][0]))
+    assert scale == pytest.approx(PIXELS[1] / high, rel=1e-4)
+    assert f"bar {bar} mm; {'true' if larger == 1.0 else f'rebounds x {larger:g}'}" in style
 
 
-def test_slider_and_field_go_together_and_a_refused_text_changes_nothing(page: Page) -> None:
-    controls, before = page._set, page._answer
-    field, slider, said = (
-        part["speed"] for part in (controls.fields, controls.sliders, controls.refusals)
-    )
-    assert not page._wake.is_set()
-    slider.value = 700.0
-    assert field.value == "700"
-    assert page._wake.is_set()
-    field.value = "720.5"
-    assert (slider.value, said.content) == (720.5, "")
-    page._answer = page._follow()
-    assert page._answer.setting.startswith("speed 720.5 r/min")
-    assert page._answer is not before
-    shown = page._answer
-    field.value = "99999"
-    assert "speed: 180 to 900 r/min" in said.content
-    assert "Shown: 720.5 r/min" in said.content
-    assert slider.value == 720.5
-    assert page._follow() is shown
-    page._press("reset")
-    page._act()
-    page._answer = page._follow()
-    assert (field.value, slider.value, said.content) == ("650", 650.0, "")
-    assert page._answer.setting == before.setting
+def test_outlines_are_those_of_the_meshes(e62: Mechanism) -> None:
+    """Each link that is cut has its outline, inside of the box around its visuals."""
+    html = Lips(e62).html
+    names = [joint.child for joint in e62.joints]
+    assert {"top_nipper", "bottom_nipper"} <= {
+        names[int(k)] for k in re.findall(r'class="lips-(\d+)"', html)
+    }
+    for outline in re.findall(r' d="([^"]*)"', html):
+        points = np.array([pair.split() for pair in re.findall(r"[ML]([-\d. ]+)", outline)], float)
+        assert len(points) > 2
+        assert np.abs(points).max() < MM * e62.reach_m
+
+
+def test_a_stop_without_contact_point_has_no_close_up() -> None:
+    lips = Lips(run_of("balls").mechanism)
+    assert lips.html == ""
+    assert lips.style(np.zeros(2), 0.0, 1.0) == ""
