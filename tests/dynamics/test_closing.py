@@ -15,11 +15,11 @@ from nipper_pin.dynamics import (
     Multibody,
     ShaftMotion,
     System,
+    assemble,
     close_positions,
     close_velocities,
     partition,
 )
-from nipper_pin.dynamics.touch import assemble
 from nipper_pin.tolerances.mechanics import CLOSURE_RESIDUAL
 
 MakeSystem = Callable[..., System]

@@ -21,8 +21,7 @@ from dense import close, constrained
 
 from benchmarks.stress.mechanics.planar_tree import PlanarTree
 from nipper_pin import DriveMode, Mechanism, load
-from nipper_pin.dynamics import ShaftMotion, System, partition
-from nipper_pin.dynamics.multipliers import multipliers
+from nipper_pin.dynamics import ShaftMotion, System, multipliers, partition
 from nipper_pin.hybrid.contact.complementarity import pressed
 
 RELATIVE = 1e-11

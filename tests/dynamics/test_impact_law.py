@@ -16,8 +16,15 @@ from dense import close, constrained
 
 from benchmarks.stress.mechanics.planar_tree import PlanarTree
 from nipper_pin import DriveMode, ImpactError, Mechanism, load
-from nipper_pin.dynamics import Impact, ShaftMotion, System, arrest, collide, drive_impulses
-from nipper_pin.dynamics.moving_mass import impact_condition
+from nipper_pin.dynamics import (
+    Impact,
+    ShaftMotion,
+    System,
+    arrest,
+    collide,
+    drive_impulses,
+    impact_condition,
+)
 from nipper_pin.mechanism import find_model
 
 MakeSystem = Callable[..., System]

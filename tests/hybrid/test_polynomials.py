@@ -16,10 +16,10 @@ from numpy.polynomial import Chebyshev, Polynomial
 from nipper_pin import Case, EventKind
 from nipper_pin.chebyshev import Series, decayed, evaluate, nodes, tail
 from nipper_pin.dynamics import Partition
+from nipper_pin.hybrid import Segment
 from nipper_pin.hybrid.event_location.roots import first_descent, polish
 from nipper_pin.hybrid.motion.panel import Panel
 from nipper_pin.hybrid.result.rebounds import Rebounds
-from nipper_pin.hybrid.segment import Segment
 from nipper_pin.mechanism import Stop
 
 ORDERS = [3, 4, 5, 8, 12, 16]

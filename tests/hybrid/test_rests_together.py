@@ -12,10 +12,9 @@ from small_machines import SLED, link, machine, slide, turn
 from nipper_pin import Case, Event, EventKind, Mechanism, Outcome, Solution, Window, load, simulate
 from nipper_pin.dynamics import Impact, ShaftMotion, System
 from nipper_pin.dynamics.parts import parts as parts_of
+from nipper_pin.hybrid import State, initial_state
 from nipper_pin.hybrid.contact.complementarity import Closed
 from nipper_pin.hybrid.run.event_log import EventLog
-from nipper_pin.hybrid.run.start import initial_state
-from nipper_pin.hybrid.state import State
 from nipper_pin.mechanism import with_numbers
 
 GRAVITY = 9.81

@@ -17,8 +17,8 @@ import nipper_pin as nip
 from nipper_pin.arrays import FloatArray
 from nipper_pin.cli import main
 from nipper_pin.cli import simulate as command
+from nipper_pin.hybrid import need_sound
 from nipper_pin.hybrid.result.energy_balance import energy_balance
-from nipper_pin.hybrid.result.self_check import need_sound
 from nipper_pin.mechanism import with_numbers
 from nipper_pin.mechanism.files.register import FORCES, RESTITUTIONS
 from nipper_pin.mechanism.forces import ForceTable

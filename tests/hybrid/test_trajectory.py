@@ -17,7 +17,7 @@ from nipper_pin import (
     load,
     simulate,
 )
-from nipper_pin.hybrid.segment import Segment
+from nipper_pin.hybrid import Segment
 
 
 @pytest.fixture(scope="module", params=["held", "inertial"])

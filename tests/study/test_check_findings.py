@@ -15,7 +15,7 @@ from small_machines import frame, hinge, link, sources
 from snapshots import Words
 
 from nipper_pin import Case, InputError, Mechanism, Solution, Window, check, load, simulate
-from nipper_pin.dynamics.moving_mass import impact_condition
+from nipper_pin.dynamics import impact_condition
 from nipper_pin.mechanism import collision_model, find_model, from_sources
 from nipper_pin.study.check import Extreme, ModelReport
 from nipper_pin.study.interference import Clearance, clearances
