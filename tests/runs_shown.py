@@ -12,6 +12,8 @@ from small_machines import SHAFT, frame, hinge, link, machine, slide
 
 from nipper_pin import Case, Mechanism, Solution, Window, load, simulate
 from nipper_pin.mechanism import from_sources
+from nipper_pin.mechanism.drawing import drawn_mechanism
+from nipper_pin.mechanism.gallery import GALLERY
 
 
 def balls() -> Mechanism:
@@ -67,6 +69,13 @@ def slotted() -> Mechanism:
         stops={"near": {"joint": "room", "restitution": 0.5, "at_mm": -4.0},
                "far": {"joint": "room", "restitution": 0.5, "side": "upper", "at_mm": 6.0}},
     )  # fmt: skip
+
+
+def machine_called(name: str) -> Mechanism:
+    """A model of the package, one of the gallery, or the E62 with springs between two points."""
+    if name in GALLERY:
+        return drawn_mechanism(GALLERY[name]())
+    return with_elements() if name == "elements" else load(name)
 
 
 def turn(mechanism: Mechanism, speed: float, start: float = 0.0, turns: int = 1) -> Solution:

@@ -1,4 +1,5 @@
 import json
+import sys
 from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
@@ -11,6 +12,8 @@ from nipper_pin import Mechanism
 from nipper_pin.reduced import ReducedModel, build
 
 KERNELS = sorted((Path(__file__).parents[2] / "nipper_pin/reduced/kernels").glob("[!_]*.py"))
+# The solution in 80-bit arithmetic.
+sys.path.append(str(Path(__file__).parents[1] / "reference"))
 REFERENCE = Path(__file__).parents[1] / "reference" / "e62_transition.json"
 
 

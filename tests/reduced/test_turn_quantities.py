@@ -1,4 +1,4 @@
-"""Quantities of turns, judged by the certified turns and by forces of the direct engine."""
+"""Quantities and torques of turns, judged by certified turns and by the direct engine."""
 
 from __future__ import annotations
 
@@ -9,11 +9,15 @@ from typing import Any
 
 import numpy as np
 import pytest
+from held_turn import HeldTurn, quantities
+from scipy.optimize import minimize_scalar
 
-from nipper_pin import Case, EventKind, InputError, Mechanism, Solution, simulate
+from nipper_pin import Case, EventKind, InputError, Mechanism, Solution, load, simulate
 from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.gallery import GALLERY
-from nipper_pin.reduced.turns import TurnStatus, turn_quantities
+from nipper_pin.reduced.kernels.turn_layout import Charts, TurnWork
+from nipper_pin.reduced.turns import TurnStatus, turn_quantities, turn_torques
+from nipper_pin.reduced.turns import peak_torques as module
 
 REFERENCE = Path(__file__).resolve().parents[1] / "reference/e62_cycle.json"
 SPEEDS = {"450": 450.0, "650": 650.0}
@@ -122,3 +126,181 @@ def test_cases_of_different_length_are_refused(e62: Mechanism) -> None:
         turn_quantities(e62, speed_rpm=[450.0, 650.0], restitution=[0.1, 0.2, 0.3])
     with pytest.raises(InputError, match="turns"):
         turn_quantities(e62, speed_rpm=450.0, turns=0)
+
+
+# Stated errors, against a solution in 80-bit arithmetic.
+
+# Speed, restitutions of jaw and steeve, stiffness, preload, share of the range of the force.
+TURNS = [
+    ("733.3", "0.37", "0.11", "8123.5", "9.7", 0.4),
+    ("1085.0", "0.08", "0.52", "10650.0", "13.1", 0.9),
+    ("318.9", "0.61", "0.23", "6021.0", "6.4", 0.0),
+]
+
+
+@pytest.mark.skipif(
+    np.finfo(np.longdouble).eps > 1e-18, reason="numpy.longdouble has no 80 bits on this machine"
+)
+@pytest.mark.parametrize(("speed", "jaw", "steeve", "k", "preload", "share"), TURNS)
+def test_quantities_within_their_stated_errors(
+    speed: str, jaw: str, steeve: str, k: str, preload: str, share: float
+) -> None:
+    """At a coarse, a usual and a fine tolerance; none is stated wastefully wide at all of them."""
+    true = quantities(
+        HeldTurn({"speed_rpm": speed, "jaw_restitution": jaw, "stop_restitution": steeve,
+                  "stiffness_N_per_m": k, "preload_length_mm": preload}), share,
+    )  # fmt: skip
+    mechanism = load("e62", {
+        "stops.jaw.restitution": float(jaw), "stops.steeve.restitution": float(steeve),
+        "springs.steeve.stiffness_N_per_m": float(k),
+        "springs.steeve.preload_length_mm": float(preload),
+    })  # fmt: skip
+    lever = math.hypot(0.0818, 0.0364)
+    rate = np.longdouble(speed) * 8 * np.arctan(np.longdouble(1)) / 60
+    ratios: dict[str, list[float]] = {}
+    for tolerance in (1e-4, 1e-8, 1e-12):
+        found = turn_quantities(mechanism, speed_rpm=float(speed), tolerance=tolerance,
+                                least_force=true["level"])  # fmt: skip
+        values = [
+            ("closed", found.closed_at, found.closed_error, true["closed_at"], rate),
+            ("rests", found.rests_at, found.rests_error, true["rests_at"], rate),
+            ("lost", found.lost_at, found.lost_error, true["lost_at"], rate),
+            ("opened", found.opened_at, found.opened_error, true["opened_at"], rate),
+            ("clamped", found.clamped, found.clamped_error, true["clamped"], rate),
+            ("least", found.least_force, found.least_force_error, true["least_force"], 1),
+            ("most", found.most_force, found.most_force_error, true["most_force"], 1),
+            ("gap", found.largest_gap, found.gap_error, true["largest_gap"], 1),
+            ("energy", found.energy_lost, found.energy_lost_error, true["energy_lost"], 1),
+        ]
+        for place, (stop, by) in enumerate((("jaw", 1.0 / lever), ("steeve", 1.0))):
+            for key in ("impulse_sum", "largest_impulse"):
+                value, error = (getattr(found, f"{key}{end}")[:, place] for end in ("", "_error"))
+                values.append((f"{key} {stop}", value, error, true[f"{key}_{stop}"], by))
+        for what, value, error, wanted, scale in values:
+            if wanted is None:
+                assert math.isnan(value[0]), what
+                continue
+            ratio = abs(value[0] - wanted * scale) / error[0]
+            assert ratio <= 1.0, (what, tolerance)
+            ratios.setdefault(what, []).append(float(ratio))
+    assert all(max(row) > 1e-5 for row in ratios.values()), ratios
+
+
+# Largest torques of the drives, judged by the forces of the direct engine.
+
+# Forces of the direct engine between events, by their largest value.
+DIRECT = 1e-9
+PLACES = 60
+
+
+def largest(run: Solution, drive: str, begin: float) -> float:
+    """Largest torque from a time on: the peaks of a grid on every segment, refined."""
+    most = 0.0
+    rests = np.array([event.t for event in run.events if event.kind is EventKind.REST])
+    for segment in run.segments:
+        # A stretch at rest begins with the bounces that are not computed.
+        inside = rests[(rests >= segment.t_start) & (rests < segment.t_end)]
+        low, high = max(segment.t_start, begin, *inside), segment.t_end
+        if high - low <= 1e-12 * run.shaft.period:
+            continue
+        t = np.linspace(low, high, PLACES + 1)
+        first = run.trajectory.reactions(t[:-1]).drives[drive]
+        last = run.trajectory.reactions(t[-1:], left=True).drives[drive]
+        torque = np.abs([*first, *last])
+        most = max(most, torque[0], torque[-1])
+        for i in range(1, PLACES):
+            if torque[i] >= max(torque[i - 1], torque[i + 1]) and torque[i] > 0.9 * most:
+
+                def below(at: float) -> float:
+                    return -abs(float(run.trajectory.reactions(at).drives[drive][0]))
+
+                found = minimize_scalar(
+                    below, bounds=(t[i - 1], t[i + 1]), method="bounded", options={"xatol": 1e-9}
+                )
+                most = max(most, -found.fun)
+    return float(most)
+
+
+def judged(mechanism: Mechanism, speed: float, turns: int) -> None:
+    """The torques of the last turn, within the stated errors."""
+    found = turn_torques(mechanism, speed_rpm=speed, turns=turns)
+    assert found.status.tolist() == [TurnStatus.FOLLOWED]
+    run = simulate(mechanism, Case(speed_rpm=speed, window="cycle", cycles=turns))
+    for place, drive in enumerate(found.drives):
+        true = largest(run, drive, (turns - 1) * run.shaft.period)
+        value, error = found.largest[0, place], found.error[0, place]
+        assert true > 0.0
+        assert abs(value - true) <= error + DIRECT * true
+        assert error <= 1e-7 * true
+
+
+@pytest.mark.parametrize(("speed", "turns"), [(450.0, 1), (650.0, 1), (1200.0, 3)])
+def test_torques_of_the_nipper(e62: Mechanism, speed: float, turns: int) -> None:
+    """Both shafts; at 1,200 r/min the largest torque comes while the jaw bounces."""
+    judged(e62, speed, turns)
+
+
+@pytest.mark.parametrize("name", ["ratchet_feed", "door_closer", "jaw_crusher"])
+def test_torques_of_machines_of_the_gallery(name: str) -> None:
+    """Springs, a damper, stops on both sides."""
+    mechanism = drawn_mechanism(GALLERY[name]())
+    judged(mechanism, mechanism.cylinder.rated_speed_rpm, 1)
+
+
+def test_numbers_of_a_case_change_the_torque(e62: Mechanism) -> None:
+    """A stiffer spring and another preload, as if the mechanism had them."""
+    changed = load(
+        "e62",
+        {"springs.steeve.stiffness_N_per_m": 13000.0, "springs.steeve.preload_length_mm": 22.0},
+    )
+    numbers = turn_torques(e62, speed_rpm=650.0, stiffness=13000.0, preload=0.022)
+    own = turn_torques(changed, speed_rpm=650.0)
+    np.testing.assert_allclose(numbers.largest, own.largest, rtol=1e-9)
+    usual = turn_torques(e62, speed_rpm=650.0)
+    assert np.abs(usual.largest / own.largest - 1.0).min() > 1e-3
+
+
+def test_a_batch_is_its_cases_and_reports_the_last_turns(e62: Mechanism) -> None:
+    """At 1,900 r/min two turns alternate, and so do their torques."""
+    speeds = np.array([450.0, 1900.0])
+    many = turn_torques(e62, speed_rpm=speeds, turns=60, last=3)
+    assert many.largest.shape == many.error.shape == (2, 3, 2)
+    for i, speed in enumerate(speeds):
+        one = turn_torques(e62, speed_rpm=speed, turns=60, last=3)
+        assert one.largest.tobytes() == many.largest[i].tobytes()
+    # The turn at 450 r/min repeats at once: there is one.
+    assert np.isnan(many.largest[0, 1:]).all()
+    last, before, earlier = many.largest[1, :, 0]
+    assert last == pytest.approx(earlier, rel=1e-8)
+    assert abs(last - before) > 1e-7 * last
+
+
+def test_cases_that_cannot_be_followed_have_no_torque(
+    e62: Mechanism, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Too many collisions, or more panels than there is room for, are told by the status."""
+    few = turn_torques(e62, speed_rpm=650.0, max_collisions=3)
+    roomy = module.scratch
+
+    def tight(charts: Charts, most: int = 1, panels: int = 0) -> TurnWork:
+        return roomy(charts, most, min(panels, 5))
+
+    monkeypatch.setattr(module, "scratch", tight)
+    full = turn_torques(e62, speed_rpm=650.0)
+    whole = turn_torques(e62, speed_rpm=650.0, last=1)
+    for found in (few, full):
+        assert found.status[0] == TurnStatus.TOO_MANY_COLLISIONS
+        assert np.isnan(found.largest).all()
+    assert whole.largest.shape == (1, 1, 2)
+    with pytest.raises(InputError, match="turns"):
+        turn_torques(e62, speed_rpm=450.0, turns=0)
+
+
+@pytest.mark.campaign
+def test_torques_may_have_no_tables_as_wide_as_those_of_a_flight() -> None:
+    """Such a case leaves the widest tables, and does not end the others."""
+    mechanism = drawn_mechanism(GALLERY["stephenson_1"]())
+    speeds = mechanism.cylinder.rated_speed_rpm * np.array([1.0, 12.0])
+    found = turn_torques(mechanism, speed_rpm=speeds, restitution=0.9)
+    assert found.status.tolist() == [TurnStatus.FOLLOWED, TurnStatus.LEFT_GAP]
+    assert np.isnan(found.largest).tolist() == [[False], [True]]

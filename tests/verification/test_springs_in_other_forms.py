@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-import shutil
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -27,29 +27,29 @@ from nipper_pin import (
     transition_table,
     turn_table,
 )
-from nipper_pin.mechanism import find_model
+from nipper_pin.mechanism import from_sources
 from nipper_pin.reduced import unfit
 
 
-def joint(stiffness: float, preload: float) -> str:
+def joint(stiffness: float, preload: float) -> dict[str, Any]:
     """A spring on the slide [N/m, mm]."""
-    return f'joint = "steeve"\nstiffness_N_per_m = {stiffness!r}\npreload_length_mm = {preload!r}'
+    return {"joint": "steeve", "stiffness_N_per_m": stiffness, "preload_length_mm": preload}
 
 
-def points(stiffness: float, preload: float) -> str:
+def points(stiffness: float, preload: float) -> dict[str, Any]:
     """The same between the two pins."""
     free = math.hypot(67.38782025129913, 162.2487823687206) + preload
-    return (
-        'frame_a = "steeve_lower"\nframe_b = "steeve_upper"\n'
-        f"stiffness_N_per_m = {stiffness!r}\nfree_length_mm = {free!r}"
-    )
+    return {"frame_a": "steeve_lower", "frame_b": "steeve_upper",
+            "stiffness_N_per_m": stiffness, "free_length_mm": free}  # fmt: skip
 
 
-def rows(stiffness: float, preload: float) -> str:
-    """The same as a table."""
-    places = (-5.0, 1.0, 2.5, 8.0, 40.0)
-    forces = [1e-3 * stiffness * (preload + x) for x in places]
-    return f'joint = "steeve"\ncoordinate_mm = {list(places)}\nforce_N = {forces}'
+PLACES = (-5.0, 1.0, 2.5, 8.0, 40.0)
+
+
+def rows(stiffness: float, preload: float, harder: float = 0.0) -> dict[str, Any]:
+    """The same as a table, or one that grows harder along the stroke."""
+    forces = [1e-3 * stiffness * (preload + x) * (1.0 + harder * x) for x in PLACES]
+    return {"joint": "steeve", "coordinate_mm": list(PLACES), "force_N": forces}
 
 
 FORMS = {
@@ -60,31 +60,23 @@ FORMS = {
     "two tables": [rows(4000.0, -20.0), rows(5000.0, 35.8)],
     "one of each": [joint(2000.0, -30.0), rows(3000.0, 40.0), points(4000.0, 9.75)],
 }
-"""Springs of the steeve whose sum is that of the E62."""
+"""Springs of the steeve whose sum is that of the E62.
+
+The slide lies along the line of the two pins, 175.7 mm apart at touch, and its coordinate is what
+the line has lost; a free length 11 mm longer is the preload. Parts have 9 N/mm and 99 N.
+"""
 BETWEEN_POINTS = {"points": (9000.0, 11.0), "two lines": (9000.0, 11.0),
                   "one of each": (4000.0, 9.75)}  # fmt: skip
 
 
-@pytest.fixture(scope="module")
-def steeves(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """The E62 again and again, with its spring in other forms and of several parts.
-
-    The slide lies along the line of the two pins, 175.7 mm apart at touch, and its coordinate is
-    what the line has lost; a free length 11 mm longer is the preload. Parts have 9 N/mm and 99 N.
-    """
-    old = joint(9000.0, 11.0)
-    found = {"joint": find_model("e62")}
-    for kind, (first, *others) in FORMS.items():
-        folder = found[kind] = tmp_path_factory.mktemp(kind) / "e62"
-        shutil.copytree(find_model("e62"), folder)
-        path = folder / "e62.toml"
-        lines = path.read_text(encoding="utf-8")
-        assert old in lines
-        more = [f"\n[springs.other_{k}]\n{text}" for k, text in enumerate(others)]
-        text = "".join([first, *more])
-        lines = lines.replace(old, text + " #").partition("[shortcuts]")[0]
-        path.write_text(lines, encoding="utf-8")
-    return found
+def sprung_by(springs: list[dict[str, Any]], **tables: Any) -> Mechanism:
+    """The E62 with other springs on its steeve, and further tables."""
+    e62 = load("e62")
+    own = {"steeve": springs[0], **{f"other_{k}": item for k, item in enumerate(springs[1:])}}
+    known = {key: item for key, item in e62.description.items() if key != "shortcuts"}
+    return from_sources(
+        "e62", e62.urdf, {**known, "springs": own, **tables}, e62.mesh_folder or "."
+    )
 
 
 @cache
@@ -95,7 +87,7 @@ def plain(window: Window) -> Solution:
 
 @pytest.mark.parametrize("kind", FORMS)
 @pytest.mark.parametrize("window", [Window.TRANSITION, Window.CYCLE])
-def test_same_spring_in_another_form(steeves: dict[str, Path], kind: str, window: Window) -> None:
+def test_same_spring_in_another_form(kind: str, window: Window) -> None:
     """Collisions of the E62 at 650 r/min agree to 1e-12 s, rates and impulses to 1e-9.
 
     Forces agree to 1e-5 N. Panels at 1e-12 of some milliseconds; a late, small bounce has lost
@@ -103,7 +95,7 @@ def test_same_spring_in_another_form(steeves: dict[str, Path], kind: str, window
     A preload off by 1e-6 mm would shift the first flight by 1e-10 s.
     """
     one = plain(window)
-    other = simulate(load(steeves[kind]), one.case)
+    other = simulate(sprung_by(FORMS[kind]), one.case)
     assert len(one.events) == len(other.events) > 6
     for first, second in zip(one.collisions, other.collisions, strict=True):
         assert first.stop == second.stop
@@ -129,12 +121,15 @@ def test_same_spring_in_another_form(steeves: dict[str, Path], kind: str, window
 
 
 @pytest.mark.parametrize("of", ["transitions", "turns"])
-def test_two_springs_on_one_joint_in_tables(steeves: dict[str, Path], of: str) -> None:
+def test_two_springs_on_one_joint_in_tables(of: str) -> None:
     """The reduced engine samples functions of its own for each; the direct one has a single one."""
     compute = {"transitions": transition_table, "turns": turn_table}[of]
     one, two = (
-        compute(load(steeves[kind]), speed_rpm=[500.0, 650.0], engine=engine, rest_rate=1e-3)
-        for kind, engine in (("joint", "direct"), ("two springs", "reduced"))
+        compute(machine, speed_rpm=[500.0, 650.0], engine=engine, rest_rate=1e-3)
+        for machine, engine in (
+            (load("e62"), "direct"),
+            (sprung_by(FORMS["two springs"]), "reduced"),
+        )
     )
     names = ("duration", "rebound_amplitude") if of == "transitions" else ("energy_lost",
              "largest_clamping_force", "largest_gap", "closing_index")  # fmt: skip
@@ -142,21 +137,16 @@ def test_two_springs_on_one_joint_in_tables(steeves: dict[str, Path], of: str) -
         np.testing.assert_allclose(getattr(two, name), getattr(one, name), rtol=1e-8)
 
 
-def test_damper_on_a_driven_joint_loads_its_drive_alone(steeves: dict[str, Path]) -> None:
+def test_damper_on_a_driven_joint_loads_its_drive_alone() -> None:
     """A held shaft moves as before; its torque grows by c v, its work by the heat.
 
     Torques of 1e3 N m are exact to 1e-9. With elastic drive trains the same damper slows the shaft,
     and the balance closes to 1e-9 with the heat as a term of its own.
     """
     damping = 0.8
-    plain = load(steeves["joint"])
-    folder = steeves["points"].parent / "damped" / "e62"
-    shutil.copytree(steeves["joint"], folder)
-    path = folder / "e62.toml"
-    text = path.read_text(encoding="utf-8")
-    damper = f'[dampers.shaft]\njoint = "pendulum_shaft"\ndamping_N_m_s_per_rad = {damping}\n'
-    path.write_text(text.replace("[springs.steeve]", damper + "[springs.steeve]"), encoding="utf-8")
-    damped = load(folder)
+    plain = load("e62")
+    damper = {"joint": "pendulum_shaft", "damping_N_m_s_per_rad": damping}
+    damped = sprung_by([joint(9000.0, 11.0)], dampers={"shaft": damper})
     case = Case(speed_rpm=450.0, window=Window.CYCLE)
     one, other = simulate(plain, case), simulate(damped, case)
     assert [hit.t for hit in one.collisions] == [hit.t for hit in other.collisions]
@@ -214,17 +204,14 @@ def test_progressive_table_keeps_its_energy_and_goes_back_as_it_came() -> None:
     assert np.ptp(energy) <= 1e-10 * np.ptp(table.energies(x))
 
 
-def test_stated_errors_hold_across_the_rows_of_a_table(steeves: dict[str, Path]) -> None:
+def test_stated_errors_hold_across_the_rows_of_a_table() -> None:
     """Collision times differ from those on tiny panels by less than twice what is stated.
 
     The reference has 4000 panels to a turn at 1e-14: rows lie in few of them, and in short ones.
     The table is far from a line: its transition is 2 % shorter than that of the linear spring, and
     the stroke passes two of its rows.
     """
-    mechanism = load(steeves["table"], {
-        f"springs.steeve.force_N[{row}]": 9.0 * (11.0 + x) * (1.0 + 0.02 * x)
-        for row, x in enumerate((-5.0, 1.0, 2.5, 8.0, 40.0))
-    })  # fmt: skip
+    mechanism = sprung_by([rows(9000.0, 11.0, harder=0.02)])
     fine = Resolution(tolerance=1e-14, panels_per_turn=4000)
     exact = simulate(mechanism, Case(speed_rpm=650.0, resolution=fine))
     for tolerance in (1e-10, 1e-12, 1e-13):
@@ -256,9 +243,7 @@ def test_motion_beyond_the_rows_is_refused() -> None:
     assert evidence["coordinate"] > 0.03
 
 
-def test_saved_run_and_tables_of_cases(
-    pendulum: Mechanism, steeves: dict[str, Path], tmp_path: Path
-) -> None:
+def test_saved_run_and_tables_of_cases(pendulum: Mechanism, tmp_path: Path) -> None:
     """A saved run comes back with all its elements; the reduced engine says what it has not got."""
     solution = sprung.swing(pendulum, 0.5)
     again = load_solution(save(solution, tmp_path / "run.npz"))
@@ -270,7 +255,7 @@ def test_saved_run_and_tables_of_cases(
         ("points", "spring steeve between two points"),
         ("table", "table of spring"),
     ):
-        mechanism = load(steeves[kind])
+        mechanism = sprung_by(FORMS[kind])
         assert words in str(unfit(mechanism))
         table = transition_table(mechanism, speed_rpm=np.linspace(500.0, 650.0, 3))
         assert words in table.why

@@ -12,29 +12,24 @@ import pytest
 from matplotlib.figure import Figure
 from matplotlib.text import Annotation
 from PIL import Image
+from runs_shown import machine_called
 
-from nipper_pin import Mechanism, load
+from nipper_pin import load
 from nipper_pin.cli import main
 from nipper_pin.mechanism import known_models
-from nipper_pin.mechanism.drawing import drawn_mechanism
-from nipper_pin.mechanism.gallery import GALLERY
 from nipper_pin.view.figure_file import save_figure
 from nipper_pin.view.sketch import sketch, write_sketch
 from nipper_pin.view.sketch.draw import drawn
 
 # A slot, a damper between two points, springs on hinges, two stops on one part.
 FEW = ("jaw_crusher", "door_closer", "geneva_rack", "ratchet_feed")
-MACHINES = (*sorted(known_models()), *(name for name in FEW if name in GALLERY))
-
-
-def machine(name: str) -> Mechanism:
-    return drawn_mechanism(GALLERY[name]()) if name in GALLERY else load(name)
+MACHINES = (*sorted(known_models()), *FEW)
 
 
 @pytest.mark.parametrize("name", MACHINES)
 def test_parts_stand_where_pinocchio_has_them(name: str) -> None:
     """Pins at the frames of the model; links through the pins of their own; contacts of stops."""
-    mechanism = machine(name)
+    mechanism = machine_called(name)
     shown = sketch(mechanism)
     model = mechanism.model
     data = model.createData()
@@ -83,7 +78,7 @@ def test_parts_stand_where_pinocchio_has_them(name: str) -> None:
 @pytest.mark.parametrize("name", MACHINES)
 def test_every_part_has_its_name_beside_it(name: str) -> None:
     """All names are written, inside of the drawing, and none on another one."""
-    mechanism = machine(name)
+    mechanism = machine_called(name)
     figure = drawn(sketch(mechanism))
     (axes,) = figure.axes
     figure.canvas.draw()
@@ -113,8 +108,7 @@ def test_every_part_has_its_name_beside_it(name: str) -> None:
 def test_the_same_model_gives_the_same_bytes(tmp_path: Path) -> None:
     """Names inside an SVG are not drawn by lot, and no file says when it was drawn."""
     drawings = [
-        write_sketch(machine("hanging_pendulum"), tmp_path / f"{name}.svg")
-        for name in ("one", "two")
+        write_sketch(load("hanging_pendulum"), tmp_path / f"{name}.svg") for name in ("one", "two")
     ]
     assert drawings[0].read_bytes() == drawings[1].read_bytes()
     for kind in ("svg", "pdf"):

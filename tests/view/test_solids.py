@@ -17,15 +17,13 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from judge import Judge
-from runs_shown import run_of, turn
+from runs_shown import machine_called, run_of, turn
 from small_machines import SLED, hinge, link, machine, slide
 from three_js import Scene, rotation
 from urdf_shapes import shaped, shapes
 
 from nipper_pin import Mechanism, Solution, load
 from nipper_pin.mechanism import known_models
-from nipper_pin.mechanism.drawing import drawn_mechanism
-from nipper_pin.mechanism.gallery import GALLERY
 from nipper_pin.view.scene import Film, Look, film
 
 MODELS = Path(__file__).parents[1] / "verification" / "models"
@@ -46,7 +44,7 @@ def run_called(name: str) -> Solution:
         return run_of(name)
     if name == "four_bar":
         return turn(load(MODELS / name), 300.0)
-    made = drawn_mechanism(GALLERY[name]()) if name in FEW else load(name)
+    made = machine_called(name)
     return turn(made, made.cylinder.rated_speed_rpm, 24.0)
 
 
