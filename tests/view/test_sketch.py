@@ -22,7 +22,7 @@ from nipper_pin.view.sketch import sketch, write_sketch
 from nipper_pin.view.sketch.draw import drawn
 
 # A slot, a damper between two points, springs on hinges, two stops on one part.
-FEW = ("jaw_crusher", "door_closer", "geneva_rack", "ratchet_feed")
+FEW = ("jaw_crusher", "door_closer", "ratchet_feed")
 MACHINES = (*sorted(known_models()), *FEW)
 
 
