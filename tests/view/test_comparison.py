@@ -15,8 +15,6 @@ from three_js import Scene
 
 import nipper_pin as nip
 from nipper_pin import Case, Comparison, InputError, Mechanism, compare, load, simulate
-from nipper_pin.study.compare import Row
-from nipper_pin.view.compare.words import difference_text
 
 
 @pytest.fixture(scope="module")
@@ -158,22 +156,3 @@ def test_the_view_of_python_writes_a_comparison(transitions: Comparison, tmp_pat
     assert film_of(written.read_text(encoding="utf-8"))["compare"]["a"]["name"].startswith("e62")
     with pytest.raises(InputError, match=r"written as NAME\.html$"):
         nip.view(transitions, tmp_path / "both.gif")
-
-
-@pytest.mark.parametrize(
-    ("row", "text"),
-    [
-        (Row("duration_s", "s", 2.0, 2.2), "+10.0 %"),
-        (Row("duration_s", "s", 2.0, 1.99), "-0.50 %"),
-        (Row("duration_s", "s", 2.0, 2.0000001), "< 0.01 %"),
-        (Row("duration_s", "s", 2.0, 2.0), "0"),
-        (Row("duration_s", "s", 1.0, 31.0), "+3000 %"),
-        (Row("duration_s", "s", None, 2.0), "-"),
-        (Row("energy_lost_turn_J", "J", 0.0, 0.002), "+2.000 mJ"),
-        (Row("closing_index", "", 34.0, 34.25), "+0.250"),
-        (Row("closing_index", "", 34.0, 34.0 + 1e-9), "< 0.001"),
-        (Row("collisions_jaw", "", 6.0, 4.0), "-2"),
-    ],
-)
-def test_a_difference_in_words(row: Row, text: str) -> None:
-    assert difference_text(row) == text

@@ -23,8 +23,9 @@ from runs_shown import TURNS, run_of
 from units_shown import factor, force, impulse, index, kind, rows, unit_of
 
 from nipper_pin import Case, Solution, load, load_solution, record, save, simulate
+from nipper_pin.study.compare import Row
 from nipper_pin.terms import Shown, digits, fixed
-from nipper_pin.view.compare.words import percent_text
+from nipper_pin.view.compare.words import difference_text, percent_text
 from nipper_pin.view.live.answer import answer
 from nipper_pin.view.live.settings import knobs
 from nipper_pin.view.run import print_solution
@@ -407,6 +408,16 @@ FORMATS: dict[str, tuple[Callable[[Any], str], dict[Any, str]]] = {
         0.0: "< 0.01 %", -0.00499: "< 0.01 %", 0.0051: "+0.01 %", -9.994: "-9.99 %",
         10.04: "+10.0 %", -999.94: "-999.9 %", 1000.4: "+1000 %",
     }),
+    # In tables of a comparison, by what the unit and the values let one say.
+    "row": (lambda given: difference_text(Row(*given)), {
+        ("duration_s", "s", 2.0, 2.2): "+10.0 %", ("duration_s", "s", 2.0, 1.99): "-0.50 %",
+        ("duration_s", "s", 2.0, 2.0000001): "< 0.01 %", ("duration_s", "s", 2.0, 2.0): "0",
+        ("duration_s", "s", 1.0, 31.0): "+3000 %", ("duration_s", "s", None, 2.0): "-",
+        ("energy_lost_turn_J", "J", 0.0, 0.002): "+2.000 mJ",
+        ("closing_index", "", 34.0, 34.25): "+0.250",
+        ("closing_index", "", 34.0, 34.0 + 1e-9): "< 0.001",
+        ("collisions_jaw", "", 6.0, 4.0): "-2",
+    }),
     "text": (MM.text, {None: "-", math.nan: "-", 0.00123456: "1.235", -2e-7: "-2.000e-4"}),
     "phrase": (TENTHS.phrase, {None: "- mm", 0.00126: "1.3 mm", -1e-5: "0.0 mm"}),
     "no unit": (BARE.phrase, {0.5: "0.5000", None: "-"}),
@@ -417,5 +428,5 @@ FORMATS: dict[str, tuple[Callable[[Any], str], dict[Any, str]]] = {
     ("name", "value", "wanted"),
     [(name, value, text) for name, (_, table) in FORMATS.items() for value, text in table.items()],
 )
-def test_a_number_as_it_is_read(name: str, value: float | None, wanted: str) -> None:
+def test_a_number_as_it_is_read(name: str, value: Any, wanted: str) -> None:
     assert FORMATS[name][0](value) == wanted
