@@ -26,8 +26,9 @@ PIP_INSTALL := $(BIN)/python -m pip install -q --disable-pip-version-check -c co
 
 IMAGES := docs/images
 FIGURES := $(BIN)/python scripts/maintain/figures
-# Once, before workers would do it at the same time.
-MACHINE_CODE := $(BIN)/python tests/machine_code.py
+# Compiled once, before workers would do it at the same time, and anew where its sources change.
+MACHINE_CODE := $(VENV)/.machine-code
+COMPILED := $(wildcard nipper_pin/reduced/kernels/*.py nipper_pin/tolerances/*.py)
 # Plots that `make pictures` draws as PNG files.
 PLOTS := $(addprefix $(IMAGES)/,$(addsuffix .png,cycle_650 transition impulses phases speed_limit \
   front_e62 main_effects_duration_s level_lines_duration_s))
@@ -43,12 +44,10 @@ demo: $(VIEW)
 	$(BIN)/nipper-pin view --solution out/demo-cycle/solution.npz --exaggerate 10 --html out/demo.html
 	@echo "open out/demo.html in a browser: the nipper and its rebounds"
 
-test: $(DEV)
-	$(MACHINE_CODE)
+test: $(MACHINE_CODE)
 	$(BIN)/python -m pytest -m "not slow" $(PYTEST_ARGS) --dist loadfile
 
-test-slow: $(DEV)
-	$(MACHINE_CODE)
+test-slow: $(MACHINE_CODE)
 	$(BIN)/python -m pytest -m slow --day $(DAY) $(PYTEST_ARGS) --dist loadfile
 
 test-all: test
@@ -118,6 +117,10 @@ $(VIEW): pyproject.toml constraints.txt
 $(DEV): $(VIEW)
 	@echo "installing the tools for development into $(VENV)"
 	@$(PIP_INSTALL) --no-build-isolation -e '.[dev]'
+	@touch $@
+
+$(MACHINE_CODE): $(DEV) $(COMPILED)
+	$(BIN)/python tests/machine_code.py
 	@touch $@
 
 $(SITE): $(DEV)
