@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from functools import cache
 from graphlib import TopologicalSorter
 from importlib import import_module
+from importlib.util import find_spec
 from inspect import ismodule
 from pathlib import Path
 
@@ -194,6 +195,8 @@ MOST_OTHERS = 300
 
 def is_front(module: str, name: str) -> bool:
     """A module at the top, or an `__init__` that has the name and does not hide it."""
+    if find_spec(f"nipper_pin.{module}") is None:
+        return False
     found = import_module(f"nipper_pin.{module}")
     offered = getattr(found, "__all__", vars(found))
     return "." not in module or (
