@@ -1,18 +1,14 @@
-"""The judge's own reading of a model's text, and models that have no mirror image."""
+"""The judge's own equations, from the text of a model."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import pinocchio as pin
 import pytest
 from any_plane import rewritten
 
-from benchmarks.stress.machines.mirror import mirrored
-from benchmarks.stress.machines.small_machines import e62, flaps
 from benchmarks.stress.mechanics.planar_tree import PlanarTree
 
 INERTIA = '<inertia ixx="0.3" iyy="0.4" izz="0.5" ixy="0.02" ixz="-0.03" iyz="0.04"/>'
@@ -108,21 +104,3 @@ def test_links_that_are_fixed_and_the_block_of_a_slot() -> None:
         assert tree.mass_matrix(q) == pytest.approx(np.array(matrix))
         weight = tree.inverse_dynamics(q, still, still)
         assert weight == pytest.approx([-90.0 + 2.5 * x, 2.5 * towards[1]])
-
-
-def of_another_law(document: dict[str, Any]) -> None:
-    document["drives"]["arm"]["law"] = "oscillating_guide"
-
-
-def of_shapes(document: dict[str, Any]) -> None:
-    document["stops"]["flap1"]["contact"] = {}
-
-
-@pytest.mark.parametrize("change", [of_another_law, of_shapes])
-def test_what_has_no_mirror_image(change: Callable[[dict[str, Any]], None]) -> None:
-    """Laws and shapes that would have to be drawn anew; the nipper of the package has both."""
-    source = flaps(2, (0.3,), 0.2, 5.0, 3.0, 9.81)
-    assert mirrored(source) is not None
-    change(source.description)
-    assert mirrored(source) is None
-    assert mirrored(e62()) is None
