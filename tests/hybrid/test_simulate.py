@@ -38,6 +38,9 @@ def test_a_transition_is_continued_as_a_whole_turn_goes_on(e62: nip.Mechanism) -
     turn = nip.simulate(e62, nip.Case(speed_rpm=650.0, window="cycle"))
     touch = next(hit.t for hit in turn.collisions if hit.stop == "jaw")
     further = run.continued(run.shaft.period)
+    for to in (run.events[-1].t, float("nan")):
+        with pytest.raises(nip.InputError, match="behind its last event, which comes at"):
+            run.continued(to)
     opening = next(
         event for event in turn.events if "jaw" in event.closed_before - event.closed_after
     )

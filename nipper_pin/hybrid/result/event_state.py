@@ -7,6 +7,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from ...errors import InputError
 from ..event import Event, EventKind, found_after
 from ..run.phase_manager import PhaseManager, go_on
 from ..state import State
@@ -43,8 +44,13 @@ def continued(solution: Run, to: float) -> Run:
     """The run with the motion after its last event; see :meth:`Solution.continued`.
 
     Raises:
+        InputError: The run has no event, or its last one comes later.
         SimulationError: The motion cannot be followed.
     """
+    if not solution.events or not to > solution.events[-1].t:
+        there = f"comes at {solution.events[-1].t:.6g} s" if solution.events else "is not there"
+        message = f"to = {to:g} s: a run is continued behind its last event, which {there}"
+        raise InputError(message, to=to)
     last, system = solution.led_events[-1], solution.led_system
     motion = motion_at(solution, last)
     q, v = motion.q[0], motion.v[0]

@@ -64,22 +64,7 @@ class Checks:
 # Most runs are asked for none of what the properties below import where they need it.
 @dataclass(frozen=True, eq=False, repr=False)
 class Simulated:
-    """A simulated stretch of motion; a transition without rebound is a collision and no motion.
-
-    Tables, dense motion, forces and balances are computed when they are first asked for; a solution
-    that is pickled leaves them behind.
-
-    Attributes:
-        mechanism: The mechanism.
-        case: The case.
-        shaft: Motion of the cylinder; its start angle belongs to time zero.
-        events: Events in order of time.
-        segments: Motion between events, in order of time, without gaps.
-        outcome: How the run ended.
-        evaluations: Evaluations of the constrained dynamics.
-        wall_s: Wall time of the run [s].
-        repeated_from: Turn that all further ones are copies of, or None.
-    """
+    """The numbers of a run; :class:`~nipper_pin.Solution` says what each is, and shows them."""
 
     mechanism: Mechanism
     case: Case

@@ -12,7 +12,22 @@ if TYPE_CHECKING:
 
 
 class Solution(Simulated):
-    """A simulated run as its users meet it: in one line, as a page, as a data frame."""
+    """A simulated stretch of motion; a transition without rebound is a collision and no motion.
+
+    Tables, dense motion, forces and balances are computed when they are first asked for; a solution
+    that is pickled leaves them behind.
+
+    Attributes:
+        mechanism: The mechanism.
+        case: The case.
+        shaft: Motion of the cylinder; its start angle belongs to time zero.
+        events: Events in order of time.
+        segments: Motion between events, in order of time, without gaps.
+        outcome: How the run ended.
+        evaluations: Evaluations of the constrained dynamics.
+        wall_s: Wall time of the run [s].
+        repeated_from: Turn that all further ones are copies of, or None.
+    """
 
     def __repr__(self) -> str:
         """One line."""
@@ -63,12 +78,13 @@ class Solution(Simulated):
         """This run with the motion after its last event, until the next one or a later time.
 
         Args:
-            to: The time [s].
+            to: The time [s], after the last event.
 
         Returns:
             The same events, and motion that goes on behind the last of them.
 
         Raises:
+            InputError: The run has no event, or its last one comes later.
             SimulationError: The motion cannot be followed.
         """
         from .event_state import continued
