@@ -224,7 +224,6 @@ PHASES = ("#F0E442", "#56B4E9", "#E69F00")
 ELSEWHERE = "#F7F0B5"
 Box = tuple[float, ...]
 SIZE, MACHINE, BAR = (800, 560), (290, 60, 792, 466), (16, 480, 784, 492)
-LIPS = (16, 308, 272, 462)
 
 
 @pytest.fixture(scope="module")
