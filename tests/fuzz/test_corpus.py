@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from refusals import taken
+from sweep_studies import taken_up
 
 from nipper_pin import (
     Case,
@@ -149,8 +150,6 @@ def parquet(home: Path, data: bytes) -> bool:
 
 def plan(home: Path, data: bytes) -> bool:
     """The record of a sweep's plan: read with its chunks, and gone on with."""
-    from nipper_pin.study.sweep.results import Store
-
     folder = home / "plan"
     (folder / "chunks").mkdir(parents=True, exist_ok=True)
     shutil.copyfile(BASES / "0000000.parquet", folder / "chunks" / "0000000.parquet")
@@ -161,7 +160,7 @@ def plan(home: Path, data: bytes) -> bool:
         .replace(b'"@VERSIONS@"', json.dumps(planned.job.versions).encode())
     )
     taken(lambda: repr(read_sweep(folder, most=2)))
-    return taken(lambda: Store(folder, planned))
+    return taken(lambda: taken_up(folder, planned))
 
 
 def study(home: Path, data: bytes) -> bool:

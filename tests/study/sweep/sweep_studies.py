@@ -84,6 +84,11 @@ def plan(folder: Path, text: str) -> Plan:
     return read_plan(study(folder, text))
 
 
+def taken_up(out: Path, found: Plan) -> Plan:
+    """The plan by which a sweep begins or goes on in a folder, without computing."""
+    return Store(out, found).plan
+
+
 def stored(out: Path, found: Plan) -> Path:
     """A folder with all chunks of a plan, computed in this process."""
     store = Store(out, found)

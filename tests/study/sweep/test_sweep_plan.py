@@ -14,13 +14,12 @@ import numpy as np
 import pytest
 from scipy.stats import qmc
 from snapshots import Words
-from sweep_studies import FULL, GEOMETRY, TABLE, chunk_files, plan, stored, study
+from sweep_studies import FULL, GEOMETRY, TABLE, chunk_files, plan, stored, study, taken_up
 
 from nipper_pin import InputError
 from nipper_pin.mechanism import find_model
 from nipper_pin.study.sweep import Plan, read_plan, run_sweep
 from nipper_pin.study.sweep.job import read_job
-from nipper_pin.study.sweep.results import Store
 from nipper_pin.study.sweep.units import unit_of
 from nipper_pin.study.transitions import REDUCED_PAYS_FROM
 
@@ -203,7 +202,7 @@ def test_chunks_that_are_chosen(tmp_path: Path) -> None:
 
 def record_of(found: Plan, out: Path) -> dict[str, Any]:
     """The record of a plan in a folder without rows."""
-    Store(out, found)
+    taken_up(out, found)
     record: dict[str, Any] = json.loads((out / "plan.json").read_text(encoding="utf-8"))
     return record
 
@@ -211,7 +210,7 @@ def record_of(found: Plan, out: Path) -> dict[str, Any]:
 def held(found: Plan, record: dict[str, Any], out: Path) -> Plan:
     """A plan as it goes on in a folder that holds this record."""
     (out / "plan.json").write_text(json.dumps(record), encoding="utf-8")
-    return Store(out, found).plan
+    return taken_up(out, found)
 
 
 def test_every_key_of_a_study(tmp_path: Path, words: Words) -> None:
