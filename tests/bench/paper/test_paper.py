@@ -27,14 +27,7 @@ from benchmarks.paper.studies import run_studies
 from benchmarks.paper.study import PaperStudy, paper_study
 from benchmarks.run_time.certified import certified
 from benchmarks.stress.machines.small_machines import bouncing_mass
-from nipper_pin import (
-    Case,
-    Mechanism,
-    SimulationError,
-    load,
-    simulate,
-    transition_table,
-)
+from nipper_pin import Case, Mechanism, SimulationError, load, simulate, transition_table
 from nipper_pin.terms import digits
 
 # The studies of the paper take a quarter of a minute.
@@ -263,13 +256,10 @@ def test_the_map_holds_single_transitions(study):
     generator = np.random.default_rng(3)
     for _ in range(4):
         k, e, n = (int(generator.integers(0, size)) for size in data.durations.shape)
-        mechanism = load(
-            "e62",
-            {
-                "stops.jaw.restitution": float(MAP_RESTITUTIONS[e]),
-                "springs.steeve.stiffness_N_per_m": float(data.stiffnesses[k]),
-            },
-        )
+        mechanism = load("e62", {
+            "stops.jaw.restitution": float(MAP_RESTITUTIONS[e]),
+            "springs.steeve.stiffness_N_per_m": float(data.stiffnesses[k]),
+        })  # fmt: skip
         run = simulate(mechanism, Case(speed_rpm=float(data.speeds_rpm[n])))
         assert data.durations[k, e, n] == pytest.approx(run.transitions[0].duration, rel=1e-8)
     turns = data.durations[0, 0, 0] * data.speeds_rpm[0] / 60.0

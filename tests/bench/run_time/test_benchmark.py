@@ -26,12 +26,7 @@ from snapshots import Words
 from benchmarks.peers import available
 from benchmarks.run_time import timing
 from benchmarks.run_time.benchmark import Benchmark
-from benchmarks.run_time.certified import (
-    Certified,
-    certified,
-    certified_cycle,
-    certified_names,
-)
+from benchmarks.run_time.certified import Certified, certified, certified_cycle, certified_names
 from benchmarks.run_time.cost import four_bar_chain
 from benchmarks.run_time.timing import Timing
 from benchmarks.run_time.turns import TurnRow, _errors
@@ -45,12 +40,7 @@ from benchmarks.run_time.work_precision import (
 )
 from benchmarks.views.benchmark_report import markdown, print_benchmark, write_benchmark
 from benchmarks.views.work_precision_plot import work_precision_figure
-from nipper_pin import (
-    Case,
-    Mechanism,
-    Window,
-    simulate,
-)
+from nipper_pin import Case, Mechanism, Window, simulate
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "scripts/maintain/figures"))
 
@@ -260,14 +250,16 @@ def test_import_adds_little_to_pinocchio() -> None:
     assert archives <= saved - loaded
 
 
-@pytest.fixture
-def result() -> Benchmark:
-    """A benchmark of which no two numbers are equal, and one is none."""
+def test_what_is_told_of_a_benchmark(tmp_path: Path, words: Words) -> None:
+    """Printed in eighty columns, as tables, as the page that was recorded, and as a figure.
+
+    No two numbers are equal, and one is none: settings without an answer have no place in a figure.
+    """
     # Errors above one: smaller ones are no words that processors have in common.
     row = Row("direct", "finest", 3.25, 9.0, 3.0, 0.125, 30, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 212)
     peer = Row("a peer with a rather long name (by hand)", "fine", 50.0, 99.0, 40.0, 5.0, 31,
                7.5, 8.5, evaluations=999, version="1.2.3")  # fmt: skip
-    return Benchmark(
+    result = Benchmark(
         quick=True,
         environment={
             "date": "2026-01-02T03:04:05", "platform": "here", "processor": "chip", "cores": 6,
@@ -286,26 +278,27 @@ def result() -> Benchmark:
             "links": [{"links": 5, "held_ms": 1.5, "inertial_ms": 20.0, "evaluation_us": None}],
         },
     )  # fmt: skip
-
-
-def test_what_is_printed(result: Benchmark, words: Words) -> None:
-    """Eighty columns hold every table; what a narrow one leaves out is in the Markdown."""
-    buffer = io.StringIO()
-    print_benchmark(result, Console(file=buffer, width=80, color_system=None))
-    assert max(len(line) for line in buffer.getvalue().splitlines()) <= 80
-    words(f"{buffer.getvalue()}\n{markdown(result)}")
-
-
-def test_the_page(result: Benchmark, words: Words) -> None:
-    """What `make benchmark` writes; it has the headings of the page that was recorded."""
-    written = page(result.record())
+    printed = io.StringIO()
+    print_benchmark(result, Console(file=printed, width=80, color_system=None))
+    assert max(len(line) for line in printed.getvalue().splitlines()) <= 80
+    text = page(result.record())
     told = ("| ", "Measured:", "The reduced engine's tables")
-    words("\n".join(line for line in written.splitlines() if line.startswith(told)))
+    lines = [line for line in text.splitlines() if line.startswith(told)]
+    figure = drawn(work_precision_figure(result))
+    words("\n".join([printed.getvalue(), markdown(result), *lines, "", figure]))
     kept = (Path(__file__).parents[3] / "docs/benchmark.md").read_text(encoding="utf-8")
     for start in ("#", "| engine", "| turns", "| links"):
-        titles = [line for line in written.splitlines() if line.startswith(start)]
+        titles = [line for line in text.splitlines() if line.startswith(start)]
         assert titles
         assert [line for line in kept.splitlines() if line.startswith(start)] == titles
+    files = write_benchmark(result, tmp_path / "new")
+    assert [path.name for path in files] == ["benchmark.json", "tables.md", "work_precision.png"]
+    document = json.loads(files[0].read_text(encoding="utf-8"))
+    assert document == json.loads(json.dumps(result.record(), allow_nan=False))
+    assert document["turns"][0]["error_impulses"] is None
+    assert document["engines"][0] == asdict(result.engines[0])
+    assert files[1].read_text(encoding="utf-8") == markdown(result)
+    assert files[2].read_bytes().startswith(b"\x89PNG")
 
 
 def test_the_least_time_is_below_the_bound_of_its_column() -> None:
@@ -318,19 +311,6 @@ def test_the_least_time_is_below_the_bound_of_its_column() -> None:
     rows = [{"engine": e, "fastest_ms": t, "error_worst": worst} for e, t, worst in points]
     assert "| a | 5 | 9 | 12 | 2 | 4 | 1.0e-10 | 12 |" in least_times(rows)
     assert f"| {scipy} | 6 | 6 | 6 | 1 | 2 | 1.0e-12 | 6 |" in least_times(rows)
-
-
-def test_files_are_written(result: Benchmark, tmp_path: Path, words: Words) -> None:
-    """Strict JSON, tables and a plot, in which settings without an answer have no place."""
-    files = write_benchmark(result, tmp_path / "new")
-    assert [path.name for path in files] == ["benchmark.json", "tables.md", "work_precision.png"]
-    document = json.loads(files[0].read_text(encoding="utf-8"))
-    assert document == json.loads(json.dumps(result.record(), allow_nan=False))
-    assert document["turns"][0]["error_impulses"] is None
-    assert document["engines"][0] == asdict(result.engines[0])
-    assert files[1].read_text(encoding="utf-8") == markdown(result)
-    assert files[2].read_bytes().startswith(b"\x89PNG")
-    words(drawn(work_precision_figure(result)))
 
 
 @pytest.mark.slow

@@ -23,21 +23,9 @@ from benchmarks.stress import (
     trial,
 )
 from benchmarks.stress.checks.agreement import within_errors
-from nipper_pin import (
-    Case,
-    Resolution,
-    Solution,
-    Window,
-    simulate,
-)
+from nipper_pin import Case, Resolution, Window, simulate
 
 SEED = 7
-
-
-def with_event(solution: Solution, place: int, **changes: object) -> Solution:
-    events = list(solution.events)
-    events[place] = replace(events[place], **changes)  # type: ignore[arg-type]
-    return replace(solution, events=tuple(events))
 
 
 @pytest.fixture(scope="module")
@@ -87,23 +75,14 @@ def test_series_that_hold_series_may_end_at_different_collisions() -> None:
     is moved by a thousand times its stated error is still noticed.
     """
     box = lid_box((1.0, 0.1, 0.3, 0.3, 30.0))
-    runs = [
-        simulate(
-            box,
-            Case(
-                speed_rpm=60.0,
-                window=Window.CYCLE,
-                resolution=Resolution(tolerance=tolerance),
-            ),
-        )
-        for tolerance in (1e-5, 1e-11)
-    ]
-    coarse, fine = runs
+    cases = (Case(speed_rpm=60.0, window=Window.CYCLE, resolution=Resolution(tolerance=tolerance))
+             for tolerance in (1e-5, 1e-11))  # fmt: skip
+    coarse, fine = (simulate(box, case) for case in cases)
     assert len(coarse.events) < len(fine.events)
     assert within_errors(coarse, fine) == within_errors(fine, coarse) == []
-    last = len(coarse.events) - 1
-    late = coarse.events[last].t + 1e3 * coarse.errors[last].time
-    assert within_errors(with_event(coarse, last, t=late), fine) != []
+    *events, last = coarse.events
+    late = replace(last, t=last.t + 1e3 * coarse.errors[-1].time)
+    assert within_errors(replace(coarse, events=(*events, late)), fine) != []
 
 
 @pytest.mark.parametrize(

@@ -16,15 +16,7 @@ import benchmarks.stress as stress
 FOLDER = Path(stress.__file__).resolve().parent
 CHECKOUT = FOLDER.parents[1]
 # Those that run engines, hold what is run, or write it.
-RUNNING = {
-    "__init__",
-    "campaign",
-    "engines",
-    "files",
-    "judging",
-    "small_machines",
-    "space",
-}
+RUNNING = {"__init__", "campaign", "engines", "files", "judging", "small_machines", "space"}
 RESULTS = {
     "": {"Collision", "Event", "EventError", "EventKind", "Outcome", "Segment", "Solution"},
     "motion.panel": {"Panel"},
