@@ -2,13 +2,12 @@
 
 from .case import FASTEST_RPM, START_INDEX, Case, Resolution, Window
 from .error_estimate.event_errors import EventError
-from .event import Event, EventKind
+from .event import Event, EventKind, Outcome
 from .result.self_check import need_sound
 from .result.solution import Solution
 from .result.tables import Collision, PhaseInterval, Transition
-from .run.outcome import Outcome
-from .run.periodicity import comes_back
 from .run.start import initial_state
+from .run.windows import comes_back
 from .segment import Segment
 from .simulation import simulate
 from .state import State

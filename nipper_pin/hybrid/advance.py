@@ -18,13 +18,12 @@ from ..errors import ConvergenceError, ElementError, SimulationError, SingularCo
 from ..mechanism import Stop
 from ..tolerances.hybrid import ROOT_GAP_ROUND_OFF, SHORTEST_PANEL
 from .case import Resolution
-from .contact.touching import touching
+from .contact.complementarity import touching
 from .event_location.guards import Trigger, TriggerKind, triggers
-from .motion.coordinate_choice import serves, suited_split
 from .motion.kinematics import kinematic_panel
-from .motion.panel import Begin, Exact, Panel, one_state_at
-from .motion.panel_checks import PanelCheck, panel_checks
+from .motion.panel import Begin, Exact, Panel, one_state_at, serves, suited_split
 from .motion.picard import flight_panel
+from .motion.residual_check import PanelCheck, panel_checks
 from .segment import Segment
 from .state import State
 

@@ -11,7 +11,7 @@ from ..dynamics import DriveMode, Partition, ShaftMotion, System, assemble, part
 from ..errors import InputError, NipperError
 from ..given import LARGEST, flag, number
 from ..hybrid import comes_back
-from ..hybrid.error_estimate.determined import at_start
+from ..hybrid.error_estimate.local_error import at_start
 from ..mechanism import Mechanism, Stop, rad_s_from_rpm
 from ..tolerances.reduced import ARRIVAL_TABLES, NO_ACCELERATION
 from .inputs import check_tolerance

@@ -13,8 +13,7 @@ from small_machines import SHAFT, frame, hinge, link, machine, slide, turn
 from nipper_pin import Case, DriveMode, EventKind, Resolution, Solution, load, simulate
 from nipper_pin.dynamics import ShaftMotion, System
 from nipper_pin.hybrid.error_estimate.freedoms import free_coordinates
-from nipper_pin.hybrid.error_estimate.saltation import impact_map
-from nipper_pin.hybrid.error_estimate.sequence_map import sequence_map
+from nipper_pin.hybrid.error_estimate.saltation import impact_map, sequence_map
 from nipper_pin.hybrid.error_estimate.variational import flight_map
 from nipper_pin.hybrid.error_estimate.zonotope import NOTHING_KNOWN, Deviations
 

@@ -11,9 +11,8 @@ import pytest
 from lid_box import DROP, GRAVITY, Numbers, followed, lid_box
 
 from nipper_pin import Case, Event, EventKind, Outcome, Resolution, Solution, Window, simulate
-from nipper_pin.hybrid.contact.bounce_series import BounceSeries
-from nipper_pin.hybrid.contact.nested_series import NestedSeries
-from nipper_pin.hybrid.run.series.guards import lowest_gap
+from nipper_pin.hybrid.contact.bounce_series import BounceSeries, NestedSeries
+from nipper_pin.hybrid.run.series.bounces import lowest_gap
 
 T_REST = 1.25
 

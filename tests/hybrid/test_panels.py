@@ -16,8 +16,8 @@ from nipper_pin.hybrid import advance
 from nipper_pin.hybrid.event_location.guards import _gap_root
 from nipper_pin.hybrid.motion.kinematics import kinematic_panel
 from nipper_pin.hybrid.motion.panel import Attempt, Begin, Panel
-from nipper_pin.hybrid.motion.panel_checks import panel_checks
 from nipper_pin.hybrid.motion.picard import flight_panel
+from nipper_pin.hybrid.motion.residual_check import panel_checks
 from nipper_pin.hybrid.result.energy_balance import _exchanged
 from nipper_pin.hybrid.run.series import bounces
 from nipper_pin.mechanism import Stop

@@ -16,7 +16,7 @@ from small_machines import hinge, link, machine, slide
 from nipper_pin import Case, EventKind, Mechanism, Resolution, Solution, Window, simulate
 from nipper_pin.chebyshev import evaluate, nodes
 from nipper_pin.dynamics import Partition, ShaftMotion, System
-from nipper_pin.hybrid.event_location.soonest import by_soonest, may_vanish
+from nipper_pin.hybrid.event_location.guards import by_soonest, may_vanish
 from nipper_pin.hybrid.motion.panel import Panel
 from nipper_pin.hybrid.result.rebound_errors import rebound_error
 from nipper_pin.view.run.sampling import sample_forces

@@ -9,7 +9,7 @@ from small_machines import SLED, link, machine, nipper, slide, turn
 from nipper_pin import Case, EventKind, Window, load, simulate
 from nipper_pin.hybrid import initial_state
 from nipper_pin.hybrid.result.energy_balance import energy_balance
-from nipper_pin.hybrid.run.periodicity import repeats
+from nipper_pin.hybrid.run.windows import repeats
 
 
 @pytest.mark.parametrize("speed", [152.3901570123213, 150.0, 450.0, 311.7])

@@ -1,4 +1,7 @@
-"""Transitions between phases, as pure functions of the set of closed stops."""
+"""Transitions between phases, as pure functions of the set of closed stops.
+
+Stops that lie on one another, gap and rate being round-off, take part in an impact.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,8 @@ from ...dynamics.moving_mass import force_size, impulse_sizes
 from ...dynamics.pivoting import complementary, delassus, independent
 from ...errors import SimulationError
 from ...mechanism import Stop
-from ...tolerances.hybrid import ACCELERATION_LOOKAHEAD, ACTIVE_SET_ROUND_OFF
+from ...tolerances.hybrid import ACCELERATION_LOOKAHEAD, ACTIVE_SET_ROUND_OFF, GAP_ROUND_OFF
+from ...tolerances.mechanics import STILL_GAP_RATE
 from ..motion.panel import Panel, one_state_at
 
 Closed = frozenset[str]
@@ -126,3 +130,46 @@ def _held(matrix: FloatArray, leaving: FloatArray, nothing: FloatArray) -> list[
         if place not in held and independent(matrix, held, place):
             held.append(place)
     return sorted(held)
+
+
+def touching(
+    system: System, q: FloatArray, v: FloatArray, stops: Iterable[Stop], known: Collection[str]
+) -> list[Stop]:
+    """Stops whose gap and rate are zero, but for round-off of machine and motion.
+
+    Args:
+        q: Configuration, shape (nv,).
+        v: Velocity, shape (nv,).
+        known: Names of those that are closed, or close.
+    """
+    # Few gaps are so small, and only these are worth a look at units.
+    far = GAP_ROUND_OFF * max(system.body.reach_m, 1.0)
+    near = [stop for stop in stops if stop.name not in known and -far <= stop.gap(q) <= far]
+    if not near:
+        return near
+    turning, rates = system.turning, system.turns(v)
+    slow = STILL_GAP_RATE * max(float(rates.max()), system.shaft.speed_rad_s)
+    return [
+        stop
+        for stop in near
+        if abs(stop.gap(q)) * turning[stop.index] <= GAP_ROUND_OFF and rates[stop.index] <= slow
+    ]
+
+
+def stilled(system: System, v: FloatArray, jacobian: FloatArray, stops: list[Stop]) -> FloatArray:
+    """Velocity without the round-off of the rates of stops that touch, shape (nv,).
+
+    Args:
+        v: Velocity, shape (nv,).
+        jacobian: Closure Jacobian G, shape (m, nv).
+    """
+    columns = tuple(stop.index for stop in stops)
+    if not np.any(v[list(columns)]):
+        return v
+    v = v.copy()
+    v[list(columns)] = 0.0
+    if not len(jacobian):
+        return v
+    return system.closed_velocity(
+        v, jacobian, system.split(jacobian, system.held_coordinates, columns)
+    )

@@ -15,9 +15,8 @@ from ...tolerances.mechanics import EPS
 from ..event import Event
 from ..motion.panel import Panel
 from ..segment import Segment
-from .determined import at_end
 from .freedoms import free_coordinates
-from .local_error import unresolved, unsure
+from .local_error import at_end, unresolved, unsure
 from .variational import flight_map
 from .zonotope import NOTHING_KNOWN, Deviations
 

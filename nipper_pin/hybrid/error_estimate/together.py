@@ -3,7 +3,7 @@
 A neighbouring motion strikes each of them at a time of its own: by dt after the first one, until
 when it goes on without the change of velocity u that this stop makes, with the accelerations from
 before. At the time of the first one it deviates by -u dt, and what u moves has struck with other
-rates. Parts that do not touch are followed apart (``by_part.py``).
+rates. Parts that do not touch are followed apart (``freedoms.py``).
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from ...dynamics import System
 from ...tolerances.hybrid import NEGLIGIBLE_DEVIATION
 from ..event import Event
 from ..segment import Segment
-from .by_part import Part
+from .freedoms import Part
 from .saltation import pushed_by
 from .zonotope import Deviations
 

@@ -27,10 +27,9 @@ from ...outputs import complete_file
 from ...texts import MOST_JSON, opened, read_text
 from ...tolerances.hybrid import CLOCK_ROUND_OFF
 from ..case import Case, Resolution
-from ..event import Event, EventKind
+from ..event import Event, EventKind, Outcome
 from ..motion.panel import Panel
 from ..result.solution import Solution
-from ..run.outcome import Outcome
 from ..segment import Segment
 from . import npz_schema
 from .archive import need_readable, read_archive

@@ -19,8 +19,8 @@ from ...tolerances.hybrid import DECISION_TOLERANCE, REST_BEFORE_TOUCH, SAME_ASS
 from ..case import Case, Resolution, Window
 from ..contact.complementarity import pressed
 from ..event import Event, EventKind
-from ..run.periodicity import comes_back, winding
 from ..run.phase_manager import go_on
+from ..run.windows import comes_back, winding
 from ..segment import Segment
 from ..state import State
 from .trajectory import Trajectory

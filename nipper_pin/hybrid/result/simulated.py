@@ -11,8 +11,7 @@ from ...dynamics import ShaftMotion, System
 from ...mechanism import Mechanism
 from ...mechanism.parallel import led
 from ..case import Case
-from ..event import Event
-from ..run.outcome import Outcome
+from ..event import Event, Outcome
 from ..segment import Segment
 from .rebounds import Rebounds
 from .tables import (

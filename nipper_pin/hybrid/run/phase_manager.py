@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Set
+from collections.abc import Callable, Collection, Sequence, Set
+from dataclasses import replace
 
 import numpy as np
 
 from ...arrays import FloatArray
-from ...dynamics import Impact, System, no_impact
+from ...dynamics import Impact, System, no_impact, weakest
 from ...dynamics.strike import strike
-from ...errors import SimulationError
+from ...errors import ConvergenceError, SimulationError, SingularConfigurationError
 from ...tolerances.hybrid import TIME_ROUND_OFF
 from ..advance import advance
 from ..case import Case
@@ -20,17 +21,158 @@ from ..contact.complementarity import (
     after_release,
     pressed,
     pressed_next,
+    stilled,
+    touching,
 )
-from ..contact.touching import stilled, touching
 from ..event import Event, EventKind
 from ..event_location.guards import TriggerKind
 from ..motion.panel import Panel
 from ..segment import Segment
 from ..state import State
-from .diagnosis import located
-from .event_log import EventLog
+from .series.bounces import Rest, Series, Struck
 from .series.rules import series_rules
-from .series.struck import Rest, Series, Struck
+
+
+class EventLog:
+    """Events of a run, in order of time.
+
+    Args:
+        coupled: Returns the stops that have to do with some stops, by their names.
+    """
+
+    def __init__(self, coupled: Callable[[Sequence[str]], frozenset[str]]) -> None:
+        """Begin without any."""
+        self.events: list[Event] = []
+        self._coupled = coupled
+
+    def record(
+        self,
+        kind: EventKind,
+        state: State,
+        t: float,
+        stops: Sequence[str],
+        impact: Impact,
+        closed: Closed,
+        series_error: float = 0.0,
+    ) -> int:
+        """Write an event down: before those rests of parts that it does not touch that come later.
+
+        Args:
+            kind: Its kind.
+            state: State just before it.
+            t: Its time [s]; that of a limit of bounces lies beyond the state.
+            stops: Names of the stops that it concerns.
+            impact: What it changes.
+            closed: Closed stops after it.
+            series_error: Estimated error of such a limit [s].
+
+        Returns:
+            The number of the event.
+        """
+        closed_before, later = state.closed, list[Event]()
+        if self.events and self.events[-1].t > t:
+            later = self._later(t, stops)
+            waiting = {name for rest in later for name in rest.stops}
+            closed_before, closed = closed_before - waiting, closed - waiting
+        number = len(self.events) + 1
+        self.events.append(
+            Event(
+                number=number,
+                t=t,
+                kind=kind,
+                stops=tuple(stops),
+                q=state.q,
+                v_before=state.v,
+                v_after=impact.v_after,
+                delta=impact.delta,
+                P_N=impact.P_N,
+                P_g=impact.P_g,
+                energy_lost=impact.energy_lost,
+                closed_before=closed_before,
+                closed_after=closed,
+                series_error=series_error,
+                source=number,
+            )
+        )
+        for rest in later:
+            self._append(rest)
+        return number
+
+    def repeat(self, event: Event, delay: float, wound: FloatArray) -> None:
+        """Write an event down again, with its impulses; arguments as :meth:`Panel.shifted`."""
+        q = event.q + wound if wound.any() else event.q
+        number = len(self.events) + 1
+        self.events.append(replace(event, t=event.t + delay, q=q, number=number))
+
+    def _later(self, t: float, stops: Sequence[str]) -> list[Event]:
+        """Take out the rests after time t that have nothing to do with some stops.
+
+        The others are limits beyond the state that goes on, and come no later than that time.
+        """
+        part, place = self._coupled(stops), len(self.events)
+        while place and self.events[place - 1].t > t:
+            place -= 1
+        rests, later = self.events[place:], []
+        del self.events[place:]
+        for rest in rests:
+            if part.isdisjoint(rest.stops):
+                later.append(rest)
+            else:
+                error = rest.series_error + rest.t - t
+                self._append(replace(rest, t=t, series_error=error))
+        return later
+
+    def _append(self, rest: Event) -> None:
+        """Append a rest, whose stops close then and no sooner."""
+        number = len(self.events) + 1
+        before = self.events[-1].closed_after if self.events else rest.closed_before
+        after = (before | rest.closed_after) - (rest.closed_before - rest.closed_after)
+        self.events.append(
+            replace(rest, number=number, source=number, closed_before=before, closed_after=after)
+        )
+
+
+# From this condition of the closures on, a dead centre is worth a word.
+_NEAR = 1e3
+
+
+def located(error: SimulationError, system: System, state: State | None = None) -> SimulationError:
+    """The error with the place and the state of the closures there in words and as evidence.
+
+    Args:
+        error: The error; its evidence may hold the time ``t`` and the configuration ``q``.
+        state: State that the run goes on from; None before there is one.
+
+    Returns:
+        An error of the same type. Evidence: what the error had, ``t``, ``index``,
+        ``cylinder_angle_rad``, the ``closure`` that stays open and, with a configuration,
+        ``condition`` and ``joints``.
+    """
+    evidence = dict(error.evidence)
+    t = float(evidence.get("t", 0.0 if state is None else state.t))
+    angle = float(system.shaft.angle(t))
+    index = system.mechanism.cylinder.index_from_angle(angle)
+    evidence |= {"t": t, "index": index, "cylinder_angle_rad": angle}
+    place = f"after t = {t:.6g} s" if state is not None else "at the start"
+    message = f"{place} (index {index:.3f}): {error.message}"
+    if "row" in evidence:
+        mechanism = system.mechanism
+        rows = [item.name for item in mechanism.closures for _ in "xz"]
+        rows += [item.name for item in mechanism.couplings]
+        evidence["closure"] = rows[evidence.pop("row")]
+        message += f"; widest open is closure {evidence['closure']!r}"
+    q = evidence.get("q", None if state is None else state.q)
+    if q is not None and isinstance(error, ConvergenceError | SingularConfigurationError):
+        phase = system.constraint_set(state.closed) if state is not None else None
+        given = (*system.held_coordinates, *(phase.stops if phase is not None else ()))
+        _, jacobian = system.body.closures(np.reshape(q, (-1, system.body.nv))[:1])
+        if np.isfinite(jacobian).all():
+            condition, coordinates = weakest(jacobian[0] * system.body.units, given)
+            names = [joint.name for joint in system.mechanism.joints if joint.index in coordinates]
+            evidence |= {"condition": condition, "joints": names}
+            if condition > _NEAR:
+                message += f"; the closures have condition {condition:.2g}, by {', '.join(names)}"
+    return type(error)(message, **evidence)
 
 
 class PhaseManager:

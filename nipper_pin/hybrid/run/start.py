@@ -15,7 +15,7 @@ from ...tolerances.hybrid import GAP_ROUND_OFF
 from ...units import coordinate_text
 from ..case import Case, Window
 from ..state import State
-from .diagnosis import located
+from .phase_manager import located
 
 # Steps of the assembly: for a turn of the cylinder, and at least if stops or starts move, too.
 _STEPS_A_TURN, _STEPS_OF_STOPS = 18, 12

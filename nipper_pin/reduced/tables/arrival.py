@@ -17,7 +17,7 @@ import numpy as np
 from ...arrays import FloatArray
 from ...dynamics import System
 from ...errors import SimulationError
-from ...hybrid.error_estimate.determined import at_start
+from ...hybrid.error_estimate.local_error import at_start
 from ...mechanism import Mechanism, Stop
 from ...tolerances.mechanics import EPS
 from ...tolerances.reduced import TABLE_ERROR_SAFETY

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...errors import SimulationError
-from ...hybrid.error_estimate.determined import of_rates
+from ...hybrid.error_estimate.local_error import of_rates
 from ...mechanism import Mechanism, rad_s_from_rpm
 from ...tolerances.reduced import CORNER_ROUND_OFF, GAP_SHARE
 from ..kernels.turn_layout import Charts

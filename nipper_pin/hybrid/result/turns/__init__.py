@@ -1,6 +1,5 @@
 """Quantities of one turn, read off a run of whole turns."""
 
-from .parts import DriveTurn, StopTurn
 from .quantities import (
     INDICES,
     TURN,
@@ -11,7 +10,7 @@ from .quantities import (
     read_of,
     turn_names,
 )
-from .turn import Turn, reported_turn
+from .turn import DriveTurn, StopTurn, Turn, reported_turn
 
 __all__ = [
     "INDICES",

@@ -8,7 +8,7 @@ import numpy as np
 
 from ....arrays import FloatArray
 from ....tolerances.reduced import SAME_TURN
-from ...run.periodicity import winding
+from ...run.windows import winding
 from ..solution import Solution
 
 # Longest period that is looked for [turns].

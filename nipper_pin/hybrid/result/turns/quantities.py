@@ -11,8 +11,7 @@ from typing import Any
 from ....mechanism import Mechanism
 from ..quantities import Quantity, coordinate_unit
 from ..simulated import Simulated
-from .parts import DriveTurn, StopTurn
-from .turn import Turn
+from .turn import DriveTurn, StopTurn, Turn
 
 
 def _own(name: str) -> Callable[[Simulated, object], Any]:

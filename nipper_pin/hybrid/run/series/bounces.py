@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from math import inf, isfinite, tau
-from typing import NamedTuple
+from typing import NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
 from ....arrays import FloatArray
-from ....dynamics import System, arrest, close_positions, close_velocities
-from ....errors import (
-    ConvergenceError,
-    ElementError,
-    ImpactError,
-    SingularConfigurationError,
-)
+from ....dynamics import Impact, System, arrest, close_positions, close_velocities
+from ....errors import ConvergenceError, ElementError, ImpactError, SingularConfigurationError
 from ....mechanism import Stop
 from ....tolerances.hybrid import (
     CONSTANT_DECELERATION,
@@ -27,10 +22,171 @@ from ....tolerances.hybrid import (
 from ....tolerances.mechanics import EPS
 from ...case import Case
 from ...contact.bounce_series import BounceSeries
-from ...contact.complementarity import pressed
+from ...contact.complementarity import Closed, pressed
 from ...state import State
-from .guards import UNKNOWN, knot_between, other_stop_meets
-from .struck import Rest, Series, Struck, as_one
+
+Series = tuple[BounceSeries, ...]
+
+
+class Struck(NamedTuple):
+    """A collision that has been computed.
+
+    Attributes:
+        number: Number of its event.
+        before: State just before it, with the series of bounces until then.
+        after: State just after it, with those series that it does not disturb.
+        hit: Names of the stops that have just closed.
+        rates: Rate of every stop in contact after it, by name [rad/s or m/s].
+        rebounding: The stops that have just closed and open again.
+    """
+
+    number: int
+    before: State
+    after: State
+    hit: set[str]
+    rates: Mapping[str, float]
+    rebounding: Sequence[Stop]
+
+
+class Rest(NamedTuple):
+    """The limit of a series of bounces.
+
+    Attributes:
+        t: Its time [s].
+        error: Estimated error of that [s].
+        stops: Names of the stops that come to rest.
+        impact: What takes their last rates away.
+        closed: Closed stops from then on.
+    """
+
+    t: float
+    error: float
+    stops: list[str]
+    impact: Impact
+    closed: Closed
+
+
+class Limit(Protocol):
+    """Where a series ends."""
+
+    @property
+    def t(self) -> float:
+        """Its time [s]."""
+        ...
+
+
+_Ends = TypeVar("_Ends", bound=Limit)
+
+
+def as_one(parts: Iterable[list[_Ends]], instant: float) -> list[list[_Ends]]:
+    """Limits by parts, in order of time; parts that move alike come to rest as one.
+
+    Args:
+        parts: The limits.
+        instant: Times nearer than this are one [s].
+    """
+    groups: list[list[_Ends]] = []
+    for part in sorted(parts, key=_last_of):
+        if groups and _last_of(part) - _last_of(groups[-1]) <= instant:
+            groups[-1].extend(part)
+        else:
+            groups.append(part)
+    return groups
+
+
+def _last_of(limits: Sequence[Limit]) -> float:
+    return max(limit.t for limit in limits)
+
+
+class SeriesRule(Protocol):
+    """One kind of series."""
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+        ...
+
+    def concerns(self, struck: Struck) -> bool:
+        """Return whether a collision may belong to such a series."""
+        ...
+
+    def followed(self, struck: Struck, a: FloatArray) -> tuple[Series, Sequence[Rest]]:
+        """Add a collision to its series.
+
+        Args:
+            a: Acceleration just after it, shape (nv,).
+
+        Returns:
+            All series of bounces after it; and the ends of those whose end is known, in order of
+            time.
+        """
+        ...
+
+    def forget(self, opened: Collection[str]) -> None:
+        """End the series of stops that stay in contact, where one of these is pressed no more."""
+        ...
+
+
+UNKNOWN = inf, inf
+
+
+def knot_between(system: System, before: float, t: float) -> bool:
+    """True if the law of a drive changes its polynomial between two times [s]."""
+    return before + system.shaft.smooth_for(before) < t
+
+
+def other_stop_meets(
+    system: System, state: State, a: FloatArray, bouncing: Collection[str], t_rest: float
+) -> bool:
+    """True if another stop of their part may close while the bounces that are left out go on.
+
+    It would meet a stop that still bounces, not one at rest.
+    """
+    left, part = t_rest - state.t, system.coupled(bouncing)
+    return any(
+        lowest_gap(stop.gap(state.q), stop.rate(state.v), stop.rate(a), left) <= 0.0
+        for stop in system.mechanism.stops
+        if stop.name in part and stop.name not in state.closed and stop.name not in bouncing
+    )
+
+
+def lowest_gap(gap: float, rate: float, acceleration: float, left: float) -> float:
+    """Lowest gap within a time that is left, at constant acceleration; a little less if that falls.
+
+    Args:
+        gap: The gap [rad or m].
+        left: The time [s].
+    """
+    if rate < 0.0 < acceleration:
+        turn = min(left, -rate / acceleration)
+        return gap + turn * (rate + 0.5 * acceleration * turn)
+    return gap + left * (min(rate, 0.0) + left * acceleration)
+
+
+def shut_together(
+    system: System, state: State, names: Closed, t: float, error: float
+) -> Rest | None:
+    """Bring stops to rest; None if one of them is not pressed shut then.
+
+    Args:
+        state: State just after the last collision.
+        names: Names of the stops, open ones and closed ones of their parts.
+        t: When they rest [s].
+        error: Estimated error of that [s].
+    """
+    part, closed = system.coupled(names), names | state.closed
+    try:
+        shut = [stop for stop in system.constraint_set(closed).shut if stop.name in part]
+        impact = arrest(system, state.q, state.v, state.jacobian, shut)
+    except (ImpactError, SingularConfigurationError):
+        # Stops that depend on one another through the closures do not rest together.
+        return None
+    for name in state.closed - part:
+        # Round-off in a part that the impact does not reach.
+        impact.v_after[system.mechanism.stop(name).index] = 0.0
+    stay = pressed(system, state.motion, state.q, impact.v_after, state.jacobian, closed, names)
+    return Rest(t, error, sorted(names - state.closed), impact, closed) if stay == closed else None
+
 
 # Bounces that are followed at least, until they are small. With a restitution of 0.98 they are as
 # small as one sees; with 0.9999 it would take a hundred thousand.

@@ -3,20 +3,302 @@
 Bounces end at rest after a finite time: every machine with a stop has this rule. Two stops may also
 throw one another open, jam a link between them, or bounce until nothing but round-off is left: only
 a machine with two stops or more has these rules.
+
+Jams: drives press a link against two stops at once. The link flies from one stop to the other in
+ever shorter times, whose sum is finite, and is no slower in the end: no motion goes on from there.
+
+Stops at rest that throw one another open make series of bounces that hold series themselves.
+
+Stops of one part that strike in turns end one another's series. Where their places are not zero,
+gaps lose their digits: below the round-off of the places what they do next is chance, and they may
+do so for ever.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Iterable, Sequence
+from math import inf, isfinite
+from typing import NamedTuple
 
+from ....arrays import FloatArray
 from ....dynamics import System
+from ....errors import ImpactError
+from ....mechanism import Mechanism, Stop
+from ....tolerances.hybrid import (
+    DROPPED_SERIES,
+    JAM_SLOWING,
+    NESTED_AT_LAST,
+    SIMULTANEOUS,
+    SLOWEST_JAM_RATE,
+    VANISHED_REBOUND,
+)
 from ...case import Case
-from ...event import Event
-from .bounces import Bounces
-from .jams import Jams
-from .nested import NestedBounces
-from .struck import SeriesRule
-from .vanishing import VanishingBounces
+from ...contact.bounce_series import NestedSeries
+from ...contact.complementarity import Closed
+from ...event import Event, EventKind
+from ...state import State
+from .bounces import (
+    UNKNOWN,
+    Bounces,
+    Rest,
+    Series,
+    SeriesRule,
+    Struck,
+    as_one,
+    knot_between,
+    other_stop_meets,
+    shut_together,
+)
+
+# As many collisions in one instant are a jam if no stop is struck slower in the end.
+_JAM = 20
+
+
+class Jams:
+    """Collisions in one instant that do not become slower.
+
+    Args:
+        system: The system.
+        events: The events of the run, as they are written down.
+    """
+
+    name = "jams between two stops"
+
+    def __init__(self, system: System, events: Sequence[Event]) -> None:
+        """Times nearer than an instant are one."""
+        self._mechanism, self._events = system.mechanism, events
+        self._instant = SIMULTANEOUS * system.shaft.period
+
+    def concerns(self, struck: Struck) -> bool:
+        """Return whether there are as many events within one instant."""
+        first = struck.number - _JAM
+        events = self._events
+        return first >= 0 and events[struck.number - 1].t - events[first].t <= self._instant
+
+    def followed(self, struck: Struck, a: FloatArray) -> tuple[Series, Sequence[Rest]]:
+        """Refuse to go on from a jam.
+
+        Raises:
+            ImpactError: The last collisions are one.
+        """
+        del a
+        check_jam(self._mechanism, self._events[: struck.number], self._instant)
+        return struck.after.series, ()
+
+    def forget(self, opened: Collection[str]) -> None:
+        """Nothing is kept here."""
+
+
+def check_jam(mechanism: Mechanism, events: Sequence[Event], instant: float) -> None:
+    """Refuse to go on from a jam.
+
+    Args:
+        events: All events so far.
+        instant: Times nearer than this are one [s].
+
+    Raises:
+        ImpactError: The last collisions are one.
+    """
+    latest = [event for event in events[-2 * _JAM :] if event.kind is EventKind.COLLISION][-_JAM:]
+    if len(latest) < _JAM or latest[-1].t - latest[0].t > instant:
+        return
+    stops = sorted({name for event in latest for name in event.stops})
+    series = {name: _approaches(mechanism, name, latest) for name in stops}
+    struck = {name: rates for name, rates in series.items() if rates}
+    fastest = (max(_approaches(mechanism, name, events)) for name in struck)
+    # Contacts without approach strike nothing.
+    least = SLOWEST_JAM_RATE * max(fastest, default=0.0)
+    if len(struck) > 1 and all(
+        len(rates) > 1 and rates[-1] >= max((1.0 - JAM_SLOWING) * rates[0], least)
+        for rates in struck.values()
+    ):
+        message = (
+            f"the stops {', '.join(struck)} are struck {_JAM} times within {instant:.1g} s and "
+            "nothing gets slower: they jam what moves between them against its drives; give it "
+            "room, or let the drives be inertial"
+        )
+        raise ImpactError(message, stops=list(struck), rates_before=series)
+
+
+def _approaches(mechanism: Mechanism, name: str, events: Iterable[Event]) -> list[float]:
+    """Rates at which a stop was struck, positive [rad/s or m/s]."""
+    stop = mechanism.stop(name)
+    rates = (-stop.rate(event.v_before) for event in events if name in event.stops)
+    return [rate for rate in rates if rate > 0.0]
+
+
+# Events of a series, with those of the series inside, from which on what is left out need not be
+# small, nor the limit be known as well as that of fewer.
+_MANY_EVENTS = 1000
+
+
+class _End(NamedTuple):
+    """When collisions end that throw stops open [s], the error of that [s], and all these stops."""
+
+    t: float
+    error: float
+    names: Closed
+
+
+class NestedBounces:
+    """Collisions, one in a part, that throw others open, which were at rest."""
+
+    name = "stops that throw one another open"
+
+    def __init__(self, system: System, case: Case) -> None:
+        """Begin without any series."""
+        self._system, self._case = system, case
+        self._known: dict[tuple[str, Closed], NestedSeries] = {}
+
+    def concerns(self, struck: Struck) -> bool:
+        """Return whether collisions open other stops, which were at rest."""
+        return any(struck.rates.get(name, 0.0) > 0.0 for name in struck.before.closed)
+
+    def followed(self, struck: Struck, a: FloatArray) -> tuple[Series, Sequence[Rest]]:
+        """Add such collisions, one a part; see :meth:`.SeriesRule.followed`."""
+        system, state, rests = self._system, struck.after, list[Rest]()
+        hit = [system.mechanism.stop(name) for name in struck.hit]
+        alone = [group[0] for group in system.apart(hit) if len(group) == 1]
+        limits = [limit for stop in alone if isfinite((limit := self._limit(struck, a, stop)).t)]
+        for together in as_one([[limit] for limit in limits], SIMULTANEOUS * system.shaft.period):
+            names = frozenset().union(*(limit.names for limit in together))
+            t = max(limit.t for limit in together)
+            error = max(limit.error + (t - limit.t) for limit in together)
+            rest = shut_together(system, state, names, t, error)
+            if rest is not None:
+                rests.append(rest)
+                state = state._replace(v=rest.impact.v_after, closed=rest.closed)
+        return struck.after.series, rests
+
+    def _limit(self, struck: Struck, a: FloatArray, stop: Stop) -> _End:
+        """Where the collisions of a stop end that throw others of its part open."""
+        system, before, state = self._system, struck.before, struck.after
+        closed = before.closed & system.coupled([stop.name])
+        names = closed | {stop.name}
+        unknown = _End(inf, inf, names)
+        if not any(struck.rates.get(name, 0.0) > 0.0 for name in closed):
+            return unknown
+        if system.constraint_set(names | state.closed).freedom < 0:
+            return unknown
+        key = stop.name, closed
+        series = self._known.get(key, NestedSeries())
+        if series.times and knot_between(system, series.times[-1], state.t):
+            series = NestedSeries()
+        series = series.struck(state.t, -stop.rate(before.v), struck.number)
+        self._known[key] = series
+        fastest = max(rate for name, rate in struck.rates.items() if name in names)
+        return _End(*rest_of_nested(system, self._case, state, a, names, fastest, series), names)
+
+    def forget(self, opened: Collection[str]) -> None:
+        """End the series of a part: one of its stops is pressed no more."""
+        part = self._system.coupled(opened)
+        self._known = {key: own for key, own in self._known.items() if key[0] not in part}
+
+
+def rest_of_nested(
+    system: System,
+    case: Case,
+    state: State,
+    a: FloatArray,
+    names: Collection[str],
+    fastest: float,
+    series: NestedSeries,
+) -> tuple[float, float]:
+    """Time at which stops that throw one another open come to rest together, and its error.
+
+    Args:
+        state: State just after a collision at one of them, the others having been at rest.
+        a: Acceleration there, shape (nv,).
+        names: Names of all of them.
+        fastest: Largest rate at which one of them opens [rad/s or m/s].
+        series: The collisions of that one.
+
+    Returns:
+        Both in [s]; infinite while not known yet.
+    """
+    if case.rest_rate is not None:
+        return (state.t if fastest < case.rest_rate else inf), 0.0
+    if any(system.mechanism.stop(name).restitution >= 1.0 for name in names):
+        # One that loses nothing comes to rest by what the others lose, if at all.
+        return UNKNOWN
+    tolerance = case.resolution.tolerance
+    large = series.rates[-1] ** 3 > DROPPED_SERIES * tolerance * series.fastest**3
+    if large and series.events < _MANY_EVENTS:
+        return UNKNOWN
+    t_rest, error = series.limit()
+    allowed = tolerance * (t_rest - series.start)
+    if series.events >= _MANY_EVENTS:
+        allowed = NESTED_AT_LAST * tolerance * system.shaft.period
+    unknown = not error <= allowed or t_rest <= state.t
+    if unknown or other_stop_meets(system, state, a, names, t_rest):
+        return UNKNOWN
+    if system.shaft.smooth_for(state.t) < t_rest - state.t:
+        return UNKNOWN
+    return t_rest, error
+
+
+class VanishingBounces:
+    """Collisions after which no stop of a part opens further than by round-off."""
+
+    name = "bounces lower than round-off"
+
+    def __init__(self, system: System, case: Case) -> None:
+        """Places of stops tell the round-off of all coordinates of their part."""
+        self._system, self._case = system, case
+        units = system.body.unit_of
+        self._least: dict[str, float] = {}
+        for group in system.apart(system.mechanism.stops):
+            farthest = max(abs(stop.at) / units[stop.index] for stop in group)
+            for stop in group:
+                self._least[stop.name] = VANISHED_REBOUND * farthest * units[stop.index]
+
+    def concerns(self, struck: Struck) -> bool:
+        """Return whether a stop rebounds."""
+        return bool(struck.rebounding) and self._case.rest_rate is None
+
+    def followed(self, struck: Struck, a: FloatArray) -> tuple[Series, Sequence[Rest]]:
+        """End the bounces of a part; see :meth:`.SeriesRule.followed`."""
+        state, rests = struck.after, list[Rest]()
+        for group in self._system.apart(struck.rebounding):
+            rest = self._rest(state, a, self._system.coupled([group[0].name]))
+            if rest is not None:
+                rests.append(rest)
+                state = state._replace(v=rest.impact.v_after, closed=rest.closed)
+        return struck.after.series, sorted(rests, key=lambda rest: rest.t)
+
+    def _rest(self, state: State, a: FloatArray, part: Closed) -> Rest | None:
+        """The rest of all open stops of a part; None if one of them is still on its way."""
+        system = self._system
+        stops = [
+            stop
+            for stop in system.mechanism.stops
+            if stop.name in part and stop.name not in state.closed
+        ]
+        if any(stop.restitution >= 1.0 for stop in stops):
+            # One that loses nothing rests by what the others lose, if at all.
+            return None
+        lasts = max(_lasts(stop, state, a) for stop in stops)
+        if any(_rise(stop, state, a, lasts) > self._least[stop.name] for stop in stops):
+            return None
+        names = frozenset(stop.name for stop in stops) | (state.closed & part)
+        return shut_together(system, state, names, state.t + lasts, lasts)
+
+    def forget(self, opened: Collection[str]) -> None:
+        """Nothing is kept here."""
+
+
+def _lasts(stop: Stop, state: State, a: FloatArray) -> float:
+    """How long a stop bounces that is pressed shut by itself [s]; of others the part decides."""
+    deceleration = -stop.rate(a)
+    if deceleration <= 0.0:
+        return 0.0
+    return 2.0 * abs(stop.rate(state.v)) / (deceleration * (1.0 - stop.restitution))
+
+
+def _rise(stop: Stop, state: State, a: FloatArray, lasts: float) -> float:
+    """Gap that a stop opens to [rad or m], at most for the time that the others bounce."""
+    gap, rate, deceleration = stop.gap(state.q), max(stop.rate(state.v), 0.0), -stop.rate(a)
+    return gap + rate * min(lasts, 0.5 * rate / deceleration if deceleration > 0.0 else lasts)
 
 
 def series_rules(system: System, case: Case, events: Sequence[Event]) -> tuple[SeriesRule, ...]:
