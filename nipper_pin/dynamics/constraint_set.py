@@ -1,4 +1,7 @@
-"""The constraints of one phase: which stops are closed, and what that leaves free to move."""
+"""The constraints of one phase: which stops are closed, and what that leaves free to move.
+
+Linear forces and shafts of a mechanism are laid out by coordinate once, for all its phases.
+"""
 
 from __future__ import annotations
 
@@ -9,9 +12,119 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import FloatArray
+from ..errors import ModelError
 from ..mechanism import Mechanism, Stop
-from .coefficients import coefficients, column_index
 from .multibody import INFINITE_INERTIA
+
+
+@dataclass(frozen=True, eq=False)
+class Coefficients:
+    """Coefficients independent of speed and time, shapes (drives,) or (nv,).
+
+    Attributes:
+        driven: Places of the driven coordinates.
+        columns: The same to index with: a slice where one holds them, which numpy takes faster.
+        inertia: I of each driven shaft [kg m^2 or kg].
+        train_stiffness: k = I w^2 of each elastic drive train.
+        train_damping: c = 2 zeta w I of each.
+        armature: Inertia added to the driven coordinates: infinite for held ones, I otherwise.
+        free: 1 for coordinates that accelerations move, 0 for those that a law holds.
+        stiffness: Sum of the springs at each coordinate.
+        preload: Their force at q = 0, -k p.
+        damping: Sum of the dampers at each coordinate.
+        turning: Angle by which links turn for each unit of a coordinate; slides by the reach.
+    """
+
+    driven: NDArray[np.intp]
+    columns: slice | NDArray[np.intp]
+    inertia: FloatArray
+    train_stiffness: FloatArray
+    train_damping: FloatArray
+    armature: FloatArray
+    free: FloatArray
+    stiffness: FloatArray
+    preload: FloatArray
+    damping: FloatArray
+    turning: FloatArray
+
+
+_COEFFICIENTS: WeakKeyDictionary[Mechanism, dict[bool, Coefficients]] = WeakKeyDictionary()
+
+
+def coefficients(mechanism: Mechanism, held: bool) -> Coefficients:
+    """Coefficients of a mechanism, the same for all its runs.
+
+    Args:
+        held: True if the driven shafts are held, False if they have their inertia.
+
+    Raises:
+        ModelError: A shaft that is not held lacks its numbers.
+    """
+    known = _COEFFICIENTS.setdefault(mechanism, {})
+    if held not in known:
+        if not held:
+            _need_shafts(mechanism)
+        known[held] = _coefficients(mechanism, held)
+    return known[held]
+
+
+def _need_shafts(mechanism: Mechanism) -> None:
+    """Refuse a drive without an inertia, which can only be held."""
+    missing = [f"drives.{item.name}.{key}" for item in mechanism.drives for key in item.missing]
+    if missing:
+        allowed = "an inertial drive needs a number; the others that are missing: "
+        raise ModelError(
+            file=f"{mechanism.name}.toml",
+            key=missing[0],
+            value=None,
+            allowed=allowed + (", ".join(missing[1:]) or "none"),
+        )
+
+
+def _coefficients(mechanism: Mechanism, held: bool) -> Coefficients:
+    nv = len(mechanism.joints)
+    driven = np.array([item.index for item in mechanism.drives], dtype=np.intp)
+    inertia = np.array([item.reflected_inertia for item in mechanism.drives])
+    omega = 2.0 * np.pi * np.array([item.shaft_frequency_hz for item in mechanism.drives])
+    ratio = np.array([item.shaft_damping_ratio for item in mechanism.drives])
+    armature, free = np.zeros(nv), np.ones(nv)
+    armature[driven] = INFINITE_INERTIA if held else inertia
+    if held:
+        free[driven] = 0.0
+    stiffness, preload, damping = np.zeros((3, nv))
+    for spring in mechanism.springs:
+        stiffness[spring.index] += spring.stiffness
+        preload[spring.index] -= spring.stiffness * spring.preload
+    for damper in mechanism.dampers:
+        damping[damper.index] += damper.damping
+    return Coefficients(
+        driven=driven,
+        columns=column_index(driven),
+        inertia=inertia,
+        train_stiffness=inertia * omega**2,
+        train_damping=2.0 * ratio * omega * inertia,
+        armature=armature,
+        free=free,
+        stiffness=stiffness,
+        preload=preload,
+        damping=damping,
+        turning=np.array(
+            [
+                1.0 if joint.kind == "revolute" else 1.0 / mechanism.reach_m
+                for joint in mechanism.joints
+            ]
+        ),
+    )
+
+
+def column_index(places: NDArray[np.intp]) -> slice | NDArray[np.intp]:
+    """Return equally spaced, increasing indices as a slice, and other ones unchanged."""
+    steps = set(np.diff(places).tolist()) or {1}
+    step = min(steps)
+    if not places.size or len(steps) > 1 or step < 1:
+        return places
+    return slice(int(places[0]), int(places[-1]) + 1, step)
+
 
 # The stiffness is repeated for the largest number of nodes of a panel: products of arrays of one
 # shape take a third of the time of broadcasting.

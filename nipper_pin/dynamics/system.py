@@ -19,8 +19,7 @@ from .assembly import (
     partition,
     products,
 )
-from .coefficients import coefficients
-from .constraint_set import ConstraintSet, constraint_set
+from .constraint_set import ConstraintSet, coefficients, constraint_set
 from .elements import elements
 from .multibody import INFINITE_INERTIA, multibody
 from .parts import parts

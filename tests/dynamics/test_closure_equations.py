@@ -11,7 +11,7 @@ from benchmarks.stress.mechanics.planar_tree import PlanarTree
 from benchmarks.stress.space import trial
 from nipper_pin import DriveMode, Mechanism
 from nipper_pin.dynamics import Multibody, System
-from nipper_pin.dynamics.loops import Loops
+from nipper_pin.dynamics.multibody import Loops
 from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.gallery import GALLERY, drawn
 from nipper_pin.tolerances.mechanics import EPS

@@ -30,8 +30,8 @@ from nipper_pin.dynamics import (
     drive_impulses,
     inverted,
 )
+from nipper_pin.dynamics.assembly import inverse_of, inverses_of, same_sign, solutions_of
 from nipper_pin.dynamics.pivoting import complementary
-from nipper_pin.dynamics.small_systems import inverse_of, inverses_of, same_sign, solutions_of
 from nipper_pin.dynamics.strike import strike
 from nipper_pin.hybrid.contact.complementarity import pressed
 from nipper_pin.mechanism import Stop

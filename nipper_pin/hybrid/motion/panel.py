@@ -26,8 +26,8 @@ from ...dynamics import (
     multipliers,
     partition,
 )
+from ...dynamics.assembly import same_sign
 from ...dynamics.multipliers import Multipliers
-from ...dynamics.small_systems import same_sign
 from ...errors import SingularConfigurationError
 from ...tolerances.hybrid import COORDINATE_ROUND_OFF, SMALLEST
 
