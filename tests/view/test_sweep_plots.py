@@ -13,7 +13,6 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.parquet as pq
 import pytest
 from drawn import drawn
 from matplotlib.collections import PolyCollection
@@ -228,23 +227,6 @@ def test_figures_of_a_sweep(folder: Path, name: str, words: Words) -> None:
     words("\n".join(drawn(figure) for figure in figures))
 
 
-def test_level_lines_show_the_table(folder: Path) -> None:
-    """The field behind the lines is the one scenario of each pair that has a value."""
-    sweep = read_sweep(folder)
-    rows = [row for row in sweep.table.to_pylist() if row["outcome"] == "at_rest"]
-    assert len(rows) == 9
-    speed, e = (Parameter.of(sweep, place) for place in (0, 1))
-    y = sweep.table["rebound_amplitude_1"].to_numpy()
-    field = cell_means(speed.cell, e.cell, (3, 3), y)
-    for row in rows:
-        i = [450.0, 550.0, 650.0].index(row["speed_rpm"])
-        j = int(np.argmin(np.abs(e.centres - row["restitution"])))
-        assert field[i, j] == row["rebound_amplitude_1"]
-    # A livelier jaw at a higher speed rebounds higher: rows and columns are where they should be.
-    assert (np.diff(field, axis=0) > 0.0).all()
-    assert (np.diff(field, axis=1) > 0.0).all()
-
-
 def test_indices_of_figures_count_on_and_are_written_on_one_scale() -> None:
     """The mean of 39.5 and 0.5 is 40, which is written 0."""
     table = pa.table({"rest_index": [39.5, 0.5, 30.0]})
@@ -271,29 +253,6 @@ def test_files_of_a_sweep(folder: Path, tmp_path: Path) -> None:
     assert all(path.read_bytes().startswith(b"\x89PNG") for path in written)
 
 
-def test_thinned_reading_is_even(folder: Path, tmp_path: Path) -> None:
-    """Every k-th scenario across chunks of any size, and the damaged file of a sweep is named.
-
-    The grids have 3, 3 and 2 values: k = 4 would be enough, and would meet one mass only.
-    """
-    whole = read_sweep(folder).table["scenario"].to_pylist()
-    assert whole == list(range(18))
-    table = pq.read_table(folder / "chunks" / "0000000.parquet")
-    copy = tmp_path / "copy"
-    (copy / "chunks").mkdir(parents=True)
-    (copy / "plan.json").write_bytes((folder / "plan.json").read_bytes())
-    for number, (start, stop) in enumerate([(0, 5), (5, 6), (6, 18)]):
-        part = table.slice(start, stop - start)
-        pq.write_table(part, copy / "chunks" / f"{number:07d}.parquet")
-    thin = read_sweep(copy, 5)
-    assert thin.stored == 18
-    assert thin.table["scenario"].to_pylist() == [0, 5, 10, 15]
-    assert len(set(thin.table["links.top_nipper.mass_kg"].to_pylist())) == 2
-    (copy / "chunks" / "0000001.parquet").write_bytes(b"PAR1 and nothing more")
-    with pytest.raises(InputError, match=r"0000001\.parquet: damaged"):
-        read_sweep(copy)
-
-
 def test_unusable_requests(
     folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -305,8 +264,6 @@ def test_unusable_requests(
         assert main(["plot", str(folder), "--out", str(tmp_path / "out"), *arguments]) == 2
         assert said in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
-    assert main(["plot", str(tmp_path / "nothing")]) == 2
-    assert "not the plan of a sweep" in capsys.readouterr().err
     with pytest.raises(UnknownNameError):
         plot_sweep(folder, upwards="mass")
     (tmp_path / "file").touch()

@@ -177,60 +177,40 @@ def test_rows_say_whether_the_premise_holds(
 # --- the smallest and the largest row ------------------------------------------------------------
 
 
-def extremes(folder: Path, quantity: str, **units: str) -> Extremes:
-    """Of a sweep over two parameters."""
-    axes = "".join(f"[parameters.{name}]\nvalues = [1.0]\n" for name in ("speed_rpm", "preload"))
-    job = plan(folder, axes).job
-    return Extremes(replace(job, quantities=(quantity, "another"), units={**job.units, **units}))
-
-
-def table(scenarios: Any, values: Any, quantity: str = "duration_s") -> pa.Table:
-    """Rows whose parameters follow from their number."""
-    numbers = {name: [float(n * k) for n in scenarios]
-               for k, name in ((2, "speed_rpm"), (3, "preload"))}  # fmt: skip
-    return pa.table({"scenario": list(scenarios), quantity: values, **numbers})
-
-
-def test_extremes_are_those_of_a_search(tmp_path: Path) -> None:
-    """In any order of chunks; values that are missing or occur twice are among the rows."""
-    random = np.random.default_rng(1)
-    values = random.integers(0, 20, 60) / 8.0
-    values[random.random(60) < 0.3] = math.nan
-    # A chunk without a value changes nothing.
-    values[10:20] = math.nan
-    found = extremes(tmp_path, "duration_s")
-    found.add(table(range(3), [math.nan, math.nan, None]))
-    assert (found.record()["smallest"], found.sentences()) == (None, [])
-    for chunk in random.permutation(6):
-        rows = range(10 * chunk, 10 * chunk + 10)
-        found.add(table(rows, values[rows.start : rows.stop]))
-    known = [(value, n) for n, value in enumerate(values.tolist()) if not math.isnan(value)]
-    low, high = min(known), max(known, key=lambda pair: (pair[0], -pair[1]))
-    assert found.record() == {
-        "quantity": "duration_s",
-        **{
-            word: {"scenario": n, "value": value,
-                   "numbers": {"speed_rpm": 2.0 * n, "preload": 3.0 * n}}
-            for word, (value, n) in (("smallest", low), ("largest", high))
-        },
-    }  # fmt: skip
-
-
 @pytest.mark.parametrize(
     ("quantity", "values", "low", "high"),
     [
+        # Missing ones; of equal ones the first is told.
+        ("duration_s", [math.nan, 2.0, None, 1.0, 1.0, 2.0], (3, 1.0), (1, 2.0)),
         # From the start of turns on, at 24: a rest at 0.5 is later than one at 39.5.
-        ("rest_index", [39.5, 0.5, 36.25], 36.25, 0.5), ("collisions", [7, 3, 9], 3.0, 9.0),
-        ("premise_holds", [None, True, False], 0.0, 1.0),
+        ("rest_index", [39.5, 0.5, 36.25], (2, 36.25), (1, 0.5)),
+        ("collisions", [7, 3, 9], (1, 3.0), (2, 9.0)),
+        ("premise_holds", [None, True, False], (2, 0.0), (1, 1.0)),
     ],
 )  # fmt: skip
-def test_extremes_of_what_is_no_length_of_time(
-    quantity: str, values: list[Any], low: float, high: float, tmp_path: Path
-) -> None:
-    found = extremes(tmp_path, quantity)
-    found.add(table((1, 2, 3), values, quantity))
-    record = found.record()
-    assert (record["smallest"]["value"], record["largest"]["value"]) == (low, high)
+def test_extremes(
+    quantity: str, values: list[Any], low: tuple[int, float], high: tuple[int, float],
+    tmp_path: Path,
+) -> None:  # fmt: skip
+    """With the numbers of their rows, whichever chunk is first; one without values is nothing."""
+    axes = "".join(f"[parameters.{name}]\nvalues = [1.0]\n" for name in ("speed_rpm", "preload"))
+    job = replace(plan(tmp_path, axes).job, quantities=(quantity, "another"))
+    half = len(values) // 2
+    for parts in (range(half), range(half, len(values))), (range(half, len(values)), range(half)):
+        found = Extremes(job)
+        none = pa.table({"scenario": [9], quantity: [None], "speed_rpm": [1.0], "preload": [1.0]})
+        found.add(none)
+        assert (found.record()["smallest"], found.sentences()) == (None, [])
+        for rows in parts:
+            found.add(pa.table({
+                "scenario": list(rows), quantity: [values[n] for n in rows],
+                "speed_rpm": [2.0 * n for n in rows], "preload": [3.0 * n for n in rows],
+            }))  # fmt: skip
+        assert found.record() == {"quantity": quantity, **{
+            word: {"scenario": n, "value": value,
+                   "numbers": {"speed_rpm": 2.0 * n, "preload": 3.0 * n}}
+            for word, (n, value) in (("smallest", low), ("largest", high))
+        }}  # fmt: skip
 
 
 # --- faults of the program -----------------------------------------------------------------------

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import json
 import math
-import shutil
+from dataclasses import replace
 from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 from typing import Any
@@ -16,12 +16,10 @@ from scipy.stats import qmc
 from snapshots import Words
 from sweep_studies import FULL, GEOMETRY, TABLE, chunk_files, plan, stored, study, taken_up
 
-from nipper_pin import InputError
-from nipper_pin.mechanism import find_model
+from nipper_pin import InputError, Mechanism
 from nipper_pin.study.sweep import Plan, read_plan, run_sweep
+from nipper_pin.study.sweep.axes import find_target
 from nipper_pin.study.sweep.job import read_job
-from nipper_pin.study.sweep.units import unit_of
-from nipper_pin.study.transitions import REDUCED_PAYS_FROM
 
 
 def all_rows(found: Plan) -> np.ndarray:
@@ -110,68 +108,48 @@ def test_samples_cross_grids(tmp_path: Path) -> None:
 # --- chunks --------------------------------------------------------------------------------------
 
 
-def sizes(found: Plan) -> list[int]:
-    """Sizes of chunks, which hold every scenario once."""
-    chunks = found.chunks()
-    assert [item.number for item in chunks] == [*range(len(chunks))]
-    assert [item.start for item in chunks] == [0, *(item.stop for item in chunks[:-1])]
-    assert chunks[-1].stop == found.scenarios
-    return [item.stop - item.start for item in chunks]
-
-
-@pytest.mark.parametrize(
-    ("count", "number"),
-    # 64 chunks, as long as they have no fewer than 8192 and no more than 65 536 scenarios.
-    [(600, 1), (8192, 1), (8193, 2), (524_288, 64), (4_194_304, 64), (4_194_305, 65),
-     (10**9, 15_259)],
-)  # fmt: skip
-def test_chunks_of_one_mechanism(tmp_path: Path, count: int, number: int) -> None:
-    """None so small that it changes the engine; rows of a thousand million would take 32 GB."""
-    found = plan(tmp_path, TABLE.replace("600", str(count)))
-    made = sizes(found)
-    assert len(made) == number
-    assert max(made) - min(made) <= 1
-    assert min(made) > REDUCED_PAYS_FROM
-    (second, *_) = found.chunks()[1:] or found.chunks()
-    _, rows = next(found.rows([second]))
-    assert rows.shape == (second.stop - second.start, 4)
-
-
 ONE_RATIO = GEOMETRY.replace("chunk = 4\n", "").replace("2.0, 2.2, 2.4", "2.0")
 
 
+def many(radii: int, speeds: int) -> str:
+    """Speeds of machines of their own."""
+    text = ONE_RATIO.replace("points = 5", f"points = {radii}")
+    return text.replace("values = [450.0, 650.0]", f"low = 450.0\nhigh = 650.0\npoints = {speeds}")
+
+
 @pytest.mark.parametrize(
-    ("radii", "speeds", "of_chunk"),
+    ("text", "number", "largest"),
     [
+        # 64 chunks, as long as they have no fewer than 8192 and no more than 65 536 scenarios: none
+        # so small that it changes the engine, and none of whose rows take gigabytes.
+        *((TABLE.replace("600", str(count)), number, -(-count // number)) for count, number in (
+            (600, 1), (8192, 1), (8193, 2), (524_288, 64), (4_194_304, 64), (4_194_305, 65),
+            (10**9, 15_259))),
         # Two scenarios of 2.5 ms after 6 ms of a mechanism: 23 of them last a quarter of a second,
         # 182 two seconds; 64 chunks between these.
-        (20, 2, 20), (1000, 2, 23), (3200, 2, 50), (12_000, 2, 182),
+        (many(20, 2), 1, 40), (many(1000, 2), 44, 46), (many(3200, 2), 64, 100),
+        (many(12_000, 2), 66, 364),
         # 100 scenarios of 20 us after 46 ms of a mechanism and its tables: 48 ms.
-        (1000, 100, 16), (200, 100, 6), (300, 31, 5),
+        (many(1000, 100), 63, 1600), (many(200, 100), 34, 600), (many(300, 31), 60, 155),
+        # As they are asked for: divided evenly, none above the size; or whole mechanisms.
+        *((f"chunk = {chunk}\n{many(5, 10)}", number, largest) for chunk, number, largest in (
+            (9, 10, 5), (4, 15, 4), (25, 3, 20), (10**6, 1, 50))),
+        (f"chunk = 7\n{TABLE}", 86, 7), (f"chunk = 1_000_000\n{TABLE}", 1, 600),
     ],
 )  # fmt: skip
-def test_chunks_of_whole_mechanisms(tmp_path: Path, radii: int, speeds: int, of_chunk: int) -> None:
-    text = ONE_RATIO.replace("points = 5", f"points = {radii}")
-    text = text.replace("values = [450.0, 650.0]", f"low = 450.0\nhigh = 650.0\npoints = {speeds}")
-    made = sizes(plan(tmp_path, text))
-    assert set(made[:-1] or made) == {min(of_chunk, radii) * speeds}
-
-
-TEN = ONE_RATIO.replace("values = [450.0, 650.0]", "low = 450.0\nhigh = 650.0\npoints = 10")
-
-
-@pytest.mark.parametrize(
-    ("text", "chunk", "begin"),
-    [
-        # Ten speeds of a mechanism: divided evenly, none above the size; or whole mechanisms.
-        (TEN, 9, [5, 5]), (TEN, 4, [3, 3, 4]), (TEN, 25, [20]), (TEN, 10**6, [50]),
-        (TABLE, 7, [6, 7]), (TABLE, 10**6, [600]),
-    ],
-)  # fmt: skip
-def test_chunks_of_a_size(tmp_path: Path, text: str, chunk: int, begin: list[int]) -> None:
-    made = sizes(plan(tmp_path, f"chunk = {chunk}\n{text}"))
-    assert made[: len(begin)] == begin
-    assert max(made) <= chunk
+def test_chunks(tmp_path: Path, text: str, number: int, largest: int) -> None:
+    """They hold every scenario once; of samples they are alike, and else but for the last one."""
+    found = plan(tmp_path, text)
+    chunks = found.chunks()
+    assert [item.number for item in chunks] == [*range(number)]
+    assert [item.start for item in chunks] == [0, *(item.stop for item in chunks[:-1])]
+    assert chunks[-1].stop == found.scenarios
+    sizes = [item.stop - item.start for item in chunks]
+    assert max(sizes) == largest
+    assert largest - min(sizes if "[samples]" in text else sizes[:-1] or sizes) <= 1
+    (second, *_) = chunks[1:] or chunks
+    _, rows = next(found.rows([second]))
+    assert len(rows) == second.stop - second.start
 
 
 def test_chunks_that_are_chosen(tmp_path: Path) -> None:
@@ -321,55 +299,28 @@ def test_a_worker_rebuilds_the_job_from_its_text(
     assert plan(tmp_path, GEOMETRY).job.versions == here | {"numba": "none"}
 
 
-def test_targets_and_units(tmp_path: Path) -> None:
-    """Angles of a preload in degrees, lengths in mm; what a path's last part ends with."""
-    home = tmp_path / "both"
-    shutil.copytree(find_model("e62"), home)
-    for kind in ("toml", "urdf"):
-        (home / f"e62.{kind}").rename(home / f"both.{kind}")
-    spring = '[springs.jaw]\njoint = "jaw"\nstiffness_N_m_per_rad = 1.0\npreload_deg = 2.0\n'
-    own = (
-        (home / "both.toml")
-        .read_text(encoding="utf-8")
-        .replace("[stops.jaw]", f"{spring}[stops.jaw]")
-    )
-    (home / "both.toml").write_text(own, encoding="utf-8")
+def test_what_a_parameter_changes(e62: Mechanism) -> None:
+    """Of the E62 with a second spring, at its hinge; preloads are scaled to metres and radians.
 
-    def axis(name: str, head: str = "", rest: str = "values = [1.0]") -> Any:
-        """The parameter of a study of the E62 with a second spring, at its hinge."""
-        text = f'model = "both"\n{head}[parameters."{name}"]\n{rest}\n'
-        return plan(tmp_path, text).axes[0]
-
-    steeve, cycle = "stops.steeve.restitution", '[case]\nwindow = "cycle"\n'
-    for name, head, kind, path, place, scale in (
-        ("speed_rpm", "", "speed", "speed_rpm", 0, 1.0),
-        ("preload", "", "preload", "springs.steeve.preload_length_mm", 0, 1e-3),
-        ("springs.jaw.preload_deg", "", "preload", "", 1, math.pi / 180.0),
-        ("springs.jaw.stiffness_N_m_per_rad", "", "stiffness", "", 1, 1.0),
-        (steeve, "", "model", "", 0, 1.0), (steeve, cycle, "restitution", "", 0, 1.0),
-        *(("restitution", one, "restitution", "stops.jaw.restitution", 0, 1.0)
-          for one in ("", cycle)),
+    Restitutions that turns have are columns of them; of a transition only one stop's is.
+    """
+    hinge = replace(e62.springs[0], name="jaw", index=e62.stop("jaw").index)
+    both, steeve = replace(e62, springs=(*e62.springs, hinge)), "stops.steeve.restitution"
+    for name, turns, kind, path, place, scale in (
+        ("speed_rpm", False, "speed", "speed_rpm", 0, 1.0),
+        ("preload", False, "preload", "springs.steeve.preload_length_mm", 0, 1e-3),
+        ("springs.jaw.preload_deg", False, "preload", "", 1, math.pi / 180.0),
+        ("springs.jaw.stiffness_N_m_per_rad", False, "stiffness", "", 1, 1.0),
+        ("restitution", False, "restitution", "stops.jaw.restitution", 0, 1.0),
+        (steeve, False, "model", "", 0, 1.0), (steeve, True, "restitution", "", 0, 1.0),
+        *((path, False, "model", "", 0, 1.0) for path in (
+            "drives.pendulum.guide_offset_mm", "drives.pendulum.crank_axis_mm[1]",
+            "urdf.link.top_nipper.inertial.mass.value", "links.top_nipper.gyration_mm",
+            "points.rod_pin.z_mm")),
     ):  # fmt: skip
-        target = axis(name, head).target
+        target = find_target(name, both, turns=turns)
         said = (target.kind, target.path, target.spring, target.scale)
         assert said == (kind, path or name, place, scale)
-    units = {
-        "mass_kg": "kg", "stiffness_N_per_m": "N/m", "damping_N_m_s_per_rad": "N m s/rad",
-        "crank_axis_mm[1]": "mm", "speed_rpm": "r/min", "ratio": "1", "lead_mm_per_turn": "mm/turn",
-        "inertia_kg_m2": "kg m2", "angle_deg": "deg", "energy_J": "J", "m": "1",
-    }  # fmt: skip
-    assert {name: unit_of(name) for name in units} == units
-    samples, ends = '[samples]\nmethod = "sobol"\ncount = 2\n', "low = 4.0\nhigh = 9.0"
-    spaced = axis("speed_rpm", samples, f'{ends}\nscale = "log"')
-    assert spaced.sampled(np.array([0.0, 0.5, 1.0])) == pytest.approx([4.0, 6.0, 9.0])
-    even = axis("speed_rpm", samples, ends)
-    assert even.sampled(np.array([0.0, 0.2, 1.0])).tolist() == [4, 5, 9]
-    # All kinds of paths make mechanisms of their own; restitutions are columns of turns.
-    for path in ("drives.pendulum.guide_offset_mm", "drives.pendulum.crank_axis_mm[1]",
-                 "urdf.link.top_nipper.inertial.mass.value", "links.top_nipper.gyration_mm",
-                 "points.rod_pin.z_mm"):  # fmt: skip
-        found = plan(tmp_path, f"[parameters.'{path}']\nvalues = [1.0, 1.5]\n")
-        assert (found.mechanisms, found.axes[0].target.path) == (2, path)
 
 
 def test_workers_beside_a_scheduler(tmp_path: Path) -> None:
