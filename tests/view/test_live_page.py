@@ -248,6 +248,13 @@ def contact_in(mechanism: Mechanism) -> dict[str, np.ndarray]:
     }
 
 
+def placed(e62: Mechanism, style: str) -> dict[str, np.ndarray]:
+    """Where the contact points of both lips are drawn [pixels]."""
+    place, names = contact_in(e62), [joint.child for joint in e62.joints]
+    return {names[k]: matrix @ place[names[k]] + shift
+            for k, (matrix, shift) in matrices(style).items()}  # fmt: skip
+
+
 @pytest.mark.parametrize("larger", [1.0, 10.0])
 def test_both_lips_stand_apart_by_the_gap(e62: Mechanism, larger: float) -> None:
     """The lower one in the middle, the upper one above it by lever times angle, to second order.
@@ -260,16 +267,9 @@ def test_both_lips_stand_apart_by_the_gap(e62: Mechanism, larger: float) -> None
     q = run.trajectory.evaluate(first.t + 0.5 * first.rebound_time).q[0]
     angle = e62.stop("jaw").gap(q)
     style = Lips(e62).style(q, first.rebound_amplitude, larger)
-    place = contact_in(e62)
-    names = [joint.child for joint in e62.joints]
-    at = {
-        name: matrix @ place[name] + shift
-        for name, (matrix, shift) in ((names[k], found) for k, found in matrices(style).items())
-    }
-    middle = 0.5 * np.array(PIXELS)
+    at, middle = placed(e62, style), 0.5 * np.array(PIXELS)
     assert at["bottom_nipper"] == pytest.approx(middle, abs=2e-3)
-    high = {1.0: 12.0, 10.0: 25.0}[larger]
-    scale = PIXELS[1] / high
+    scale = PIXELS[1] / {1.0: 12.0, 10.0: 25.0}[larger]
     gap = MM * e62.stop("jaw").lever * angle
     up = middle[1] - at["top_nipper"][1]
     # The chord of a circle differs from its arc by angle / 2 of it.
@@ -280,31 +280,25 @@ def test_both_lips_stand_apart_by_the_gap(e62: Mechanism, larger: float) -> None
         assert np.linalg.det(matrix) == pytest.approx(-(scale**2), rel=1e-4)
 
 
-def test_closed_lips_meet_and_the_scale_is_told(e62: Mechanism) -> None:
-    style = Lips(e62).style(np.zeros(e62.model.nv), 0.0, 1.0)
-    place, names = contact_in(e62), [joint.child for joint in e62.joints]
-    for body, (matrix, shift) in matrices(style).items():
-        if names[body] in ("top_nipper", "bottom_nipper"):
-            at = matrix @ place[names[body]] + shift
-            assert at == pytest.approx(0.5 * np.array(PIXELS), abs=2e-3)
-    assert 'content: "bar 2 mm; true"' in style
-    bar = re.search(r"\.lips-bar \{[^}]*scale\(([\d.]+), 1\)", style)
-    assert bar is not None
-    assert float(bar[1]) == pytest.approx(2.0 * PIXELS[1] / 12.0, rel=1e-4)
-
-
 @pytest.mark.parametrize(
-    ("gap_mm", "larger", "high", "bar"),
-    [(2.9, 1.0, 12.0, 2), (3.1, 1.0, 25.0, 5), (0.5, 20.0, 50.0, 10), (1000.0, 1.0, 250.0, 50)],
-)
+    ("gap_mm", "larger", "high", "bar", "told"),
+    [(0.0, 1.0, 12.0, 2, "true"), (2.9, 1.0, 12.0, 2, "true"), (3.1, 1.0, 25.0, 5, "true"),
+     (0.5, 20.0, 50.0, 10, "rebounds x 20"), (1000.0, 1.0, 250.0, 50, "true")],
+)  # fmt: skip
 def test_the_view_holds_the_largest_rebound(
-    e62: Mechanism, gap_mm: float, larger: float, high: float, bar: int
+    e62: Mechanism, gap_mm: float, larger: float, high: float, bar: int, told: str
 ) -> None:
+    """Closed lips meet in its middle, and a bar tells its scale."""
     angle = gap_mm / MM / e62.stop("jaw").lever
     style = Lips(e62).style(np.zeros(e62.model.nv), angle, larger)
     scale = np.sqrt(-np.linalg.det(matrices(style)[1][0]))
     assert scale == pytest.approx(PIXELS[1] / high, rel=1e-4)
-    assert f"bar {bar} mm; {'true' if larger == 1.0 else f'rebounds x {larger:g}'}" in style
+    assert f'content: "bar {bar} mm; {told}"' in style
+    (shown,) = re.findall(r"\.lips-bar \{[^}]*scale\(([\d.]+), 1\)", style)
+    assert float(shown) == pytest.approx(bar * scale, rel=1e-4)
+    at = placed(e62, style)
+    for lip in ("top_nipper", "bottom_nipper"):
+        assert at[lip] == pytest.approx(0.5 * np.array(PIXELS), abs=2e-3)
 
 
 def test_outlines_are_those_of_the_meshes(e62: Mechanism) -> None:

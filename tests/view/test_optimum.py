@@ -15,35 +15,20 @@ from rich.console import Console
 from snapshots import Words
 
 from nipper_pin.cli import main
-from nipper_pin.study.optimise import Limit, Optimum, optimise, read_problem
+from nipper_pin.study.optimise import Limit, Optimum, optimise
 from nipper_pin.study.optimise.search.samples import Found
 from nipper_pin.view.studies.front_plot import front_figure, plot_front
 from nipper_pin.view.studies.optimise_report import print_optimum
-
-MASS = Path(__file__).resolve().parents[1] / "verification" / "models" / "bouncing_mass"
-STUDY = f"""
-format = 1
-title = "A ball [bold]and[/bold] a table"
-model = "{MASS}"
-minimise = "duration_s"
-maximise = "rebound_amplitude_1"
-case = {{ speed_rpm = 60.0 }}
-[parameters."stops.table.restitution"]
-low = 0.05
-high = 0.3
-[parameters."drives.table.lead_mm_per_turn"]
-low = 20.0
-high = 100.0
-[limits]
-rebound_time_s_1 = {{ high = 0.005 }}
-"""
+from tests.study.optimise.designs import BALL, MASS, problem
 
 
 @pytest.fixture(scope="module")
 def optimum(tmp_path_factory: pytest.TempPathFactory) -> Optimum:
-    file = tmp_path_factory.mktemp("optimum") / "study.toml"
-    file.write_text(STUDY, encoding="utf-8")
-    return optimise(read_problem(file), starts=2, points=4, check=False, workers=1)
+    """Of a ball, with a limit on its first rebound."""
+    text = f'title = "A ball [bold]and[/bold] a table"{BALL}'
+    text += "[limits]\nrebound_time_s_1 = { high = 0.005 }\n"
+    asked = problem(tmp_path_factory.mktemp("optimum"), text)
+    return optimise(asked, starts=2, points=4, check=False, workers=1)
 
 
 def test_words_around_the_front(optimum: Optimum, words: Words) -> None:

@@ -108,16 +108,19 @@ def get(port: int, path: str, **headers: str) -> tuple[int, dict[str, str], byte
             connection.close()
 
 
+def is_free(port: int) -> bool:
+    """Whether a server can take it again."""
+    with closing(socket.socket()) as trial:
+        trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        trial.bind(("127.0.0.1", port))
+    return True
+
+
 @pytest.mark.parametrize("browser", [True, False])
 def test_the_page_of_a_scene(
-    browser: bool,
-    port: int,
-    output: Output,
-    opened: list[tuple[str, int]],
-    beside: Any,
-    monkeypatch: pytest.MonkeyPatch,
-    capfd: pytest.CaptureFixture[str],
-) -> None:
+    browser: bool, port: int, output: Output, opened: list[tuple[str, int]], beside: Any,
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
     """At one address, whatever follows a question mark, not to be kept; nothing else is there."""
     paths = ("/", "/?again", "/other")
     asked = ({}, {"Host": "evil.example"}, {"Origin": "http://evil.example"})
@@ -141,50 +144,44 @@ def test_the_page_of_a_scene(
     address = f"http://127.0.0.1:{port}/"
     assert output.getvalue() == f"the scene is at {address} ; Ctrl-C ends\n\n"
     assert opened == ([(address, 1)] if browser else [])
-    # Requests are not reported, and the port is free again.
+    # Requests are not reported.
     assert capfd.readouterr().err == ""
-    with closing(socket.socket()) as trial:
-        trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        trial.bind(("127.0.0.1", port))
+    assert is_free(port)
 
 
 @pytest.mark.parametrize("browser", [True, False])
 def test_the_live_page(
-    browser: bool,
-    port: int,
-    output: Output,
-    opened: list[tuple[str, int]],
-    beside: Any,
+    browser: bool, port: int, output: Output, opened: list[tuple[str, int]], beside: Any,
     monkeypatch: pytest.MonkeyPatch,
-) -> None:
+) -> None:  # fmt: skip
     """Announced, opened if asked, and stopped at the end: the port is free again.
 
-    A page of another site cannot connect to it.
+    Its own page connects to it, and none of another site.
     """
-    pytest.importorskip("viser", reason=WHY)
+    viser = pytest.importorskip("viser", reason=WHY)
+    connects = {**CONNECTS, "Sec-WebSocket-Protocol": f"viser-v{viser.__version__}"}
 
     def ask() -> Any:
         """When the address is announced; the server itself is there before."""
         until = time.monotonic() + 60.0
         while not output.getvalue() and time.monotonic() < until:
             time.sleep(0.02)
-        return get(port, "/"), get(port, "/", **CONNECTS, Origin="http://evil.example")
+        origins = f"http://127.0.0.1:{port}", "http://evil.example", "null"
+        return get(port, "/"), *(get(port, "/", **connects, Origin=each)[0] for each in origins)
 
     answers = beside(ask)
     with monkeypatch.context() as patch:
         patch.setattr(sys, "stdout", output)
         words = ["live", "e62", "--speed", "432", "--port", str(port)]
         assert main([*words, *([] if browser else ["--no-browser"])]) == 0
-    (((status, _, content), foreign),) = answers
-    assert (status, foreign[0]) == (200, 403)
+    (((status, _, content), *connected),) = answers
+    assert (status, connected) == (200, [101, 403, 403])
     assert b"viser" in content.lower()
     address = f"http://127.0.0.1:{port}/"
     assert output.getvalue() == f"the page is at {address} ; Ctrl-C ends\n\n"
     assert [item for item, _ in opened] == ([address] if browser else [])
     assert output.flushed >= 1
-    with closing(socket.socket()) as trial:
-        trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        trial.bind(("127.0.0.1", port))
+    assert is_free(port)
 
 
 def test_another_port_than_the_one_that_is_named_is_refused(

@@ -12,6 +12,19 @@ from nipper_pin.study.optimise import Design, Problem, read_problem
 from nipper_pin.study.optimise.points import Evaluator
 
 MASS = Path(__file__).resolve().parents[2] / "verification" / "models" / "bouncing_mass"
+# A ball on a table that rises by its lead in a second.
+BALL = f"""
+model = "{MASS}"
+minimise = "duration_s"
+maximise = "rebound_amplitude_1"
+case = {{ speed_rpm = 60.0 }}
+[parameters."stops.table.restitution"]
+low = 0.05
+high = 0.3
+[parameters."drives.table.lead_mm_per_turn"]
+low = 20.0
+high = 100.0
+"""
 
 
 def study(folder: Path, text: str) -> Path:

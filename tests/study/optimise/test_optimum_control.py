@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from designs import MASS, design, parameter, problem, study
+from designs import BALL, design, parameter, problem, study
 
 from nipper_pin import Case, Solution, Window, load, simulate
 from nipper_pin.cli import main
@@ -198,7 +198,7 @@ def test_limits_that_a_turn_breaks(
 ) -> None:
     """By more than the report does, and than both may err; a ball of e V bounces for 2 e V / g."""
     name, time = "rebound_time_s_1", 2.0 * 0.3 * 0.1 / 9.81
-    text = MASS_STUDY + f"[limits]\n{name} = {{ {side} = {limit * time!r} }}\n"
+    text = BALL + f"[limits]\n{name} = {{ {side} = {limit * time!r} }}\n"
     found = problem(tmp_path, text)
     true = design(found, (0.3, 100.0))
     told = replace(
@@ -224,20 +224,6 @@ def test_limits_of_indices_are_the_short_way_around(tmp_path: Path) -> None:
     assert set(seen.breaks) == {str(item) for item in found.limits}
 
 
-MASS_STUDY = f"""
-model = "{MASS}"
-minimise = "duration_s"
-maximise = "rebound_amplitude_1"
-case = {{ speed_rpm = 60.0 }}
-[parameters."stops.table.restitution"]
-low = 0.05
-high = 0.3
-[parameters."drives.table.lead_mm_per_turn"]
-low = 20.0
-high = 100.0
-"""
-
-
 @pytest.mark.slow
 def test_an_optimum_that_is_contradicted_is_status_1_with_all_files(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
@@ -248,16 +234,8 @@ def test_an_optimum_that_is_contradicted_is_status_1_with_all_files(
     """
     from nipper_pin.study.optimise.points.bounces import Bounces
 
-    command = [
-        "optimise",
-        str(study(tmp_path, MASS_STUDY)),
-        "--starts",
-        "1",
-        "--points",
-        "2",
-        "--no-check",
-    ]
-    command += ["--workers", "1", "--json", "-"]
+    words = "--starts 1 --points 2 --no-check --workers 1 --json -"
+    command = ["optimise", str(study(tmp_path, BALL)), *words.split()]
     assert main([*command, "--out", str(tmp_path / "right")]) == 0
     document = json.loads(capsys.readouterr().out)
     assert document["contradiction"] is None
