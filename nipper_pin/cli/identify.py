@@ -47,7 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(options: argparse.Namespace) -> None:
-    from ..mechanism.new_folder import check_new_folder
+    from ..mechanism.model_files import check_new_folder
     from ..study.identify import (
         identify,
         read_problem,

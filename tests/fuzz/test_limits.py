@@ -21,7 +21,7 @@ from nipper_pin import Case, load, save, simulate
 from nipper_pin.hybrid.files import archive
 from nipper_pin.mechanism.elements import MOST_ROWS
 from nipper_pin.mechanism.files import toml
-from nipper_pin.mechanism.files.meshes import MOST_MESH
+from nipper_pin.mechanism.files.urdf_shapes import MOST_MESH
 from nipper_pin.study.sweep.results import chunk_file
 from nipper_pin.texts import MOST_JSON, MOST_TABLE, MOST_TEXT
 from tests.refusals.bases import model

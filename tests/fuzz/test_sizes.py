@@ -77,8 +77,9 @@ LIMITS: list[tuple[str, int, Callable[[Path], object]]] = [
     ("mechanism.build.contact._MOST_PAIRS", 1, lambda _: parts()),
     ("mechanism.build.stops._MOST_CONTACTS", 1, lambda _: parts()),
     # Meshes that touch are counted together, those that are drawn one by one.
-    ("mechanism.files.meshes.MOST_MESH", BOTH, touching_meshes),
-    ("mechanism.files.meshes.MOST_MESH", MESHES[1].stat().st_size, lambda _: read_mesh(MESHES[1])),
+    ("mechanism.files.urdf_shapes.MOST_MESH", BOTH, touching_meshes),
+    ("mechanism.files.urdf_shapes.MOST_MESH", MESHES[1].stat().st_size,
+     lambda _: read_mesh(MESHES[1])),
     ("mechanism.elements.MOST_ROWS", 4,
      lambda _: Characteristic(coordinate=rows(4), force=(0.0,) * 4)),
     ("mechanism.drives.table.MOST_ROWS", 8,

@@ -41,8 +41,8 @@ from nipper_pin.mechanism.drawing import (
     telescope,
     write_drawing,
 )
-from nipper_pin.mechanism.drawing.masses import mass_of
 from nipper_pin.mechanism.drawing.places import place, vector
+from nipper_pin.mechanism.drawing.urdf_text import mass_of
 from nipper_pin.mechanism.files import toml
 from nipper_pin.mechanism.gallery import GALLERY, drawn
 from nipper_pin.view.sketch import sketch

@@ -12,7 +12,7 @@ import pytest
 
 from nipper_pin import InputError, Mechanism, ModelError, UnknownNameError, load
 from nipper_pin.mechanism import find_model, from_sources
-from nipper_pin.mechanism.new_folder import check_new_folder, new_folder
+from nipper_pin.mechanism.model_files import check_new_folder, new_folder
 from nipper_pin.texts import no_file
 
 

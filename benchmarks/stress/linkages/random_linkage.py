@@ -25,7 +25,7 @@ from nipper_pin.mechanism.drawing import (
     drawn_sources,
     write_drawing,
 )
-from nipper_pin.mechanism.drawing.masses import mass_of
+from nipper_pin.mechanism.drawing.urdf_text import mass_of
 
 from ..machines.draws import Draft, Generator, log, one_of, sign
 from ..machines.parts import Source

@@ -1,4 +1,4 @@
-"""From the springs and dampers of a model file to elements in SI units, their keys checked."""
+"""From springs, dampers and force elements of a model file to those in SI units, keys checked."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from ...units import M_PER_MM, RAD_PER_DEG
 from ..elements import Characteristic, Damper, Strut, TabulatedSpring
 from ..files.description import DamperDescription, Description, SpringDescription
 from ..files.urdf_parts import Urdf
+from ..forces import ForceTable, JointForce
 from ..parts import Joint, Spring
 from ..scale import reach, unit_of
 from .placements import joint_placements
@@ -240,3 +241,36 @@ def _strut(
         )
         raise ModelError(file=file, key=key, value=value, allowed=allowed)
     return strut
+
+
+def build_forces(
+    tables: Mapping[str, ForceTable], joints: Mapping[str, Joint], file: str
+) -> tuple[JointForce, ...]:
+    """Build the force elements.
+
+    Raises:
+        UnknownNameError: A joint does not exist.
+        ModelError: The law does not act on such a joint, or the values make no law.
+    """
+    found = []
+    for name, table in tables.items():
+        where, kind = f"forces.{name}", str(type(table).__struct_config__.tag)
+        if table.joint not in joints:
+            place = f"{file}: {where}.joint"
+            raise UnknownNameError(kind="joint", name=table.joint, known=joints, where=place)
+        joint = joints[table.joint]
+        if joint.kind not in table.acts_on:
+            allowed = f"{kind} acts on a joint that is {' or '.join(table.acts_on)}"
+            raise ModelError(file=file, key=f"{where}.joint", value=table.joint, allowed=allowed)
+        try:
+            law = table.build(joint.kind)
+        except InputError as error:
+            key = str(error.evidence.get("key", "law"))
+            raise ModelError(
+                file=file,
+                key=f"{where}.{key}",
+                value=getattr(table, key, kind),
+                allowed=error.message,
+            ) from error
+        found.append(JointForce(name=name, kind=kind, index=joint.index, law=law))
+    return tuple(found)

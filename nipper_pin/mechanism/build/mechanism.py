@@ -22,9 +22,8 @@ from ..mechanism import Mechanism
 from ..parallel import together
 from ..parts import Closure, Coupling, Drive, Joint, Phase, Stop
 from .closing import close_gaps
-from .drive_keys import check_drive
 from .elements import build_elements
-from .laws import build_cylinder, build_laws
+from .laws import build_cylinder, build_laws, check_drive
 from .parallel import with_leaders
 from .placements import joint_placements
 from .slots import block_of, check_frames, with_blocks
@@ -196,7 +195,7 @@ def _forces(
     """Build the force elements with a registered law."""
     if not description.forces:
         return ()
-    from .forces import build_forces
+    from .elements import build_forces
 
     return build_forces(description.forces, joints, file)
 

@@ -9,9 +9,8 @@ import numpy as np
 import pinocchio as pin
 
 from ...errors import ModelError
-from ..files.meshes import check_corners, check_size
 from ..files.urdf_parts import Urdf, UrdfJoint
-from ..files.urdf_shapes import UrdfShape
+from ..files.urdf_shapes import UrdfShape, check_corners, check_size
 from ..parts import Joint
 from .placements import own_name
 

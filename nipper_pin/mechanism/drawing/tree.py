@@ -6,7 +6,7 @@ from collections import Counter
 from dataclasses import dataclass
 
 from ...errors import InputError
-from ..files.plain import plain
+from ..files.toml_text import plain
 from .parts import FRAME, Body, Drawing, Joint, Pin, Place, Slide, Slot
 from .places import place
 

@@ -7,10 +7,10 @@ from textwrap import wrap
 from typing import Any
 
 from ..files.schema import SCHEMA_FILE, schema_text
-from ..files.toml_writing import toml
+from ..files.toml_text import toml
 from ..load import from_sources
 from ..mechanism import Mechanism
-from ..new_folder import check_model_folder, new_folder
+from ..model_files import check_model_folder, new_folder
 from .parts import Drawing
 from .tables import document
 from .tree import grown

@@ -16,7 +16,7 @@ from ...arrays import FloatArray
 from ...errors import InputError
 from ...tolerances.mechanics import KNOT_ANGLE, TURN_ROUND_OFF
 from ...units import M_PER_MM
-from ..files.toml_types import NotNegative, Positive
+from ..files.description import NotNegative, Positive
 from .law import Evaluation
 from .tables import AnyTable
 

@@ -11,7 +11,7 @@ import numpy as np
 from ...arrays import FloatArray
 from ...errors import InputError
 from ...units import M_PER_MM, MM_PER_M
-from ..files.toml_types import PlanePoint, Positive
+from ..files.description import PlanePoint, Positive
 from .law import Evaluation
 from .tables import ShaftTable
 

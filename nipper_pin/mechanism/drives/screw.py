@@ -6,7 +6,7 @@ import math
 from typing import ClassVar
 
 from ...units import M_PER_MM
-from ..files.toml_types import Positive
+from ..files.description import Positive
 from .constant_speed import ConstantSpeed
 from .tables import SLIDE, DriveTable
 

@@ -14,7 +14,7 @@ from ...errors import InputError
 from ...tolerances.mechanics import DRIVE_REPEATS, LEAST_TABLE_STEP
 from ...units import M_PER_MM
 from ..elements import MOST_ROWS
-from ..files.toml_types import LARGEST, Name
+from ..files.description import LARGEST, Name
 from ..scale import written
 from .law import Evaluation
 from .tables import AnyTable

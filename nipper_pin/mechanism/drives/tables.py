@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from ..files.toml_types import Name, NotNegative, Positive, TomlTable
+from ..files.description import Name, NotNegative, Positive, TomlTable
 from .law import DriveLaw
 
 HINGE, SLIDE = "revolute", "prismatic"

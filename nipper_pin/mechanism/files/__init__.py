@@ -1,12 +1,10 @@
 """The files of a model: URDF, TOML and CSV, read, checked and written."""
 
-from .meshes import check_corners, check_size
-from .refusal import Refusal, first_refusal, may_be_table
-from .toml_text import need_plain_text, read_toml
-from .toml_types import Positive, Restitution
-from .toml_writing import toml
+from .describe import Refusal, first_refusal, may_be_table
+from .description import Positive, Restitution
+from .toml_text import need_plain_text, read_toml, toml
 from .urdf import parse_xml
-from .urdf_shapes import mesh_path, path_inside
+from .urdf_shapes import check_corners, check_size, mesh_path, path_inside
 from .urdf_values import numbers, origin, rotation_from_rpy
 
 __all__ = [

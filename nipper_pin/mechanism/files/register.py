@@ -13,7 +13,7 @@ from importlib import import_module
 from typing import Any, Generic, TypeVar
 
 from ...errors import InputError
-from .toml_types import TomlTable
+from .description import TomlTable
 
 GROUP = "nipper_pin.extensions"
 """Entry points of installed packages; each names a module that registers laws when imported."""

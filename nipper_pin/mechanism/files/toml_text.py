@@ -1,10 +1,46 @@
-"""Reading of TOML text, whatever is wrong with it, and which texts may stand in it."""
+"""The text of TOML documents: read, whatever is wrong with it, and written of plain data."""
 
 from __future__ import annotations
 
+import dataclasses
+import re
 from collections.abc import Mapping
+from numbers import Real
+from typing import Any, TypeVar
+
+import numpy as np
 
 from ...errors import ModelError
+
+_T = TypeVar("_T")
+
+
+def plain(data: _T) -> _T:
+    """The same data, its numbers and arrays being those of Python.
+
+    Args:
+        data: Dataclasses, tables, lists, texts and numbers of any kind, in one another.
+    """
+    return _plain(data)  # type: ignore[no-any-return]
+
+
+def _plain(data: Any) -> Any:
+    if dataclasses.is_dataclass(data) and not isinstance(data, type):
+        fields = {item.name: getattr(data, item.name) for item in dataclasses.fields(data)}
+        return type(data)(**{name: _plain(value) for name, value in fields.items()})
+    if isinstance(data, np.generic) or (isinstance(data, np.ndarray) and not data.ndim):
+        return data.item()
+    if isinstance(data, np.ndarray):
+        # Places are members of sets.
+        return tuple(_plain(value) for value in data)
+    if isinstance(data, Mapping):
+        return {str(key): _plain(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return type(data)(_plain(value) for value in data)
+    if isinstance(data, Real) and not isinstance(data, int | float):
+        return float(data)
+    return data
+
 
 _FORMULA = ("=", "+", "-", "@")
 _LINES = str.maketrans("", "", "\n\t")
@@ -65,3 +101,48 @@ def need_plain_text(document: object, file: str, where: str = "") -> None:
     elif isinstance(document, str) and not document.translate(_LINES).isprintable():
         allowed = "text without control characters"
         raise ModelError(file=file, key=where, value=document, allowed=allowed)
+
+
+_BARE = re.compile(r"[A-Za-z0-9_-]+")
+
+
+def toml(document: Mapping[str, Any]) -> str:
+    """Write plain data as TOML; it reads back equal."""
+    lines: list[str] = []
+    _table(plain(document), (), lines)
+    return "\n".join(lines) + "\n"
+
+
+def _table(table: Mapping[str, Any], path: tuple[str, ...], lines: list[str]) -> None:
+    """Values first: what follows a heading in TOML belongs to it."""
+    inner: list[tuple[str, str, Mapping[str, Any]]] = []
+    for key, value in table.items():
+        heading = ".".join(map(_key, (*path, key)))
+        if isinstance(value, Mapping):
+            inner.append((key, f"[{heading}]", value))
+        elif isinstance(value, list) and value and isinstance(value[0], Mapping):
+            inner.extend((key, f"[[{heading}]]", item) for item in value)
+        else:
+            lines.append(f"{_key(key)} = {_value(value)}")
+    for key, heading, item in inner:
+        lines.extend(("", heading))
+        _table(item, (*path, key), lines)
+
+
+def _key(key: str) -> str:
+    return key if _BARE.fullmatch(key) else _quoted(key)
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return _quoted(value)
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(map(_value, value)) + "]"
+    return repr(value)
+
+
+def _quoted(text: str) -> str:
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
+    return f'"{escaped}"'

@@ -12,7 +12,7 @@ import pinocchio as pin
 from ...arrays import FloatArray
 from ...errors import ModelError
 from ...tolerances.mechanics import URDF_TOLERANCE
-from .toml_types import LARGEST
+from .description import LARGEST
 
 _ABOUT = "an inertia about the centre of mass"
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")

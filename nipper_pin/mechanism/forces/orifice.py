@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from ...arrays import FloatArray
-from ..files.toml_types import Damping
+from ..files.description import Damping
 from .tables import SLIDE, ForceTable
 
 

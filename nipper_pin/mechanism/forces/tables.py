@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from ..files.toml_types import Name, TomlTable
+from ..files.description import Name, TomlTable
 from .law import ForceLaw
 
 HINGE, SLIDE = "revolute", "prismatic"

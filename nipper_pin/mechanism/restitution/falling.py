@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ..files.toml_types import Positive, Restitution
+from ..files.description import Positive, Restitution
 from .tables import RestitutionTable
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from ..files.schema import SCHEMA_FILE, schema_text
-from ..new_folder import check_model_folder, new_folder
+from ..model_files import check_model_folder, new_folder
 
 
 def write_skeleton(folder: Path) -> Path:

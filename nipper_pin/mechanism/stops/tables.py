@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..files.toml_types import TomlTable
+from ..files.description import TomlTable
 
 
 class StopTable(TomlTable, frozen=True, kw_only=True, tag_field="law"):

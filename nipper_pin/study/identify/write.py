@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 
 from ...mechanism import Mechanism, load
 from ...mechanism.files import parse_xml, path_inside, toml
-from ...mechanism.new_folder import new_folder
+from ...mechanism.model_files import new_folder
 from ...texts import followed
 from .fitting.fit import Fit
 from .fitting.goodness import Goodness
