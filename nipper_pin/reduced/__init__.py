@@ -1,9 +1,8 @@
 """The engine of one degree of freedom: tables of its equation of motion, solved compiled."""
 
 from .model import ReducedModel
-from .model_cache import reduced_model
 from .results import ReducedTransition, Status, TransitionBatch
-from .sampling import build, unfit
+from .sampling import build, reduced_model, unfit
 from .transition import transition, transitions
 
 __all__ = [

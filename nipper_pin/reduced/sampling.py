@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -26,8 +27,7 @@ from .model import (
 )
 from .tables.arrival import NOT_SAMPLED, Arrival, Opening, Waiting, arrival, found_opening, unknown
 from .tables.functions import Sampler
-from .tables.tables import Domain, checks, resolved
-from .tables.trimmed import trimmed
+from .tables.tables import Domain, checks, resolved, trimmed
 
 # Part of the range of x below zero; flights are solved a little beyond their end.
 _MARGIN = 1.0 / 16.0
@@ -288,3 +288,28 @@ def _nominal(mechanism: Mechanism, sampler: Sampler, rate: float) -> tuple[Float
         if unit > 0.0:
             weights[place] = max(weights[place], _LEAST_SHARE / unit)
     return weights, gap
+
+
+_KNOWN: WeakKeyDictionary[Mechanism, ReducedModel] = WeakKeyDictionary()
+
+
+def reduced_model(mechanism: Mechanism, drive: DriveMode = DriveMode.HELD) -> ReducedModel:
+    """Return the reduced model of a mechanism on its default domain, sampled at the first call.
+
+    Mechanisms do not change and are known by identity: one with a single other number is another
+    one, with tables of its own. A model lives as long as its mechanism.
+
+    Args:
+        drive: Behaviour of the driven shafts; only held ones can be reduced.
+
+    Returns:
+        What :func:`~nipper_pin.reduced.build` gives for it alone.
+
+    Raises:
+        InputError: The mechanism cannot be reduced, or not with these drives.
+        SimulationError: A point of the domain cannot be reached or is singular.
+    """
+    known = _KNOWN.get(mechanism) if drive is DriveMode.HELD else None
+    if known is None:
+        known = _KNOWN[mechanism] = build(mechanism, drive=drive)
+    return known

@@ -119,8 +119,8 @@ def transitions(
     cases = _cases(model, speed_rpm, restitution, stiffness, preload, gravity)
     check_run(rest_rate, tolerance, max_collisions)
     require("study", "numba", what=_ENGINE)
-    from .kernels.grids import grids
     from .kernels.kernel import run_batch
+    from .kernels.panel import grids
 
     n = len(cases[0])
     table, rest = np.full((n, COLUMNS, max_collisions), np.nan), np.empty((n, 4))
@@ -171,8 +171,8 @@ def _cases(
 def _compiled() -> tuple[Callable[..., Any], FloatArray]:
     """The compiled function of one transition and its grids; numba is loaded here."""
     require("study", "numba", what=_ENGINE)
-    from .kernels.grids import grids
     from .kernels.kernel import run_one
+    from .kernels.panel import grids
 
     return run_one, grids()
 

@@ -11,8 +11,8 @@ from numpy.polynomial import chebyshev
 from written_tables import level, tables_of, turn_of, work_of
 
 from nipper_pin.reduced.kernels import arrival_check, flight_errors
-from nipper_pin.reduced.kernels.grids import grids
 from nipper_pin.reduced.kernels.layout import FAILS, HOLDS, UNKNOWN
+from nipper_pin.reduced.kernels.panel import grids
 from nipper_pin.tolerances.mechanics import EPS
 
 pytestmark = pytest.mark.usefixtures("plain")

@@ -15,7 +15,6 @@ from written_tables import bounded, level, linear, tables_of, work_of, x_dd
 from nipper_pin import Case, Mechanism, Resolution, simulate
 from nipper_pin.reduced import ReducedModel
 from nipper_pin.reduced.kernels import arrival_check, flight, flight_errors
-from nipper_pin.reduced.kernels.grids import grids
 from nipper_pin.reduced.kernels.layout import (
     AT_REST,
     BY_U,
@@ -32,7 +31,7 @@ from nipper_pin.reduced.kernels.layout import (
     UNRESOLVED,
     Tables,
 )
-from nipper_pin.reduced.kernels.panel import OVERSHOOT
+from nipper_pin.reduced.kernels.panel import OVERSHOOT, grids
 from nipper_pin.tolerances.mechanics import EPS
 
 pytestmark = pytest.mark.usefixtures("plain")

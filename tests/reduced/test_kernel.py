@@ -12,7 +12,6 @@ from written_tables import level, tables_of, turn_of
 
 from nipper_pin.reduced.kernels import flight_errors, kernel
 from nipper_pin.reduced.kernels import series as bounces
-from nipper_pin.reduced.kernels.grids import grids
 from nipper_pin.reduced.kernels.layout import (
     AMPLITUDE,
     AMPLITUDE_ERROR,
@@ -38,6 +37,7 @@ from nipper_pin.reduced.kernels.layout import (
     UNKNOWN,
     UNTOLD,
 )
+from nipper_pin.reduced.kernels.panel import grids
 from nipper_pin.reduced.tables.arrival import unknown
 
 pytestmark = pytest.mark.usefixtures("plain")

@@ -14,7 +14,6 @@ from numpy.polynomial import Polynomial, chebyshev
 from written_tables import tables_of, value, work_of, x_dd
 
 from nipper_pin.reduced.kernels import arrival_check, panel
-from nipper_pin.reduced.kernels.grids import grids
 from nipper_pin.reduced.kernels.layout import (
     DOUBLE,
     INTEGRAL,
@@ -32,6 +31,7 @@ from nipper_pin.reduced.kernels.layout import (
     TWICE,
     VALUE,
 )
+from nipper_pin.reduced.kernels.panel import grids
 from nipper_pin.tolerances.mechanics import EPS
 
 pytestmark = pytest.mark.usefixtures("plain")

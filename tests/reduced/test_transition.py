@@ -24,7 +24,6 @@ import pytest
 from nipper_pin import Case, InputError, Mechanism, Resolution, load, simulate
 from nipper_pin.reduced import ReducedModel, Status, build, transition, transitions
 from nipper_pin.reduced.kernels.flight import _first_zero
-from nipper_pin.reduced.kernels.grids import grids as shared_grids
 from nipper_pin.reduced.kernels.layout import (
     LEVELS,
     NODE_A,
@@ -34,6 +33,7 @@ from nipper_pin.reduced.kernels.layout import (
     SIGMA,
 )
 from nipper_pin.reduced.kernels.panel import coefficients
+from nipper_pin.reduced.kernels.panel import grids as shared_grids
 
 CASES = ["450", "550", "650", "650_e0.05", "650_e0.25", "650_e0.5", "650_k7000", "650_k11000"]
 FINE = 1e-12

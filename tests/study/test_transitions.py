@@ -29,7 +29,7 @@ from nipper_pin import (
     transition_table,
 )
 from nipper_pin.mechanism import from_sources
-from nipper_pin.reduced import ReducedModel, build, model_cache, reduced_model, transitions
+from nipper_pin.reduced import ReducedModel, build, reduced_model, sampling, transitions
 from nipper_pin.study.cases import cases_of, spring_values
 from nipper_pin.study.transitions import REDUCED_PAYS_FROM, TURNS_PAY_FROM
 
@@ -117,7 +117,7 @@ def test_tables_are_built_once_for_a_mechanism(monkeypatch: pytest.MonkeyPatch) 
         built.append(id(mechanism))
         return build(mechanism, **options)
 
-    monkeypatch.setattr(model_cache, "build", counted)
+    monkeypatch.setattr(sampling, "build", counted)
     first, second = load(), load("e62", {"drives.tension.ratio": 2.25})
     slow = transition_table(first, speed_rpm=np.full(2, 450.0), engine="reduced")
     assert len(built) == 1

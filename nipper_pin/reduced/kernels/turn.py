@@ -11,9 +11,8 @@ from ...tolerances.mechanics import EPS
 from ...tolerances.reduced import LIMIT_ERROR_SAFETY
 from .arrival_check import released
 from .compiled import compiled
-from .flight import flight
+from .flight import describe, flight, full, keep_rest, kept
 from .flight_errors import flight_errors
-from .kept import describe, full, keep_rest, kept
 from .layout import (
     AT_REST,
     GROWTH,

@@ -9,8 +9,7 @@ from ...arrays import FloatArray
 from ...tolerances.reduced import FLAT_EXTREME
 from .arrival_check import along
 from .compiled import compiled
-from .flight_errors import size
-from .kept import (
+from .flight import (
     A_WRONG,
     BOUNCED,
     CHART,
@@ -25,6 +24,7 @@ from .kept import (
     X_WRONG,
     kept,
 )
+from .flight_errors import size
 from .layout import (
     AT_REST,
     BY_U,

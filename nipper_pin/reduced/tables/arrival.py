@@ -24,9 +24,8 @@ from ...tolerances.reduced import TABLE_ERROR_SAFETY
 from ..kernels.layout import Tables, Turn
 from . import series2d
 from .functions import Sampler
-from .tables import CELL_RAD, Domain, checks, resolved
+from .tables import CELL_RAD, Domain, checks, resolved, trimmed
 from .tables import Tables as Series
-from .trimmed import trimmed
 
 # Step of the search for the opening [rad].
 _STEP = math.radians(3.0)

@@ -15,8 +15,7 @@ from ...tolerances.reduced import CORNER_ROUND_OFF, GAP_SHARE
 from ..kernels.turn_layout import Charts
 from ..model import BY_GRAVITY, BY_RATE, BY_SPEED, BY_SPEED_AND_RATE, BY_SPRINGS
 from ..tables.series2d import needed
-from ..tables.tables import Domain, Tables, checks, misfit, resolved
-from ..tables.trimmed import Trimmed, trimmed
+from ..tables.tables import Domain, Tables, Trimmed, checks, misfit, resolved, trimmed
 from .arcs import TURN, Arc, sampler_at, system_at
 from .rows import on_rows
 

@@ -184,7 +184,7 @@ def scratch(charts: Charts, most: int = 1, panels: int = 0) -> TurnWork:
 def _compiled() -> tuple[Callable[..., Any], FloatArray]:
     """The compiled function of turns and its grids; numba is loaded here."""
     require("study", "numba", what="the reduced engine")
-    from ..kernels.grids import grids
+    from ..kernels.panel import grids
     from ..kernels.turn import follow
 
     return follow, grids()

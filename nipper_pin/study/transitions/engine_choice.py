@@ -9,7 +9,7 @@ from ...extras import installed
 from ...mechanism import Mechanism, need_mechanism
 from ...reduced import ReducedModel, reduced_model, unfit
 from ...reduced.inputs import check_run
-from ...reduced.turns.fit import unfit_turns
+from ...reduced.turns.model import unfit_turns
 from ..cases import SPRING_KEYS, Cases, cases_of, spring_values
 from ..engines import Engine, check_engine, chosen
 from .run import Run, Settings

@@ -13,8 +13,8 @@ from ...given import LARGEST, flag, number, whole
 from ...mechanism import Mechanism, need_mechanism
 from ...reduced.inputs import check_run
 from ...reduced.turns import TurnModel, turn_model
-from ...reduced.turns.fit import unfit_turns
-from ...reduced.turns.torques import torque_model
+from ...reduced.turns.model import unfit_turns
+from ...reduced.turns.peak_torques import torque_model
 from ..cases import SPRING_KEYS, Cases, cases_of, spring_values
 from ..engines import Engine, check_engine, chosen
 from .run import Run, Settings
