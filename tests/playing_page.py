@@ -24,10 +24,14 @@ def until(page: Page, what: str) -> None:
 
 @contextmanager
 def playing(open_page: Any, file: Path) -> Iterator[Page]:
-    """A static page that plays; whatever it complained of or asked for fails the test."""
+    """A static page that plays by itself, stopped then: a processor that draws does nothing else.
+
+    Whatever it complained of or asked for fails the test.
+    """
     with open_page(file) as opened:
         opened.page.wait_for_selector("#pane canvas")
         until(opened.page, "animator.time > 0.2")
+        opened.page.evaluate("animator.pause()")
         yield opened.page
         assert opened.complaints == []
         assert opened.requests == [file.resolve().as_uri()]

@@ -24,6 +24,11 @@ SPEED, RESTITUTION, STIFFNESS, PRELOAD = range(4)
 START = "speed 650 r/min, restitution of the jaw 0.2, stiffness 9 N/mm, preload 11 mm"
 PINNED, BEFORE, NOW = 1, 2, 3
 SIZE: ViewportSize = {"width": 900, "height": 700}
+# viser draws as often as it may, which takes all of a processor: ten pictures a second are enough.
+SELDOM = """
+    window.requestAnimationFrame = draw => setTimeout(() => draw(performance.now()), 100);
+    window.cancelAnimationFrame = clearTimeout;
+"""
 # Panels of viser's own have fields and sliders as well, which are hidden.
 PANEL = "div:has(> div > #layout)"
 FIELD = f"{PANEL} .mantine-TextInput-input"
@@ -40,6 +45,7 @@ def window(chromium: Browser, watch, address: str) -> Iterator[Page]:
     """The page, drawn once; what it complains of or asks for fails the last test."""
     opened = chromium.new_page(viewport=SIZE)
     found = watch(opened)
+    opened.add_init_script(SELDOM)
     opened.goto(address)
     opened.wait_for_selector("canvas")
     opened.wait_for_selector("#setting")
