@@ -10,7 +10,7 @@ import json
 import struct
 import zipfile
 import zlib
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from importlib.metadata import version
 from itertools import pairwise
 from pathlib import Path
@@ -31,14 +31,15 @@ from ..event import Event, EventKind, Outcome
 from ..motion.panel import Panel
 from ..result.solution import Solution
 from ..segment import Segment
-from . import npz_schema
 from .archive import need_readable, read_archive
+from .npz_schema import LARGEST, AnyFormat, EventRecord, Run, SavedCase, SegmentRecord, Setting
 from .own_files import mesh_digests, need_own_files
 
 FORMAT = 3
 # Versions that read other formats.
 _READERS = {2: "nipper-pin 0.1.0 of 2026-11-23"}
-_Nodes = tuple[FloatArray, FloatArray, FloatArray]
+# Arrays by what they belong to, each with its place in the file.
+_Stored = dict[tuple[object, ...], tuple[int, tuple[FloatArray, ...]]]
 # What reading an archive or a document can run into that is not what it should be.
 _DAMAGE = (
     OSError,
@@ -72,34 +73,26 @@ def save(solution: Solution, path: str | Path) -> Path:
     target = Path(path)
     if target.suffix != ".npz":
         target = target.with_name(target.name + ".npz")
-    arrays: dict[str, FloatArray] = {}
-    places: dict[tuple[int, int, bytes], int] = {}
-    segments = [_segment_record(segment, arrays, places) for segment in solution.segments]
-    states: dict[tuple[int, bytes], int] = {}
-    rows: list[list[FloatArray]] = []
-    events = []
-    for event in solution.events:
-        # Copies of a turn are stored once, unless hinges have wound on.
-        key = (event.source, event.q.tobytes())
-        if key not in states:
-            states[key] = len(rows)
-            rows.append([event.q, event.v_before, event.v_after, event.delta])
-        events.append({**_event_record(event), "state": states[key]})
-    arrays["events"] = np.array(rows)
+    panels: _Stored = {}
+    states: _Stored = {}
     document = {
         **_setting(solution.mechanism, solution.case),
         "shaft": {
             "speed_rad_s": solution.shaft.speed_rad_s,
             "start_angle_rad": solution.shaft.start_angle_rad,
         },
-        "segments": segments,
-        "events": events,
+        "segments": [_segment_record(segment, panels) for segment in solution.segments],
+        "events": [_event_record(event, states) for event in solution.events],
         "outcome": solution.outcome.name,
         "evaluations": solution.evaluations,
         "wall_s": solution.wall_s,
         "repeated_from": solution.repeated_from,
     }
-    stored = {"document": np.array(json.dumps(document)), **arrays}
+    stored = {
+        "document": np.array(json.dumps(document, default=_plain)),
+        **{f"panel{place}": np.stack(arrays) for place, arrays in panels.values()},
+        "events": np.array([arrays for _, arrays in states.values()]),
+    }
     need_readable(stored)
     with complete_file(target) as partial, partial.open("wb") as stream:
         np.savez_compressed(stream, **stored)  # type: ignore[arg-type]
@@ -124,7 +117,7 @@ def load_solution(path: str | Path) -> Solution:
             stored = read_archive(stream)
         text = str(stored.pop("document"))
         _check_format(text, path)
-        return _solution(npz_schema.run(text), stored)
+        return _solution(msgspec.json.decode(text, type=Run), stored)
     except _DAMAGE as error:
         message = f"{path}: not a saved solution, or a damaged one ({error}); simulate again"
         raise InputError(message, file=str(path)) from error
@@ -150,8 +143,8 @@ def load_case(path: str | Path) -> tuple[Mechanism, Case]:
     try:
         text = read_text(Path(path), MOST_JSON)
         _check_format(text, path)
-        setting = npz_schema.setting(text)
-        return _mechanism(setting), _case(setting)
+        setting = msgspec.json.decode(text, type=SavedCase)
+        return _mechanism(setting), _case(setting.case)
     except _DAMAGE as error:
         message = f"{path}: not a saved case, or a damaged one ({error})"
         raise InputError(message, file=str(path)) from error
@@ -174,7 +167,7 @@ def _setting(mechanism: Mechanism, case: Case) -> dict[str, Any]:
 
 
 def _check_format(text: str, path: str | Path) -> None:
-    found = npz_schema.format_of(text)
+    found = msgspec.json.decode(text, type=AnyFormat).format
     if found != FORMAT:
         reader = _READERS.get(found) if isinstance(found, int) else None
         other = f", which {reader} reads" if reader else ""
@@ -185,79 +178,75 @@ def _check_format(text: str, path: str | Path) -> None:
         raise InputError(message, file=str(path), format=found)
 
 
-def _mechanism(setting: npz_schema.Setting) -> Mechanism:
+def _mechanism(setting: Setting) -> Mechanism:
     source = setting.mechanism
     folder = model_folder(source.name, source.folder)
     need_own_files(source.name, source.urdf, source.description, folder, setting.meshes)
     return from_sources(source.name, source.urdf, source.description, folder)
 
 
-def _case(setting: npz_schema.Setting) -> Case:
-    values = msgspec.structs.asdict(setting.case)
-    resolution = msgspec.structs.asdict(setting.case.resolution)
-    resolution.pop("integrator")
+def _case(values: dict[str, Any]) -> Case:
+    """The case of these fields, all of them; files of earlier versions name the integrator too."""
+    resolution = msgspec.convert(values.get("resolution"), dict[str, Any])
+    _need(resolution.pop("integrator", "picard") == "picard", "an unknown integrator")
+    for kind, given in ((Case, values), (Resolution, resolution)):
+        names = {item.name for item in fields(kind)}
+        wrong = ", ".join(sorted(names ^ given.keys()))
+        _need(not wrong, f"{kind.__name__}: unknown, or not there: {wrong}")
     return Case(**{**values, "resolution": Resolution(**resolution)})
 
 
-def _segment_record(
-    segment: Segment, arrays: dict[str, FloatArray], places: dict[tuple[int, int, bytes], int]
-) -> dict[str, Any]:
-    panels = []
+def _segment_record(segment: Segment, panels: _Stored) -> dict[str, Any]:
+    records = []
     for number, panel in enumerate(segment.panels):
-        key = (segment.source, number, panel.q[0].tobytes())
-        place = places.setdefault(key, len(places))
-        if f"panel{place}" not in arrays:
-            arrays[f"panel{place}"] = np.stack([panel.q, panel.v, panel.a])
-        panels.append([panel.t, panel.h, panel.split.dependent, panel.integrated, place])
-    return {
-        "t_start": segment.t_start,
-        "t_end": segment.t_end,
-        "closed": sorted(segment.closed),
-        "kinematic": segment.kinematic,
-        "panels": panels,
-        "source": segment.source,
-    }
+        key = segment.source, number, panel.q[0].tobytes()
+        place = _place(panels, key, panel.q, panel.v, panel.a)
+        records.append([panel.t, panel.h, panel.split.dependent, panel.integrated, place])
+    return _record(segment, SegmentRecord, panels=records)
 
 
-def _event_record(event: Event) -> dict[str, Any]:
-    return {
-        "number": event.number,
-        "t": event.t,
-        "kind": event.kind.value,
-        "stops": event.stops,
-        "P_N": event.P_N,
-        "P_g": event.P_g.tolist(),
-        "energy_lost": event.energy_lost,
-        "closed_before": sorted(event.closed_before),
-        "closed_after": sorted(event.closed_after),
-        "series_error": event.series_error,
-        "source": event.source,
-    }
+def _event_record(event: Event, states: _Stored) -> dict[str, Any]:
+    key = event.source, event.q.tobytes()
+    place = _place(states, key, event.q, event.v_before, event.v_after, event.delta)
+    return _record(event, EventRecord, state=place)
 
 
-def _solution(run: npz_schema.Run, stored: Any) -> Solution:
+def _place(stored: _Stored, key: tuple[object, ...], *arrays: FloatArray) -> int:
+    """Place of arrays in the file; copies of a turn share one, unless hinges have wound on."""
+    return stored.setdefault(key, (len(stored), arrays))[0]
+
+
+def _record(
+    item: Event | Segment, layout: type[msgspec.Struct], **others: object
+) -> dict[str, Any]:
+    """Fields of the layout, in its order: the item's own, but for those that are given."""
+    names = layout.__struct_fields__
+    return {name: others[name] if name in others else getattr(item, name) for name in names}
+
+
+def _plain(value: Any) -> list[Any]:
+    """A set or an array as JSON has it."""
+    return sorted(value) if isinstance(value, frozenset) else value.tolist()
+
+
+def _solution(run: Run, stored: dict[str, Any]) -> Solution:
     mechanism = _mechanism(run)
+    _check(run, mechanism)
     size = len(mechanism.joints)
     # Copies of a turn share their arrays again, as they did when they were written.
-    panels: dict[int, _Nodes] = {}
-    for segment in run.segments:
-        for panel in segment.panels:
-            if panel.place not in panels:
-                panels[panel.place] = tuple(_numbers(stored[f"panel{panel.place}"], 3, None, size))
+    nodes = {
+        place: tuple(_numbers(stored[f"panel{place}"], 3, None, size))
+        for place in {panel.place for segment in run.segments for panel in segment.panels}
+    }
     states = [tuple(row) for row in _numbers(stored["events"], None, 4, size)] if run.events else []
-    if {event.state for event in run.events} != set(range(len(states))):
-        message = "the events do not belong to the stored states"
-        raise ValueError(message)
-    _check_order(run)
-    rows = mechanism.closure_rows
+    places = {event.state for event in run.events}
+    _need(places == set(range(len(states))), "the events do not belong to the stored states")
     return Solution(
         mechanism=mechanism,
-        case=_case(run),
+        case=_case(run.case),
         shaft=ShaftMotion(mechanism, run.shaft.speed_rad_s, run.shaft.start_angle_rad),
-        events=tuple(_event(item, states[item.state], mechanism, rows) for item in run.events),
-        segments=tuple(
-            _segment(place, item, panels, mechanism) for place, item in enumerate(run.segments)
-        ),
+        events=tuple(_event(item, *states[item.state]) for item in run.events),
+        segments=tuple(_segment(item, nodes, size) for item in run.segments),
         outcome=Outcome[run.outcome],
         evaluations=run.evaluations,
         wall_s=run.wall_s,
@@ -265,29 +254,60 @@ def _solution(run: npz_schema.Run, stored: Any) -> Solution:
     )
 
 
-def _check_order(run: npz_schema.Run) -> None:
-    """Refuse events and segments that do not follow one another in time."""
+def _segment(record: SegmentRecord, nodes: dict[int, tuple[FloatArray, ...]], size: int) -> Segment:
+    panels = []
+    for t, h, dependent, integrated, place in map(msgspec.structs.astuple, record.panels):
+        q, v, a = nodes[place]
+        panels.append(Panel(t, h, q, v, a, Partition.of(dependent, size), integrated))
+    return Segment(**{**msgspec.structs.asdict(record), "panels": tuple(panels)})
+
+
+def _event(
+    record: EventRecord, q: FloatArray, v_before: FloatArray, v_after: FloatArray, delta: FloatArray
+) -> Event:
+    values = {**msgspec.structs.asdict(record), "P_g": np.array(record.P_g)}
+    del values["state"]
+    return Event(**values, q=q, v_before=v_before, v_after=v_after, delta=delta)
+
+
+def _need(right: bool, message: str) -> None:
+    if not right:
+        raise ValueError(message)
+
+
+def _check(run: Run, mechanism: Mechanism) -> None:
+    """Refuse a run whose parts do not belong to one another, or to the machine."""
+    _need(_in_order(run), "its events or segments are not in order")
+    rows, size = mechanism.closure_rows, len(mechanism.joints)
+    stops = set[str]()
+    for place, segment in enumerate(run.segments):
+        stops |= segment.closed
+        _need(segment.source <= place, f"segment {place} is a copy of {segment.source}")
+        for panel in segment.panels:
+            chosen = set(panel.dependent)
+            right = chosen <= set(range(size)) and len(chosen) == len(panel.dependent) == rows
+            _need(right, f"{panel.dependent} are not the dependent coordinates of a panel")
+    for event in run.events:
+        stops |= {*event.stops, *event.P_N, *event.closed_before, *event.closed_after}
+        _need(event.source <= event.number, f"event {event.number} is a copy of {event.source}")
+        _need(len(event.P_g) == rows, f"event {event.number} has not {rows} impulses of closures")
+        right = event.kind is not EventKind.COLLISION or event.P_N.keys() >= set(event.stops)
+        _need(right, f"the collision of {event.stops} has no impulse")
+    unknown = ", ".join(sorted(stops - {stop.name for stop in mechanism.stops}))
+    _need(not unknown, f"{mechanism.name} has no stop {unknown}")
+
+
+def _in_order(run: Run) -> bool:
+    """Whether events and segments follow one another in time, and events are counted from 1."""
     times = [event.t for event in run.events]
     edges = [time for item in run.segments for time in (item.t_start, item.t_end)]
-    numbers = [event.number for event in run.events]
-    counted = numbers == list(range(1, len(numbers) + 1))
     # Copies of a turn are moved by a sum of turns, which is rounded.
     ordered = all(
         before - after <= CLOCK_ROUND_OFF * abs(before)
         for row in (times, edges)
         for before, after in pairwise(row)
     )
-    if not (ordered and counted):
-        message = "its events or segments are not in order"
-        raise ValueError(message)
-
-
-def _source(source: int, own: int) -> int:
-    """Number of the original of a segment or an event: an earlier one, or its own."""
-    if source > own:
-        message = f"number {own} is a copy of a later one, {source}"
-        raise ValueError(message)
-    return source
+    return ordered and [event.number for event in run.events] == list(range(1, len(times) + 1))
 
 
 def _numbers(array: Any, *shape: int | None) -> FloatArray:
@@ -296,76 +316,6 @@ def _numbers(array: Any, *shape: int | None) -> FloatArray:
         length > 0 if wanted is None else length == wanted
         for length, wanted in zip(array.shape, shape, strict=True)
     )
-    if array.dtype != np.float64 or not fits or not (np.abs(array) <= npz_schema.LARGEST).all():
-        message = f"an array of {array.dtype} {array.shape} where numbers {shape} should be"
-        raise ValueError(message)
+    right = array.dtype == np.float64 and fits and bool((np.abs(array) <= LARGEST).all())
+    _need(right, f"an array of {array.dtype} {array.shape} where numbers {shape} should be")
     return np.asarray(array)
-
-
-def _segment(
-    place: int,
-    record: npz_schema.SegmentRecord,
-    panels: dict[int, _Nodes],
-    mechanism: Mechanism,
-) -> Segment:
-    size = len(mechanism.joints)
-    rows = mechanism.closure_rows
-    for panel in record.panels:
-        if sorted(set(panel.dependent) & set(range(size))) != sorted(panel.dependent) or (
-            len(panel.dependent) != rows
-        ):
-            message = f"{panel.dependent} are not the dependent coordinates of a panel"
-            raise ValueError(message)
-    return Segment(
-        t_start=record.t_start,
-        t_end=record.t_end,
-        closed=_stops(record.closed, mechanism),
-        panels=tuple(
-            _panel(panel, *panels[panel.place], Partition.of(panel.dependent, size))
-            for panel in record.panels
-        ),
-        kinematic=record.kinematic,
-        source=_source(record.source, place),
-    )
-
-
-def _panel(
-    record: npz_schema.PanelRecord, q: FloatArray, v: FloatArray, a: FloatArray, split: Partition
-) -> Panel:
-    return Panel(record.t, record.h, q, v, a, split, record.integrated)
-
-
-def _event(
-    record: npz_schema.EventRecord,
-    state: tuple[FloatArray, ...],
-    mechanism: Mechanism,
-    rows: int,
-) -> Event:
-    q, v_before, v_after, delta = state
-    kind = EventKind(record.kind)
-    _stops((*record.stops, *record.P_N), mechanism)
-    if kind is EventKind.COLLISION and not set(record.stops) <= record.P_N.keys():
-        message = f"the collision of {record.stops} has no impulse"
-        raise ValueError(message)
-    return Event(
-        number=record.number,
-        t=record.t,
-        kind=kind,
-        stops=record.stops,
-        q=q,
-        v_before=v_before,
-        v_after=v_after,
-        delta=delta,
-        P_N=record.P_N,
-        P_g=_numbers(np.array(record.P_g), rows) if rows else np.empty(0),
-        energy_lost=record.energy_lost,
-        closed_before=_stops(record.closed_before, mechanism),
-        closed_after=_stops(record.closed_after, mechanism),
-        series_error=record.series_error,
-        source=_source(record.source, record.number),
-    )
-
-
-def _stops(names: tuple[str, ...], mechanism: Mechanism) -> frozenset[str]:
-    """Names of stops that there are."""
-    return frozenset(mechanism.stop(name).name for name in names)

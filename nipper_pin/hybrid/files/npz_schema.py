@@ -1,24 +1,36 @@
-"""Layout of a saved run: what :mod:`.storage` reads has these types, or is refused."""
+"""Layout of a saved run: what :mod:`.npz` reads has these types, or is refused.
+
+Values are checked while they are read, so that no more of others is kept in memory. Numbers are
+those of JSON, without NaN and infinity, which Python's own would read.
+"""
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import msgspec
-from msgspec import UNSET, Meta, UnsetType
+from msgspec import Meta
+
+from ..event import EventKind
 
 _Count = Annotated[int, Meta(ge=0, le=2**53)]
 LARGEST = 1e30
 """Largest number of a run, in SI units: products of a few larger ones overflow."""
 _Number = Annotated[float, Meta(ge=-LARGEST, le=LARGEST)]
-_Stops = tuple[str, ...]
+_Above = Annotated[float, Meta(gt=0.0, le=LARGEST)]
 
 
-class _Record(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+class _Record(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A table whose keys are all known."""
 
 
-class Model(_Record, frozen=True):
+class AnyFormat(msgspec.Struct):
+    """A document of any format."""
+
+    format: Any = None
+
+
+class Model(_Record, frozen=True, kw_only=True):
     """Sources of the mechanism.
 
     Attributes:
@@ -32,31 +44,6 @@ class Model(_Record, frozen=True):
     folder: str
 
 
-class ResolutionRecord(_Record, frozen=True):
-    """Fields of ``Resolution``; files of earlier versions name the one integrator as well."""
-
-    tolerance: float
-    flight_nodes: _Count
-    kinematic_nodes: _Count
-    panels_per_turn: _Count
-    adaptive: bool
-    integrator: Literal["picard"] | UnsetType = UNSET
-
-
-class CaseRecord(_Record, frozen=True):
-    """Fields of ``Case``."""
-
-    speed_rpm: float
-    window: str
-    cycles: _Count
-    start_index: float
-    drive: str
-    rest_rate: float | None
-    resolution: ResolutionRecord
-    reuse_cycles: bool
-    max_collisions: _Count
-
-
 class Setting(_Record, frozen=True, kw_only=True):
     """What a run needs to be repeated.
 
@@ -65,13 +52,14 @@ class Setting(_Record, frozen=True, kw_only=True):
         version: Of the package that wrote it.
         mechanism: Sources of the mechanism.
         meshes: SHA-256 of its mesh files by their names in the URDF.
+        case: Fields of ``Case``, which checks them itself.
     """
 
     format: int
     version: str
     mechanism: Model
     meshes: dict[str, str]
-    case: CaseRecord
+    case: dict[str, Any]
 
 
 class SavedCase(Setting, frozen=True, kw_only=True):
@@ -86,52 +74,52 @@ class SavedCase(Setting, frozen=True, kw_only=True):
     stress: dict[str, object] | None = None
 
 
-class ShaftRecord(_Record, frozen=True):
+class ShaftRecord(_Record, frozen=True, kw_only=True):
     """Fields of ``ShaftMotion``: [rad/s] and [rad]."""
 
-    speed_rad_s: Annotated[float, Meta(gt=0.0, le=LARGEST)]
+    speed_rad_s: _Above
     start_angle_rad: _Number
 
 
-class PanelRecord(_Record, frozen=True, array_like=True):
+class PanelRecord(_Record, frozen=True, kw_only=True, array_like=True):
     """A panel: start and length [s], its coordinates, and the place of its arrays."""
 
     t: _Number
-    h: Annotated[float, Meta(gt=0.0, le=LARGEST)]
+    h: _Above
     dependent: tuple[_Count, ...]
     integrated: bool
     place: _Count
 
 
-class SegmentRecord(_Record, frozen=True):
-    """Fields of ``Segment``; times in [s]."""
+class SegmentRecord(_Record, frozen=True, kw_only=True):
+    """Fields of ``Segment``."""
 
     t_start: _Number
     t_end: _Number
-    closed: _Stops
+    closed: frozenset[str]
     kinematic: bool
     panels: Annotated[tuple[PanelRecord, ...], Meta(min_length=1)]
     source: _Count
 
 
-class EventRecord(_Record, frozen=True):
+class EventRecord(_Record, frozen=True, kw_only=True):
     """Fields of ``Event``, with the place of its state among the stored ones."""
 
     number: _Count
     t: _Number
-    kind: str
-    stops: Annotated[_Stops, Meta(min_length=1)]
+    kind: EventKind
+    stops: Annotated[tuple[str, ...], Meta(min_length=1)]
     P_N: dict[str, _Number]
     P_g: tuple[_Number, ...]
     energy_lost: _Number
-    closed_before: _Stops
-    closed_after: _Stops
+    closed_before: frozenset[str]
+    closed_after: frozenset[str]
     series_error: _Number
-    state: _Count
     source: _Count
+    state: _Count
 
 
-class Run(Setting, frozen=True):
+class Run(Setting, frozen=True, kw_only=True):
     """A whole run."""
 
     shaft: ShaftRecord
@@ -141,40 +129,3 @@ class Run(Setting, frozen=True):
     evaluations: _Count
     wall_s: _Number
     repeated_from: int | None
-
-
-class _Anything(msgspec.Struct, frozen=True):
-    """A document of any format."""
-
-    format: Any = None
-
-
-def format_of(text: str) -> object:
-    """The format of a document.
-
-    Args:
-        text: Its JSON.
-
-    Raises:
-        msgspec.MsgspecError: It is no JSON, or says nothing of it; a ``ValueError``.
-    """
-    return msgspec.json.decode(text, type=_Anything).format
-
-
-def setting(text: str) -> Setting:
-    """Read the document of a case.
-
-    Values are checked while they are read, so that no more of others is kept in memory.
-
-    Args:
-        text: Its JSON, without NaN and infinity, which Python's JSON would read.
-
-    Raises:
-        msgspec.MsgspecError: A key is unknown or missing, or has another type; a ``ValueError``.
-    """
-    return msgspec.json.decode(text, type=SavedCase)
-
-
-def run(text: str) -> Run:
-    """Read the document of a run; as :func:`setting`."""
-    return msgspec.json.decode(text, type=Run)
