@@ -19,9 +19,8 @@ from nipper_pin.study.sweep import read_plan
 Settings = dict[str, Any]
 # Drives that are another machine for every design; tables would need one each.
 RATIO = '[parameters."drives.tension.ratio"]\nlow = 2.1\nhigh = 2.3\n'
-FIT = """[parameters.preload]
-low = 9.0
-high = 13.0
+FIT = """[parameters]
+preload = { low = 9.0, high = 13.0 }
 [[targets]]
 name = "one"
 quantity = "duration_s"

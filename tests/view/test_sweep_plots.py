@@ -36,17 +36,10 @@ STUDY = """
 format = 1
 title = "Three parameters"
 quantities = ["duration_s", "rebound_amplitude_1"]
-[parameters.speed_rpm]
-low = 450.0
-high = 650.0
-points = 3
-[parameters.restitution]
-low = 0.05
-high = 0.2
-points = 3
-scale = "log"
-[parameters."links.top_nipper.mass_kg"]
-values = [1.2, -1.0]
+[parameters]
+speed_rpm = { low = 450.0, high = 650.0, points = 3 }
+restitution = { low = 0.05, high = 0.2, points = 3, scale = "log" }
+"links.top_nipper.mass_kg" = { values = [1.2, -1.0] }
 """
 
 
@@ -273,8 +266,7 @@ def test_unusable_requests(
 
 def test_one_parameter_has_no_level_lines(tmp_path: Path) -> None:
     """Nor does a quantity without a value have a figure: no jaw collides forty times."""
-    head, _, rest = STUDY.partition("[parameters.speed_rpm]")
-    mass = rest[rest.index('[parameters."links') :]
+    head, mass = STUDY[: STUDY.index("speed_rpm =")], STUDY[STUDY.index('"links.') :]
     file, folder = tmp_path / "study.toml", tmp_path / "out"
     file.write_text(head.replace("rebound_amplitude_1", "time_s_40") + mass, encoding="utf-8")
     run_sweep(read_plan(str(file)), folder, workers=1)

@@ -18,12 +18,9 @@ model = "{MASS}"
 minimise = "duration_s"
 maximise = "rebound_amplitude_1"
 case = {{ speed_rpm = 60.0 }}
-[parameters."stops.table.restitution"]
-low = 0.05
-high = 0.3
-[parameters."drives.table.lead_mm_per_turn"]
-low = 20.0
-high = 100.0
+[parameters]
+"stops.table.restitution" = {{ low = 0.05, high = 0.3 }}
+"drives.table.lead_mm_per_turn" = {{ low = 20.0, high = 100.0 }}
 """
 
 

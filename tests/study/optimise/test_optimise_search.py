@@ -39,9 +39,8 @@ HEAD = f"""
 model = "{MASS}"
 minimise = "duration_s"
 case = {{ speed_rpm = 60.0 }}
-[parameters."stops.table.restitution"]
-low = 0.05
-high = 0.5
+[parameters]
+"stops.table.restitution" = {{ low = 0.05, high = 0.5 }}
 """
 LEAD = """
 [parameters."drives.table.lead_mm_per_turn"]
@@ -52,9 +51,8 @@ E62 = """
 model = "e62"
 minimise = "rebound_amplitude_1"
 case = { speed_rpm = 650.0 }
-[parameters.preload]
-low = 9.0
-high = 14.0
+[parameters]
+preload = { low = 9.0, high = 14.0 }
 """
 AIM, TIME = "rebound_amplitude_1", "duration_s"
 

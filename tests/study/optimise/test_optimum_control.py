@@ -23,15 +23,10 @@ STATED = """
 model = "e62"
 minimise = "rebound_amplitude_1"
 case = { speed_rpm = 700.0 }
-[parameters."springs.steeve.preload_length_mm"]
-low = 3.0
-high = 14.0
-[parameters."points.eccentric_pin.angle_deg"]
-low = 100.0
-high = 260.0
-[parameters."drives.tension.ratio"]
-low = 1.2
-high = 4.0
+[parameters]
+"springs.steeve.preload_length_mm" = { low = 3.0, high = 14.0 }
+"points.eccentric_pin.angle_deg" = { low = 100.0, high = 260.0 }
+"drives.tension.ratio" = { low = 1.2, high = 4.0 }
 [limits]
 clamping_force_N = { low = 40.0, high = 60.0 }
 jaw_opening_deg = { low = 25.0 }

@@ -20,30 +20,18 @@ TABLE = """
 method = "sobol"
 count = 600
 seed = 7
-[parameters.speed_rpm]
-low = 420.0
-high = 680.0
-[parameters.restitution]
-low = 0.05
-high = 0.25
-[parameters.stiffness]
-low = 7000.0
-high = 11000.0
-scale = "log"
-[parameters.preload]
-low = 9.0
-high = 13.0
+[parameters]
+speed_rpm = { low = 420.0, high = 680.0 }
+restitution = { low = 0.05, high = 0.25 }
+stiffness = { low = 7000.0, high = 11000.0, scale = "log" }
+preload = { low = 9.0, high = 13.0 }
 """
 GEOMETRY = """
 chunk = 4
-[parameters."points.eccentric_pin.radius_mm"]
-low = 4.0
-high = 6.0
-points = 5
-[parameters."drives.tension.ratio"]
-values = [2.0, 2.2, 2.4]
-[parameters.speed_rpm]
-values = [450.0, 650.0]
+[parameters]
+"points.eccentric_pin.radius_mm" = { low = 4.0, high = 6.0, points = 5 }
+"drives.tension.ratio" = { values = [2.0, 2.2, 2.4] }
+speed_rpm = { values = [450.0, 650.0] }
 """
 FULL = """
 model = "e62"

@@ -44,24 +44,13 @@ def test_rows_are_what_single_runs_say(tmp_path: Path) -> None:
     [samples]
     method = "latin_hypercube"
     count = 3
-    [parameters."points.eccentric_pin.radius_mm"]
-    low = 4.8
-    high = 5.2
-    [parameters."links.top_nipper.mass_kg"]
-    low = 1.0
-    high = 1.3
-    [parameters.preload]
-    low = 10.0
-    high = 12.0
-    [parameters.restitution]
-    low = 0.1
-    high = 0.2
-    [parameters.speed_rpm]
-    low = 450.0
-    high = 650.0
-    [parameters."springs.steeve.stiffness_N_per_m"]
-    low = 8000.0
-    high = 9500.0
+    [parameters]
+    "points.eccentric_pin.radius_mm" = { low = 4.8, high = 5.2 }
+    "links.top_nipper.mass_kg" = { low = 1.0, high = 1.3 }
+    preload = { low = 10.0, high = 12.0 }
+    restitution = { low = 0.1, high = 0.2 }
+    speed_rpm = { low = 450.0, high = 650.0 }
+    "springs.steeve.stiffness_N_per_m" = { low = 8000.0, high = 9500.0 }
     """
     table = read_sweep(stored(tmp_path / "out", plan(tmp_path, text))).table
     assert table.column_names == [
@@ -106,8 +95,8 @@ def test_rows_of_csv_tables_vary(tmp_path: Path) -> None:
     speed_rpm = 650.0
     [set]
     "springs.steeve.force_N[3]" = 470.0
-    [parameters."springs.steeve.force_N[1]"]
-    values = [99.0, 105.0]
+    [parameters]
+    "springs.steeve.force_N[1]" = { values = [99.0, 105.0] }
     """
     rows = read_sweep(stored(tmp_path / "out", plan(tmp_path, text))).table.to_pylist()
     durations = [row["duration_s"] for row in rows]

@@ -19,12 +19,10 @@ from nipper_pin.study.sweep import read_plan, run_sweep
 SMALL = """
 chunk = 2
 quantities = ["duration_s", "rebound_amplitude_1", "impulse_N_s_1", "first_two_share"]
-[parameters.restitution]
-values = [0.1, 0.2]
-[parameters.preload]
-values = [10.0, 10.5, 11.0, 11.5, 12.0, 12.5]
-[parameters."urdf.link.top_nipper.inertial.mass.value"]
-values = [1.0]
+[parameters]
+restitution = { values = [0.1, 0.2] }
+preload = { values = [10.0, 10.5, 11.0, 11.5, 12.0, 12.5] }
+"urdf.link.top_nipper.inertial.mass.value" = { values = [1.0] }
 """
 
 
@@ -219,11 +217,9 @@ quantities = ["duration_s"]
 method = "sobol"
 count = 5
 seed = 3
-[parameters.restitution]
-low = 0.1
-high = 0.2
-[parameters."links.top_nipper.mass_kg"]
-values = [1.0, 1.2]
+[parameters]
+restitution = { low = 0.1, high = 0.2 }
+"links.top_nipper.mass_kg" = { values = [1.0, 1.2] }
 """
 
 

@@ -24,12 +24,10 @@ from nipper_pin.study.sweep.results.extremes import Extremes
 GRID = """
 chunk = 36
 quantities = ["duration_s", "rebound_amplitude_2"]
-[parameters.speed_rpm]
-values = [450.0, 550.0, 650.0]
-[parameters.preload]
-values = [10.0, 11.0, 12.0]
-[parameters.restitution]
-values = [0.1, 0.15, 0.2, 0.25]
+[parameters]
+speed_rpm = { values = [450.0, 550.0, 650.0] }
+preload = { values = [10.0, 11.0, 12.0] }
+restitution = { values = [0.1, 0.15, 0.2, 0.25] }
 """
 RADII = '[parameters."drives.pendulum.crank_radius_mm"]\nvalues = [{}]\n'
 

@@ -32,17 +32,10 @@ def all_rows(found: Plan) -> np.ndarray:
 def test_grid_is_the_product_of_its_values(tmp_path: Path) -> None:
     """Written out with itertools; numbers that change the mechanism vary slowest."""
     text = """
-    [parameters.speed_rpm]
-    low = 400.0
-    high = 600.0
-    points = 3
-    [parameters."links.top_nipper.mass_kg"]
-    low = 0.5
-    high = 2.0
-    points = 3
-    scale = "log"
-    [parameters.restitution]
-    values = [0.3, 0.1]
+    [parameters]
+    speed_rpm = { low = 400.0, high = 600.0, points = 3 }
+    "links.top_nipper.mass_kg" = { low = 0.5, high = 2.0, points = 3, scale = "log" }
+    restitution = { values = [0.3, 0.1] }
     """
     found = plan(tmp_path, text)
     speeds, masses, restitutions = (400.0, 500.0, 600.0), (0.5, 1.0, 2.0), (0.3, 0.1)
@@ -114,7 +107,7 @@ ONE_RATIO = GEOMETRY.replace("chunk = 4\n", "").replace("2.0, 2.2, 2.4", "2.0")
 def many(radii: int, speeds: int) -> str:
     """Speeds of machines of their own."""
     text = ONE_RATIO.replace("points = 5", f"points = {radii}")
-    return text.replace("values = [450.0, 650.0]", f"low = 450.0\nhigh = 650.0\npoints = {speeds}")
+    return text.replace("values = [450.0, 650.0]", f"low = 450.0, high = 650.0, points = {speeds}")
 
 
 @pytest.mark.parametrize(
