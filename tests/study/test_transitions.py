@@ -30,7 +30,7 @@ from nipper_pin import (
 )
 from nipper_pin.mechanism import from_sources
 from nipper_pin.reduced import ReducedModel, build, reduced_model, sampling, transitions
-from nipper_pin.study.cases import cases_of, spring_values
+from nipper_pin.study.cases import spring_values
 from nipper_pin.study.transitions import REDUCED_PAYS_FROM, TURNS_PAY_FROM
 
 REBOUND = ("rebound_amplitude", "amplitude_error", "rebound_time", "rebound_error")
@@ -308,29 +308,14 @@ def test_springs_in_another_unit(
     assert (caught.value.evidence["key"], caught.value.evidence["unit"]) == (key, unit)
 
 
-def test_springs_that_are_not_there(e62: Mechanism, two: Mechanism) -> None:
+def test_cases_that_no_machine_has(e62: Mechanism, two: Mechanism) -> None:
     with pytest.raises(InputError, match="preload_deg: e62 has no spring on a joint that moves in"):
         spring_values(e62, {"preload_deg": 3.0})
-    given = {"preload_length_mm": [1.0, 2.0], "preload_deg": [1.0, 2.0, 3.0]}
     with pytest.raises(InputError, match="need the same number of cases"):
-        spring_values(two, given)
+        spring_values(two, {"preload_length_mm": [1.0, 2.0], "preload_deg": [1.0, 2.0, 3.0]})
     with pytest.raises(InputError, match="need the same number of cases"):
-        cases_of(e62, [400.0, 500.0], [0.1, 0.2, 0.3])
-
-
-def test_cases_of_a_machine(e62: Mechanism) -> None:
-    """Its own numbers where none are given, everything as often as the longest."""
-    found = cases_of(e62, [400.0, 500.0])
-    spring = e62.springs[0]
-    assert found.speed_rpm.tolist() == [400.0, 500.0]
-    assert found.restitution.tolist() == [e62.stop("jaw").restitution] * 2
-    assert found.stiffness.tolist() == [[spring.stiffness]] * 2
-    assert found.preload.tolist() == [[spring.preload]] * 2
-    found = cases_of(e62, 450.0, [0.0, 1.0], [7e3, 8e3], [0.01, -0.01])
-    assert found.speed_rpm.tolist() == [450.0, 450.0]
-    assert found.restitution.tolist() == [0.0, 1.0]
-    assert found.stiffness.tolist() == [[7e3], [8e3]]
-    assert found.preload.tolist() == [[0.01], [-0.01]]
-    for wrong in ((0.0,), (450.0, 1.01), (450.0, -0.01), (450.0, 0.1, -1.0)):
+        transition_table(e62, speed_rpm=[400.0, 500.0], restitution=[0.1, 0.2, 0.3])
+    for wrong in ({"speed_rpm": 0.0}, {"restitution": 1.01}, {"restitution": -0.01},
+                  {"stiffness_N_per_m": -1.0}):  # fmt: skip
         with pytest.raises(InputError):
-            cases_of(e62, *wrong)
+            transition_table(e62, **{"speed_rpm": 450.0, **wrong})

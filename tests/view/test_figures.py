@@ -1,6 +1,6 @@
 """Figures as reviewed texts: what stands around the curves, and where they go; and their files.
 
-That the curves of a run are the motion is what test_motion_shown says.
+That the curves of a run are the motion is what test_judged says.
 """
 
 from __future__ import annotations
@@ -12,13 +12,12 @@ import numpy as np
 import pytest
 from drawn import drawn
 from judge import press
-from matplotlib.figure import Figure
 from matplotlib.image import imread
 from rich.console import Console
 from runs_shown import run_of, slotted, turn, with_elements
 from snapshots import Words
 
-from nipper_pin import Case, EventKind, InputError, Solution, check, compare, load, simulate
+from nipper_pin import Case, EventKind, Solution, check, compare, load, simulate
 from nipper_pin.study.next_steps import NextSteps
 from nipper_pin.study.speed_limit import SpeedLimit, SpeedRange, Verdict
 from nipper_pin.view.compare.files import curves_figure
@@ -123,25 +122,6 @@ def test_which_figures_a_run_has(
     assert [file.name for file in files] == [f"{name}.png" for name in names]
     assert sorted(folder.iterdir()) == sorted(files)
     assert all(imread(file)[..., :3].std() > 0.02 for file in files)
-
-
-def test_a_folder_that_is_a_file_is_refused(transition: Solution, tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("")
-    with pytest.raises(InputError, match="cannot be made a folder"):
-        plot_solution(transition, tmp_path / "file")
-
-
-def test_a_failure_leaves_no_half_file(
-    transition: Solution, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def fail(_: Figure, target: Path, **__: object) -> None:
-        Path(target).write_bytes(b"half")
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr("matplotlib.figure.Figure.savefig", fail)
-    with pytest.raises(InputError, match="cannot be written"):
-        plot_solution(transition, tmp_path)
-    assert list(tmp_path.iterdir()) == []
 
 
 # Springs, dampers, slots and limits in words, as `check` and the tables of a run have them.

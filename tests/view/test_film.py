@@ -436,19 +436,3 @@ def test_a_film_of_more_than_two_minutes_is_refused(cycle: Solution, tmp_path: P
     with pytest.raises(InputError, match=r"takes 120 s, and a GIF at most 120 s; use --slow"):
         write_gif(cycle, tmp_path / "b.gif", Look(slow=long))
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_film_that_fails_leaves_the_file_that_was_there(
-    cycle: Solution, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    path = tmp_path / "film.gif"
-    path.write_bytes(b"what was there")
-
-    def full(*_: object, **__: object) -> None:
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(Image.Image, "save", full)
-    with pytest.raises(Exception, match="No space left"):
-        write_gif(cycle, path, Look(slow=20.0))
-    assert path.read_bytes() == b"what was there"
-    assert list(tmp_path.iterdir()) == [path]

@@ -271,38 +271,6 @@ def test_limits_that_starts_break_are_mended_first(tmp_path: Path) -> None:
 # --- the command and its files -------------------------------------------------------------------
 
 
-@pytest.mark.slow
-def test_command_writes_what_simulate_and_load_take(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """A case and overrides, which are the same machine.
-
-    The direct engine simulates both, and gives what the result says.
-    """
-    body = 'minimise = ["rebound_amplitude_1", "clamping_force_N"]\n'
-    body += parameter("preload", 10.0, 14.0) + parameter("stops.jaw.restitution", 0.1, 0.2)
-    file = designs.study(tmp_path, asked(body, "e62"))
-    out = tmp_path / "out"
-    arguments = ["--out", str(out), "--starts", "1", "--points", "2", "--no-check"]
-    assert main(["optimise", str(file), *arguments, "--json", "-"]) == 0
-    document = json.loads(capsys.readouterr().out)
-    assert json.loads((out / "result.json").read_text()) == document
-    assert main(["simulate", "--case", str(out / "case.json"), "--json", "-"]) == 0
-    case = json.loads(capsys.readouterr().out)
-    overrides = json.loads((out / "overrides.json").read_text())
-    single = simulate(load("e62", overrides), Case(speed_rpm=650.0))
-    rebound = document["optimum"]["values"]["rebound_amplitude_1"]
-    assert single.collisions[0].rebound_amplitude == pytest.approx(rebound, rel=1e-8)
-    assert case["collisions"][0]["rebound_amplitude"] == pytest.approx(rebound, rel=1e-8)
-    # A third of the way down at least, and by what is kept in a simulated turn, too.
-    assert document["relative_change"] < -1.0 / 3.0
-    for name, value in document["control"]["values"].items():
-        assert value == pytest.approx(document["optimum"]["values"][name], rel=1e-4, abs=1e-3)
-    assert len(document["front"]) == 2
-    assert (out / "front.svg").read_text().startswith("<?xml")
-    assert "never the maker's" in document["caution"]
-
-
 class CtrlC(io.StringIO):
     """A terminal whose user interrupts the command at its first word."""
 
@@ -316,8 +284,13 @@ class CtrlC(io.StringIO):
         return super().write(text)
 
 
-def test_an_interrupt_leaves_what_was_there(tmp_path: Path) -> None:
-    """No folder, or the one that was there; a search after it is a new one, and takes nothing."""
+def test_an_interrupt_leaves_what_was_there(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """No folder, or the one that was there; a search after it is a new one, and takes nothing.
+
+    What that writes is a case and overrides of the same machine.
+    """
     body = 'minimise = "duration_s"\n' + parameter(E_N, 0.05, 0.5)
     out, file = tmp_path / "out", designs.study(tmp_path, asked(body))
     words = ["optimise", str(file), "--out", str(out), "--workers", "1", "--starts", "1"]
@@ -337,6 +310,14 @@ def test_an_interrupt_leaves_what_was_there(tmp_path: Path) -> None:
     assert {path: after.pop(path) for path in before} == before
     names = {"result.json", "overrides.json", "case.json"}
     assert {path.relative_to(out).as_posix() for path in after} == names
+    optimum = json.loads((out / "result.json").read_text())["optimum"]["values"]
+    capsys.readouterr()
+    assert main(["simulate", "--case", str(out / "case.json"), "--json", "-"]) == 0
+    case = json.loads(capsys.readouterr().out)
+    overrides = json.loads((out / "overrides.json").read_text())
+    single = simulate(load(MASS, overrides), Case(speed_rpm=60.0))
+    for duration in (case["transition"]["duration_s"], single.transitions[0].duration):
+        assert duration == pytest.approx(optimum["duration_s"], rel=1e-8)
 
 
 # --- parts ---

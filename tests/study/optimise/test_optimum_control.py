@@ -236,6 +236,8 @@ def test_an_optimum_that_is_contradicted_is_status_1_with_all_files(
     assert document["contradiction"] is None
     assert document["control"]["confirmed"]
     assert [item["control"]["confirmed"] for item in document["front"]] == [True, True]
+    assert "never the maker's" in document["caution"]
+    assert (tmp_path / "right" / "front.svg").read_text().startswith("<?xml")
     true = Bounces.values.fget
     assert true is not None
 
