@@ -219,14 +219,7 @@ def test_bounces_of_the_turn_where_the_machine_arrives_otherwise() -> None:
     The lips bounce into the middle half of the closed phase there, so that the force by kinematics
     is not that of the simulated cycle: the row is doubtful for that.
     """
-    machine = load(
-        "e62",
-        {
-            "springs.steeve.preload_length_mm": 9.25486,
-            "springs.steeve.stiffness_N_per_m": 7065.98,
-            "stops.jaw.restitution": 0.18674,
-        },
-    )
+    machine = load("e62", {"preload": 9.25486, "stiffness": 7065.98, "restitution": 0.18674})
     found = sensitivities(machine, 681.27, ("springs.steeve.preload_length_mm",))
     (row,) = found.rows
     assert found.premise_holds is False

@@ -356,14 +356,8 @@ def test_live_page(setting: dict[str, float]) -> None:
     asked = {item.key: setting.get(item.key.rpartition(".")[2], item.start) for item in controls}
     found = answer(mechanism, controls, asked)
     values = {"speed": 650.0, "restitution": 0.2, "stiffness": 9.0, "preload": 11.0} | setting
-    run = simulate(
-        load("e62", {
-            "stops.jaw.restitution": values["restitution"],
-            "springs.steeve.stiffness_N_per_m": 1e3 * values["stiffness"],
-            "springs.steeve.preload_length_mm": values["preload"],
-        }),
-        Case(speed_rpm=values["speed"]),
-    )  # fmt: skip
+    speed, values["stiffness"] = values.pop("speed"), 1e3 * values["stiffness"]
+    run = simulate(load("e62", values), Case(speed_rpm=speed))
     wanted = of_transition(run)
     told = {row.key: (row.label, row.text) for row in found.rows}
     assert list(told) == [*wanted, "engine"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import math
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,6 @@ import numpy as np
 import pytest
 from drawn import drawn
 from rich.console import Console
-from scipy.interpolate import CubicSpline
 
 from benchmarks.__main__ import main
 from benchmarks.paper.counts import counted
@@ -28,6 +28,8 @@ from benchmarks.paper.study import PaperStudy, paper_study
 from benchmarks.run_time.certified import certified
 from benchmarks.stress.machines.small_machines import bouncing_mass
 from nipper_pin import Case, Mechanism, SimulationError, load, simulate, transition_table
+from nipper_pin.study.identify import working_cycle
+from nipper_pin.study.optimise.problem.quantities import cycle_values
 from nipper_pin.terms import digits
 
 # The studies of the paper take a quarter of a minute.
@@ -163,24 +165,17 @@ def test_the_change_by_inertial_shafts_falls_with_their_inertia(study):
 
 
 def test_marks_of_a_turn(e62):
-    """The jaw's angle with the steeve on its stop crosses zero twice; it is open in between.
+    """Those of the kinematics of identifications, which shares no line; samples of smooth curves.
 
-    Zeros of a cubic spline through the samples, 1e-3 of the index; where it opens and closes are
-    13 of 40 apart, and taken for one another they would be found out.
+    A straight line between two is 1e-4 of the index off; where the jaw opens and closes are 13 of
+    40 apart, and taken for one another they would be found out.
     """
-    turn = kinematics(e62, 650.0)
-    index = touch_index(e62) + np.linspace(0.0, 40.0, 1001)
-    opened, _ = branch(e62, frozenset({"steeve"}), 650.0, index)
-    angle = CubicSpline(index, opened[:, e62.stop("jaw").index])
-    inside = [x for x in angle.roots(extrapolate=False) if index[1] < x < index[-2]]
-    opens = [x for x in inside if angle(x, 1) > 0.0]
-    assert len(opens) == 1
-    assert turn["opening_index"] == pytest.approx(opens[0] % 40.0, abs=1e-3)
-    assert turn["closing_index"] == pytest.approx(index[0] % 40.0, abs=1e-9)
-    assert turn["largest_jaw_angle_rad"] == pytest.approx(angle(index).max(), rel=1e-5)
-    closed, _ = branch(e62, frozenset({"jaw"}), 650.0, index)
-    stroke = closed[:, e62.stop("steeve").index].max()
-    assert turn["largest_stroke"] == pytest.approx(stroke, rel=1e-5)
+    turn, wanted = kinematics(e62, 650.0), cycle_values(working_cycle(e62, 650.0))
+    assert turn["opening_index"] == pytest.approx(wanted["opening_index"], abs=1e-3)
+    assert turn["closing_index"] == pytest.approx(wanted["closing_index"], abs=1e-9)
+    opened = math.radians(wanted["jaw_opening_deg"])
+    assert turn["largest_jaw_angle_rad"] == pytest.approx(opened, rel=1e-5)
+    assert turn["largest_stroke"] == pytest.approx(1e-3 * wanted["stroke_mm"], rel=1e-5)
     assert turn["speed_rpm"] == 650.0
 
 
