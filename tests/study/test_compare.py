@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from small_machines import link, machine, slide
+from runs_shown import run_of
 
 import nipper_pin as nip
 from nipper_pin import Case, EventKind, InputError, Mechanism, Solution
@@ -154,9 +154,7 @@ def test_a_document_holds_the_table(compared: nip.Comparison) -> None:
     assert "rebound_amplitude_1" in compared._repr_html_()
 
 
-def test_different_windows_are_refused(runs: tuple[Solution, Solution], e62: Mechanism) -> None:
-    with pytest.raises(InputError, match=r"window cycle.*window transition.*same --window"):
-        nip.compare(runs[0], nip.simulate(e62, Case(speed_rpm=A_RPM)))
+def test_what_is_no_run_and_no_quantity_is_refused(runs: tuple[Solution, Solution]) -> None:
     with pytest.raises(InputError, match="B is 'e62'"):
         nip.compare(runs[0], "e62")  # type: ignore[arg-type]
     with pytest.raises(InputError, match=r"height is none of the quantities.*duration_s"):
@@ -180,27 +178,12 @@ def test_machines_of_other_parts_are_compared_as_far_as_they_go(
     assert found.row("duration_s").b == pytest.approx(other.transitions[0].duration, rel=1e-12)
 
 
-def falling_block() -> Solution:
-    """A block on a slide that a spring pushes to its stop: its gap is a length."""
-    mechanism = machine(
-        [link("mass"), slide("block", "frame", "mass")],
-        1,
-        springs={
-            "block": {"joint": "block", "stiffness_N_per_m": 100.0, "preload_length_mm": 10.0}
-        },
-        stops={"block": {"joint": "block", "restitution": 0.5}},
-        transition_stop="block",
-        initial={"block": {"at_mm": 5.0}},
-    )
-    return nip.simulate(mechanism, Case(speed_rpm=60.0, window="cycle"))
-
-
 def test_gaps_in_other_units_are_left_out(runs: tuple[Solution, Solution]) -> None:
-    """The jaw turns and the block slides: times can be compared, amplitudes cannot."""
-    found = nip.compare(runs[0], falling_block())
+    """The jaw turns and a ball slides: times can be compared, amplitudes cannot."""
+    found = nip.compare(runs[0], run_of("balls"))
     names = {row.name for row in found.rows}
     assert "duration_s" in names
     assert not any("amplitude" in name or "gap" in name for name in names)
     notes = " ".join(found.notes)
-    assert "The transition is that of the jaw in A and of the block in B." in notes
+    assert "The transition is that of the jaw in A and of the s1 in B." in notes
     assert "because one turns and the other slides" in notes

@@ -16,14 +16,13 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 import pytest
-from judge import Judge
+from judge import Judge, press
 from runs_shown import machine_called, run_of, turn
-from small_machines import SLED, hinge, link, machine, slide
 from three_js import Scene, rotation
 from urdf_shapes import shaped, shapes
 
 from nipper_pin import Mechanism, Solution, load
-from nipper_pin.mechanism import known_models
+from nipper_pin.mechanism import from_sources, known_models
 from nipper_pin.view.scene import Film, Look, film
 
 MODELS = Path(__file__).parents[1] / "verification" / "models"
@@ -222,28 +221,10 @@ def test_lines_go_from_point_to_point(server: Any, page_of: Callable[..., str]) 
 
 
 def two_sided() -> Mechanism:
-    """A ball on a slide and a flap on a hinge, on a sled: the flap's impulses are far larger."""
-    return machine(
-        [
-            link("sled", 2.0, 0.1),
-            slide("sled_x", "frame", "sled"),
-            link("flap", 40.0, 30.0, (0.2, 0.03)),
-            hinge("flap_pin", "sled", "flap", (0.1, 0.05)),
-            link("ball", 0.7),
-            slide("ball_z", "sled", "ball", (0.6, 0.8), (-0.2, 0.1)),
-        ],
-        3,
-        gravity=9.81,
-        drives={"sled": {"joint": "sled_x", "law": "screw", "lead_mm_per_turn": 80.0, **SLED}},
-        stops={
-            "ball": {"joint": "ball_z", "restitution": 0.3, "side": "lower", "at_mm": -20.0},
-            "flap": {"joint": "flap_pin", "restitution": 0.4, "at_deg": -8.0},
-        },
-        phases=[
-            {"number": number, "name": "and ".join(closed) or "free", "closed": closed}
-            for number, closed in enumerate(([], ["ball"], ["flap"], ["ball", "flap"]), start=1)
-        ],
-    )
+    """The press with a flap at its hinge that is struck far harder than its ball."""
+    plain = press()
+    urdf = plain.urdf.replace('value="1.5"', 'value="40.0"').replace('"0.02"', '"30.0"')
+    return from_sources("small", urdf, plain.description, ".")
 
 
 @pytest.fixture(scope="module", params=["e62", "two_sided", "boxed"])
