@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 import pytest
+import trimesh
 from small_machines import frame, hinge, link, sources
 from snapshots import Words
 
@@ -143,12 +144,6 @@ def test_masses_with_what_is_fixed(tmp_path: Path) -> None:
         parts = "".join(f"<collision><geometry>{item}</geometry></collision>" for item in shapes)
         return part.replace("</link>", f"{parts}</link>")
 
-    def eye(name: str, on: str, shape: str) -> str:
-        fixed = frame(name, on)
-        return fixed.replace(
-            "/>", f"><collision><geometry>{shape}</geometry></collision></link>", 1
-        )
-
     box, ball = '<box size="0.1 0.1 0.2"/>', '<sphere radius="0.3"/>'
     bar, mesh = '<cylinder radius="0.2" length="0.5"/>', '<mesh filename="m.stl"/>'
     masses = {"a": 8.0, "d": 0.25, "e": 3.0, "f": 4.0, "g": 5.0}
@@ -157,15 +152,9 @@ def test_masses_with_what_is_fixed(tmp_path: Path) -> None:
     for place, name in enumerate(masses):
         parts += [shown(link(name, masses[name]), *shapes[name]),
                   hinge(f"j{name}", "frame", name, (float(place), 0.0))]  # fmt: skip
-    parts += [eye("b", "a", box), eye("c", "b", box)]
-    corners, facets = np.eye(4)[:, 1:], itertools.combinations(range(4), 3)
-    stl = "".join(
-        "facet normal 0 0 0\nouter loop\n"
-        + "".join("vertex {} {} {}\n".format(*corners[k]) for k in facet)
-        + "endloop\nendfacet\n"
-        for facet in facets
-    )
-    (tmp_path / "m.stl").write_text(f"solid t\n{stl}endsolid\n", encoding="utf-8")
+    # A frame is a link without mass.
+    parts += [shown(frame(name, on).replace("/>", "></link>", 1), box) for name, on in ("ba", "cb")]
+    trimesh.creation.box().export(tmp_path / "m.stl")
     urdf, description = sources(parts, 5)
     machine = from_sources("m", urdf, description, str(tmp_path))
     volumes = {"a": 0.008, "d": 0.036 * math.pi, "e": None, "f": None, "g": 0.02 * math.pi}
@@ -198,14 +187,10 @@ def test_clearances_are_those_of_pinocchio(e62: Mechanism, turn: Solution) -> No
     adjacent = {frozenset((joint.parent, joint.child)) for joint in e62.joints}
     jaw = next(joint for joint in e62.joints if joint.index == e62.stop("jaw").index)
     lips = frozenset((jaw.parent, jaw.child))
-    items = list(geometry.geometryObjects)
+    owners = [link_of[item.name] for item in geometry.geometryObjects]
     pairs = [
-        (a, b) for a in range(len(items)) for b in range(a + 1, len(items))
-        if link_of[items[a].name] != link_of[items[b].name]
-        and (
-            frozenset((link_of[items[a].name], link_of[items[b].name])) not in adjacent
-            or frozenset((link_of[items[a].name], link_of[items[b].name])) == lips
-        )
+        (a, b) for a, b in itertools.combinations(range(len(owners)), 2)
+        if owners[a] != owners[b] and {owners[a], owners[b]} not in adjacent - {lips}
     ]  # fmt: skip
     for pair in pairs:
         geometry.addCollisionPair(pin.CollisionPair(*pair))
@@ -215,8 +200,7 @@ def test_clearances_are_those_of_pinocchio(e62: Mechanism, turn: Solution) -> No
         pin.computeDistances(e62.model, data, geometry, shapes, q)
         place = round(index(turn, t), 6)
         for (a, b), result in zip(pairs, shapes.distanceResults, strict=True):
-            links = frozenset((link_of[items[a].name], link_of[items[b].name]))
-            of_pair = near.setdefault(links, {})
+            of_pair = near.setdefault(frozenset((owners[a], owners[b])), {})
             of_pair[place] = min(of_pair.get(place, math.inf), result.min_distance)
     told = {frozenset(key): item for key, item in found.items()}
     # Links of closures' pins share a joint, too.
