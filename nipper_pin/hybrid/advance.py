@@ -23,7 +23,7 @@ from .event_location.guards import Trigger, TriggerKind, triggers
 from .motion.kinematics import kinematic_panel
 from .motion.panel import Begin, Exact, Panel, one_state_at, serves, suited_split
 from .motion.picard import flight_panel
-from .motion.residual_check import PanelCheck, panel_checks
+from .motion.residual_check import need_described, shows_elements, shows_end
 from .segment import Segment
 from .state import State
 
@@ -155,7 +155,6 @@ class _Way:
             self.first *= _LONGER_WITHOUT_FREEDOM
             self.longest = self.first * _LONGER_STILL
         self.shortest = SHORTEST_PANEL * system.shaft.period
-        self._checks: tuple[PanelCheck, ...] = panel_checks(system, resolution)
         # A stop that has just been left is independent, so that its gap keeps its relative
         # precision: a coordinate that the others determine has their errors, multiplied.
         leaving = sorted(phase.open, key=lambda stop: stop.gap(state.q) != 0.0)
@@ -183,8 +182,7 @@ class _Way:
         panel = solved.panel
         found = triggers(self._system, self.phase, panel, solved.forces, self._watched)
         t = found[0].t if found else min(panel.t + panel.h, self._t_limit)
-        for check in self._checks:
-            check.refuse(panel, found[0].t if found else self._t_limit)
+        need_described(self._system, panel, found[0].t if found else self._t_limit)
         return _End(found, t, one_state_at(self._system, self.phase, panel, t))
 
     def suited(self, panel: Panel, jacobian: FloatArray, end: _End) -> Partition | None:
@@ -199,7 +197,7 @@ class _Way:
         """Return whether a flight panel shows what happens at the event that ends it."""
         if self.kinematic or not end.found or not self._resolution.adaptive:
             return True
-        return all(check.resolved_at_end(self.phase, panel, end.t) for check in self._checks)
+        return shows_end(self._system, self.phase, panel, self._resolution.tolerance, end.t)
 
     def closed_up(self, panels: list[Panel], end: _End, place: int) -> Advance:
         """The motion to its end, where the gaps of the stops that close are exactly zero."""
@@ -235,7 +233,6 @@ class _Way:
         """Solve one panel, made shorter until its nodes and the checks find it resolved."""
         system, phase, resolution = self._system, self.phase, self._resolution
         solve = kinematic_panel if self.kinematic else flight_panel
-        checks = self._checks if resolution.adaptive else ()
         while h > 0.0:
             factor = 0.5
             try:
@@ -247,7 +244,10 @@ class _Way:
                     raise
             else:
                 panel = attempt.panel
-                if panel is not None and all(check.resolved(phase, panel) for check in checks):
+                if panel is not None and (
+                    not resolution.adaptive
+                    or shows_elements(system, phase, panel, resolution.tolerance)
+                ):
                     return _Solved(panel, attempt.forces, h * attempt.factor)
                 factor = min(attempt.factor, 0.5) if panel is not None else attempt.factor
             if h <= self.shortest:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from ..arrays import FloatArray
-from ..dynamics import Driven
+from ..dynamics import Driven, System
 from .contact.bounce_series import BounceSeries
 from .contact.complementarity import Closed
 
@@ -30,3 +30,9 @@ class State(NamedTuple):
     motion: Driven
     closed: Closed
     series: tuple[BounceSeries, ...] = ()
+
+    @classmethod
+    def at(cls, system: System, t: float, q: FloatArray, v: FloatArray, closed: Closed) -> State:
+        """Return the state of closed coordinates, where nothing bounces."""
+        jacobian = system.body.closures(q[None])[1][0]
+        return cls(t, q, v, jacobian, system.shaft.driven_at(t), closed)

@@ -29,10 +29,8 @@ def motion_at(solution: Simulated, event: Event) -> Motion:
         if solution.segments and t <= solution.segments[-1].t_end:
             return solution.trajectory.evaluate(t)
         began = found_after(solution.events, event).t
-        _, jacobian = system.body.closures(q[None])
-        motion = system.shaft.driven_at(began)
         closed = solution.led_events[event.number - 1].closed_after
-        start = State(began, q, v, jacobian[0], motion, closed)
+        start = State.at(system, began, q, v, closed)
         reached, _ = go_on(system, solution.case, start, t)
         if reached is not None:
             q, v = reached.q, reached.v
@@ -53,9 +51,7 @@ def continued(solution: Run, to: float) -> Run:
         raise InputError(message, to=to)
     last, system = solution.led_events[-1], solution.led_system
     motion = motion_at(solution, last)
-    q, v = motion.q[0], motion.v[0]
-    _, jacobian = system.body.closures(q[None])
-    start = State(last.t, q, v, jacobian[0], system.shaft.driven_at(last.t), last.closed_after)
+    start = State.at(system, last.t, motion.q[0], motion.v[0], last.closed_after)
     manager = PhaseManager(system, solution.case, start)
     manager.step(to)
     before = [item for item in solution.segments if item.t_start < last.t]

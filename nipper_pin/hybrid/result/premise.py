@@ -103,8 +103,7 @@ def _end(system: System, last: Event, segments: Sequence[Segment], trajectory: T
         if t > last.t:
             state = trajectory.evaluate(np.array([t]), left=True)
             q, v = state.q[0], state.v[0]
-    jacobian = system.body.closures(q[None])[1][0]
-    return State(t, q, v, jacobian, system.shaft.driven_at(t), last.closed_after)
+    return State.at(system, t, q, v, last.closed_after)
 
 
 def _judged(system: System, touch: Event, end: State, events: tuple[Event, ...]) -> Premise:

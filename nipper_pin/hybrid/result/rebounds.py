@@ -114,12 +114,9 @@ class Rebounds:
         system, leader = self._led, stop.leader or stop.name
         leaders = {item.name for item in system.mechanism.stops}
         closed = (event.closed_after & leaders) - {leader}
-        motion = system.shaft.driven_at(event.t)
-        q, v = event.q, event.v_after
+        start = State.at(system, event.t, event.q, event.v_after, closed)
         phase = system.constraint_set(closed)
-        a = system.accelerations(motion, q[None], v[None], phase)[0]
-        _, jacobian = system.body.closures(q[None])
-        start = State(event.t, q, v, jacobian[0], motion, closed)
+        a = system.accelerations(start.motion, start.q[None], start.v[None], phase)[0]
         limit, part = event.t + system.shaft.period, system.coupled([leader])
         reached = advance(system, start, a, limit, self._case.resolution, watched=part)
         struck = [trigger.stop for trigger in reached.triggers]

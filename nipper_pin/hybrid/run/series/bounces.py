@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from math import inf, isfinite, tau
-from typing import NamedTuple, Protocol, TypeVar
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -66,45 +66,29 @@ class Rest(NamedTuple):
     closed: Closed
 
 
-class Limit(Protocol):
-    """Where a series ends."""
+class Limit(NamedTuple):
+    """Where a series ends.
+
+    Attributes:
+        stops: The stops that come to rest there, those that are closed already among them.
+        t: Its time [s].
+        error: Estimated error of that [s].
+        start: Time of its first collision [s].
+    """
+
+    stops: tuple[Stop, ...]
+    t: float
+    error: float
+    start: float
 
     @property
-    def t(self) -> float:
-        """Its time [s]."""
-        ...
-
-
-_Ends = TypeVar("_Ends", bound=Limit)
-
-
-def as_one(parts: Iterable[list[_Ends]], instant: float) -> list[list[_Ends]]:
-    """Limits by parts, in order of time; parts that move alike come to rest as one.
-
-    Args:
-        parts: The limits.
-        instant: Times nearer than this are one [s].
-    """
-    groups: list[list[_Ends]] = []
-    for part in sorted(parts, key=_last_of):
-        if groups and _last_of(part) - _last_of(groups[-1]) <= instant:
-            groups[-1].extend(part)
-        else:
-            groups.append(part)
-    return groups
-
-
-def _last_of(limits: Sequence[Limit]) -> float:
-    return max(limit.t for limit in limits)
+    def names(self) -> Closed:
+        """Names of the stops."""
+        return frozenset(stop.name for stop in self.stops)
 
 
 class SeriesRule(Protocol):
     """One kind of series."""
-
-    @property
-    def name(self) -> str:
-        """Its name."""
-        ...
 
     def concerns(self, struck: Struck) -> bool:
         """Return whether a collision may belong to such a series."""
@@ -123,8 +107,11 @@ class SeriesRule(Protocol):
         ...
 
     def forget(self, opened: Collection[str]) -> None:
-        """End the series of stops that stay in contact, where one of these is pressed no more."""
-        ...
+        """End the series of stops that stay in contact, where one of these is pressed no more.
+
+        Rules that keep nothing have nothing to forget.
+        """
+        del opened
 
 
 UNKNOWN = inf, inf
@@ -163,29 +150,63 @@ def lowest_gap(gap: float, rate: float, acceleration: float, left: float) -> flo
     return gap + left * (min(rate, 0.0) + left * acceleration)
 
 
-def shut_together(
-    system: System, state: State, names: Closed, t: float, error: float
-) -> Rest | None:
-    """Bring stops to rest; None if one of them is not pressed shut then.
+def rests_of(system: System, state: State, parts: Iterable[list[Limit]]) -> list[Rest]:
+    """The rests at some limits, in order of time.
 
     Args:
         state: State just after the last collision.
-        names: Names of the stops, open ones and closed ones of their parts.
-        t: When they rest [s].
-        error: Estimated error of that [s].
+        parts: The limits of each part; parts that move alike come to rest as one.
     """
-    part, closed = system.coupled(names), names | state.closed
+    instant = SIMULTANEOUS * system.shaft.period
+    groups: list[list[Limit]] = []
+    for part in sorted(parts, key=latest):
+        if groups and latest(part) - latest(groups[-1]) <= instant:
+            groups[-1].extend(part)
+        else:
+            groups.append(part)
+    rests = list[Rest]()
+    for group in groups:
+        rest = _rest(system, state, group)
+        if rest is not None:
+            rests.append(rest)
+            state = state._replace(v=rest.impact.v_after, closed=rest.closed)
+    return rests
+
+
+def _rest(system: System, state: State, limits: Sequence[Limit]) -> Rest | None:
+    """The rest of stops that come to rest as one; None if they are not pressed shut then."""
+    stops = [stop for limit in limits for stop in limit.stops]
+    names = frozenset(stop.name for stop in stops)
+    part = system.coupled(names)
+    shut = [stop for stop in system.constraint_set(state.closed - names).shut if stop.name in part]
     try:
-        shut = [stop for stop in system.constraint_set(closed).shut if stop.name in part]
-        impact = arrest(system, state.q, state.v, state.jacobian, shut)
+        impact = arrest(system, state.q, state.v, state.jacobian, [*stops, *shut])
     except (ImpactError, SingularConfigurationError):
+        if len(stops) == 1:
+            raise
         # Stops that depend on one another through the closures do not rest together.
         return None
     for name in state.closed - part:
         # Round-off in a part that the impact does not reach.
         impact.v_after[system.mechanism.stop(name).index] = 0.0
-    stay = pressed(system, state.motion, state.q, impact.v_after, state.jacobian, closed, names)
-    return Rest(t, error, sorted(names - state.closed), impact, closed) if stay == closed else None
+    at_rest = state.closed | names
+    closed = pressed(system, state.motion, state.q, impact.v_after, state.jacobian, at_rest, names)
+    if names <= closed:
+        newly = sorted(names - state.closed)
+        return Rest(latest(limits), latest_error(limits), newly, impact, closed)
+    loose = system.coupled(names - closed)
+    others = [limit for limit in limits if loose.isdisjoint(limit.names)]
+    return _rest(system, state, others) if others else None
+
+
+def latest(limits: Sequence[Limit]) -> float:
+    """Time of the last of several limits [s]."""
+    return max(limit.t for limit in limits)
+
+
+def latest_error(limits: Sequence[Limit]) -> float:
+    """Error of that time, taken for all of them [s]."""
+    return max(limit.error + (latest(limits) - limit.t) for limit in limits)
 
 
 # Bounces that are followed at least, until they are small. With a restitution of 0.98 they are as
@@ -193,24 +214,13 @@ def shut_together(
 _MANY = 200
 
 
-class _Limit(NamedTuple):
-    """Where the bounces of a stop end: its time, the error of that, and their start [s]."""
-
-    stop: Stop
-    t: float
-    error: float
-    start: float
-
-
-class Bounces:
+class Bounces(SeriesRule):
     """Bounces of stops, each of which has a series of its own.
 
     A collision goes on with the series of every stop that it throws open, and ends those of the
     other stops in its part of the machine, whose motion it changes. So stops that do not touch one
     another bounce each for itself, and stops of one part that are struck together, again and again.
     """
-
-    name = "bounces to rest"
 
     def __init__(self, system: System, case: Case) -> None:
         """The series themselves are part of the state of a run."""
@@ -225,7 +235,7 @@ class Bounces:
         system, state = self._system, struck.after
         before = struck.before.series
         found: list[BounceSeries] = []
-        known: list[_Limit] = []
+        known: list[Limit] = []
         for stop in struck.rebounding:
             own = [item for item in before if item.stop == stop.name]
             series = own[0] if own else BounceSeries(stop.name, state.t)
@@ -237,31 +247,15 @@ class Bounces:
                 system, self._case, state, a, stop, series, struck.rebounding
             )
             if isfinite(t_rest):
-                known.append(_Limit(stop, t_rest, error, series.start))
-        return (*state.series, *found), self._rests(struck, known) if known else ()
+                known.append(Limit((stop,), t_rest, error, series.start))
+        rests = rests_of(system, state, self._in_step(struck, known)) if known else ()
+        return (*state.series, *found), rests
 
-    def forget(self, opened: Collection[str]) -> None:
-        """Nothing is kept here."""
-
-    def _rests(self, struck: Struck, known: Sequence[_Limit]) -> list[Rest]:
-        """The rests of stops whose limits are known, in order of time."""
-        instant = SIMULTANEOUS * self._system.shaft.period
-        if len(known) == len(struck.rebounding) == 1:
-            rest = self._rest(struck.after, known)
-            return [] if rest is None else [rest]
-        state, rests = struck.after, list[Rest]()
-        for group in as_one(self._in_step(struck, known), instant):
-            rest = self._rest(state, group)
-            if rest is not None:
-                rests.append(rest)
-                state = state._replace(v=rest.impact.v_after, closed=rest.closed)
-        return rests
-
-    def _in_step(self, struck: Struck, known: Sequence[_Limit]) -> list[list[_Limit]]:
+    def _in_step(self, struck: Struck, known: Sequence[Limit]) -> list[list[Limit]]:
         """The limits by part, of parts all of whose bouncing stops come to rest, as one."""
-        parts: dict[frozenset[str], list[_Limit]] = {}
+        parts: dict[frozenset[str], list[Limit]] = {}
         for limit in known:
-            parts.setdefault(self._system.coupled([limit.stop.name]), []).append(limit)
+            parts.setdefault(self._system.coupled(limit.names), []).append(limit)
         bouncing = {stop.name for stop in struck.rebounding}
         return [
             limits
@@ -269,50 +263,13 @@ class Bounces:
             if len(limits) == len(bouncing & part) and (len(limits) == 1 or self._as_one(limits))
         ]
 
-    def _as_one(self, limits: Sequence[_Limit]) -> bool:
+    def _as_one(self, limits: Sequence[Limit]) -> bool:
         """True if stops of one part come to rest at one time, as far as the tolerance tells."""
         if self._case.rest_rate is not None:
             return True
-        lasts = _latest(limits) - min(limit.start for limit in limits)
+        lasts = latest(limits) - min(limit.start for limit in limits)
         shortest = TIME_ROUND_OFF * self._system.shaft.period
-        return _error(limits) <= max(self._case.resolution.tolerance * lasts, shortest)
-
-    def _rest(self, state: State, limits: Sequence[_Limit]) -> Rest | None:
-        """The rest of stops that come to rest as one; None if they are not pressed shut."""
-        system, stops = self._system, [limit.stop for limit in limits]
-        names = {stop.name for stop in stops}
-        part = system.coupled(names)
-        shut = [stop for stop in system.constraint_set(state.closed).shut if stop.name in part]
-        try:
-            impact = arrest(system, state.q, state.v, state.jacobian, [*stops, *shut])
-        except (ImpactError, SingularConfigurationError):
-            if len(stops) == 1:
-                raise
-            # Stops that depend on one another through the closures do not rest together.
-            return None
-        for name in state.closed - part:
-            # Round-off in a part that the impact does not reach.
-            impact.v_after[system.mechanism.stop(name).index] = 0.0
-        at_rest = state.closed | names
-        closed = pressed(
-            system, state.motion, state.q, impact.v_after, state.jacobian, at_rest, names
-        )
-        if names <= closed:
-            return Rest(_latest(limits), _error(limits), sorted(names), impact, closed)
-        loose = system.coupled(names - closed)
-        others = [limit for limit in limits if limit.stop.name not in loose]
-        return self._rest(state, others) if others else None
-
-
-def _latest(limits: Sequence[_Limit]) -> float:
-    """Time of the last of several limits [s]."""
-    return max(limit.t for limit in limits)
-
-
-def _error(limits: Sequence[_Limit]) -> float:
-    """Error of that time, taken for all of them [s]."""
-    latest = _latest(limits)
-    return max(limit.error + (latest - limit.t) for limit in limits)
+        return latest_error(limits) <= max(self._case.resolution.tolerance * lasts, shortest)
 
 
 def rest_of_series(

@@ -18,7 +18,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
 from math import inf, isfinite
-from typing import NamedTuple
 
 from ....arrays import FloatArray
 from ....dynamics import System
@@ -40,29 +39,27 @@ from ...state import State
 from .bounces import (
     UNKNOWN,
     Bounces,
+    Limit,
     Rest,
     Series,
     SeriesRule,
     Struck,
-    as_one,
     knot_between,
     other_stop_meets,
-    shut_together,
+    rests_of,
 )
 
 # As many collisions in one instant are a jam if no stop is struck slower in the end.
 _JAM = 20
 
 
-class Jams:
+class Jams(SeriesRule):
     """Collisions in one instant that do not become slower.
 
     Args:
         system: The system.
         events: The events of the run, as they are written down.
     """
-
-    name = "jams between two stops"
 
     def __init__(self, system: System, events: Sequence[Event]) -> None:
         """Times nearer than an instant are one."""
@@ -82,42 +79,28 @@ class Jams:
             ImpactError: The last collisions are one.
         """
         del a
-        check_jam(self._mechanism, self._events[: struck.number], self._instant)
+        events, mechanism = self._events[: struck.number], self._mechanism
+        hits = [event for event in events[-2 * _JAM :] if event.kind is EventKind.COLLISION]
+        hits = hits[-_JAM:]
+        if len(hits) < _JAM or hits[-1].t - hits[0].t > self._instant:
+            return struck.after.series, ()
+        stops = sorted({name for event in hits for name in event.stops})
+        series = {name: _approaches(mechanism, name, hits) for name in stops}
+        jammed = {name: rates for name, rates in series.items() if rates}
+        fastest = (max(_approaches(mechanism, name, events)) for name in jammed)
+        # Contacts without approach strike nothing.
+        least = SLOWEST_JAM_RATE * max(fastest, default=0.0)
+        if len(jammed) > 1 and all(
+            len(rates) > 1 and rates[-1] >= max((1.0 - JAM_SLOWING) * rates[0], least)
+            for rates in jammed.values()
+        ):
+            message = (
+                f"the stops {', '.join(jammed)} are struck {_JAM} times within "
+                f"{self._instant:.1g} s and nothing gets slower: they jam what moves between them "
+                "against its drives; give it room, or let the drives be inertial"
+            )
+            raise ImpactError(message, stops=list(jammed), rates_before=series)
         return struck.after.series, ()
-
-    def forget(self, opened: Collection[str]) -> None:
-        """Nothing is kept here."""
-
-
-def check_jam(mechanism: Mechanism, events: Sequence[Event], instant: float) -> None:
-    """Refuse to go on from a jam.
-
-    Args:
-        events: All events so far.
-        instant: Times nearer than this are one [s].
-
-    Raises:
-        ImpactError: The last collisions are one.
-    """
-    latest = [event for event in events[-2 * _JAM :] if event.kind is EventKind.COLLISION][-_JAM:]
-    if len(latest) < _JAM or latest[-1].t - latest[0].t > instant:
-        return
-    stops = sorted({name for event in latest for name in event.stops})
-    series = {name: _approaches(mechanism, name, latest) for name in stops}
-    struck = {name: rates for name, rates in series.items() if rates}
-    fastest = (max(_approaches(mechanism, name, events)) for name in struck)
-    # Contacts without approach strike nothing.
-    least = SLOWEST_JAM_RATE * max(fastest, default=0.0)
-    if len(struck) > 1 and all(
-        len(rates) > 1 and rates[-1] >= max((1.0 - JAM_SLOWING) * rates[0], least)
-        for rates in struck.values()
-    ):
-        message = (
-            f"the stops {', '.join(struck)} are struck {_JAM} times within {instant:.1g} s and "
-            "nothing gets slower: they jam what moves between them against its drives; give it "
-            "room, or let the drives be inertial"
-        )
-        raise ImpactError(message, stops=list(struck), rates_before=series)
 
 
 def _approaches(mechanism: Mechanism, name: str, events: Iterable[Event]) -> list[float]:
@@ -132,18 +115,8 @@ def _approaches(mechanism: Mechanism, name: str, events: Iterable[Event]) -> lis
 _MANY_EVENTS = 1000
 
 
-class _End(NamedTuple):
-    """When collisions end that throw stops open [s], the error of that [s], and all these stops."""
-
-    t: float
-    error: float
-    names: Closed
-
-
-class NestedBounces:
+class NestedBounces(SeriesRule):
     """Collisions, one in a part, that throw others open, which were at rest."""
-
-    name = "stops that throw one another open"
 
     def __init__(self, system: System, case: Case) -> None:
         """Begin without any series."""
@@ -156,30 +129,21 @@ class NestedBounces:
 
     def followed(self, struck: Struck, a: FloatArray) -> tuple[Series, Sequence[Rest]]:
         """Add such collisions, one a part; see :meth:`.SeriesRule.followed`."""
-        system, state, rests = self._system, struck.after, list[Rest]()
-        hit = [system.mechanism.stop(name) for name in struck.hit]
-        alone = [group[0] for group in system.apart(hit) if len(group) == 1]
-        limits = [limit for stop in alone if isfinite((limit := self._limit(struck, a, stop)).t)]
-        for together in as_one([[limit] for limit in limits], SIMULTANEOUS * system.shaft.period):
-            names = frozenset().union(*(limit.names for limit in together))
-            t = max(limit.t for limit in together)
-            error = max(limit.error + (t - limit.t) for limit in together)
-            rest = shut_together(system, state, names, t, error)
-            if rest is not None:
-                rests.append(rest)
-                state = state._replace(v=rest.impact.v_after, closed=rest.closed)
+        hit = [self._system.mechanism.stop(name) for name in struck.hit]
+        alone = [group[0] for group in self._system.apart(hit) if len(group) == 1]
+        limits = [limit for stop in alone if (limit := self._limit(struck, a, stop)) is not None]
+        rests = rests_of(self._system, struck.after, [[limit] for limit in limits])
         return struck.after.series, rests
 
-    def _limit(self, struck: Struck, a: FloatArray, stop: Stop) -> _End:
-        """Where the collisions of a stop end that throw others of its part open."""
+    def _limit(self, struck: Struck, a: FloatArray, stop: Stop) -> Limit | None:
+        """Where the collisions of a stop end that throw others of its part open, once known."""
         system, before, state = self._system, struck.before, struck.after
         closed = before.closed & system.coupled([stop.name])
         names = closed | {stop.name}
-        unknown = _End(inf, inf, names)
         if not any(struck.rates.get(name, 0.0) > 0.0 for name in closed):
-            return unknown
+            return None
         if system.constraint_set(names | state.closed).freedom < 0:
-            return unknown
+            return None
         key = stop.name, closed
         series = self._known.get(key, NestedSeries())
         if series.times and knot_between(system, series.times[-1], state.t):
@@ -187,7 +151,11 @@ class NestedBounces:
         series = series.struck(state.t, -stop.rate(before.v), struck.number)
         self._known[key] = series
         fastest = max(rate for name, rate in struck.rates.items() if name in names)
-        return _End(*rest_of_nested(system, self._case, state, a, names, fastest, series), names)
+        t, error = rest_of_nested(system, self._case, state, a, names, fastest, series)
+        if not isfinite(t):
+            return None
+        stops = tuple(item for item in system.mechanism.stops if item.name in names)
+        return Limit(stops, t, error, series.start)
 
     def forget(self, opened: Collection[str]) -> None:
         """End the series of a part: one of its stops is pressed no more."""
@@ -237,10 +205,8 @@ def rest_of_nested(
     return t_rest, error
 
 
-class VanishingBounces:
+class VanishingBounces(SeriesRule):
     """Collisions after which no stop of a part opens further than by round-off."""
-
-    name = "bounces lower than round-off"
 
     def __init__(self, system: System, case: Case) -> None:
         """Places of stops tell the round-off of all coordinates of their part."""
@@ -258,33 +224,22 @@ class VanishingBounces:
 
     def followed(self, struck: Struck, a: FloatArray) -> tuple[Series, Sequence[Rest]]:
         """End the bounces of a part; see :meth:`.SeriesRule.followed`."""
-        state, rests = struck.after, list[Rest]()
-        for group in self._system.apart(struck.rebounding):
-            rest = self._rest(state, a, self._system.coupled([group[0].name]))
-            if rest is not None:
-                rests.append(rest)
-                state = state._replace(v=rest.impact.v_after, closed=rest.closed)
-        return struck.after.series, sorted(rests, key=lambda rest: rest.t)
-
-    def _rest(self, state: State, a: FloatArray, part: Closed) -> Rest | None:
-        """The rest of all open stops of a part; None if one of them is still on its way."""
         system = self._system
-        stops = [
-            stop
-            for stop in system.mechanism.stops
-            if stop.name in part and stop.name not in state.closed
-        ]
-        if any(stop.restitution >= 1.0 for stop in stops):
+        parts = [system.coupled([group[0].name]) for group in system.apart(struck.rebounding)]
+        limits = [limit for part in parts if (limit := self._limit(struck.after, a, part))]
+        return struck.after.series, rests_of(system, struck.after, [[limit] for limit in limits])
+
+    def _limit(self, state: State, a: FloatArray, part: Closed) -> Limit | None:
+        """Where a part comes to rest; None if one of its open stops is still on its way."""
+        stops = [stop for stop in self._system.mechanism.stops if stop.name in part]
+        still = [stop for stop in stops if stop.name not in state.closed]
+        if any(stop.restitution >= 1.0 for stop in still):
             # One that loses nothing rests by what the others lose, if at all.
             return None
-        lasts = max(_lasts(stop, state, a) for stop in stops)
-        if any(_rise(stop, state, a, lasts) > self._least[stop.name] for stop in stops):
+        lasts = max(_lasts(stop, state, a) for stop in still)
+        if any(_rise(stop, state, a, lasts) > self._least[stop.name] for stop in still):
             return None
-        names = frozenset(stop.name for stop in stops) | (state.closed & part)
-        return shut_together(system, state, names, state.t + lasts, lasts)
-
-    def forget(self, opened: Collection[str]) -> None:
-        """Nothing is kept here."""
+        return Limit(tuple(stops), state.t + lasts, lasts, state.t)
 
 
 def _lasts(stop: Stop, state: State, a: FloatArray) -> float:
