@@ -6,13 +6,13 @@ Linear forces and shafts of a mechanism are laid out by coordinate once, for all
 from __future__ import annotations
 
 from dataclasses import dataclass
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import FloatArray
 from ..errors import ModelError
+from ..made_once import made_once
 from ..mechanism import Mechanism, Stop
 from .multibody import INFINITE_INERTIA
 
@@ -48,9 +48,7 @@ class Coefficients:
     turning: FloatArray
 
 
-_COEFFICIENTS: WeakKeyDictionary[Mechanism, dict[bool, Coefficients]] = WeakKeyDictionary()
-
-
+@made_once
 def coefficients(mechanism: Mechanism, held: bool) -> Coefficients:
     """Coefficients of a mechanism, the same for all its runs.
 
@@ -60,28 +58,8 @@ def coefficients(mechanism: Mechanism, held: bool) -> Coefficients:
     Raises:
         ModelError: A shaft that is not held lacks its numbers.
     """
-    known = _COEFFICIENTS.setdefault(mechanism, {})
-    if held not in known:
-        if not held:
-            _need_shafts(mechanism)
-        known[held] = _coefficients(mechanism, held)
-    return known[held]
-
-
-def _need_shafts(mechanism: Mechanism) -> None:
-    """Refuse a drive without an inertia, which can only be held."""
-    missing = [f"drives.{item.name}.{key}" for item in mechanism.drives for key in item.missing]
-    if missing:
-        allowed = "an inertial drive needs a number; the others that are missing: "
-        raise ModelError(
-            file=f"{mechanism.name}.toml",
-            key=missing[0],
-            value=None,
-            allowed=allowed + (", ".join(missing[1:]) or "none"),
-        )
-
-
-def _coefficients(mechanism: Mechanism, held: bool) -> Coefficients:
+    if not held:
+        _need_shafts(mechanism)
     nv = len(mechanism.joints)
     driven = np.array([item.index for item in mechanism.drives], dtype=np.intp)
     inertia = np.array([item.reflected_inertia for item in mechanism.drives])
@@ -115,6 +93,19 @@ def _coefficients(mechanism: Mechanism, held: bool) -> Coefficients:
             ]
         ),
     )
+
+
+def _need_shafts(mechanism: Mechanism) -> None:
+    """Refuse a drive without an inertia, which can only be held."""
+    missing = [f"drives.{item.name}.{key}" for item in mechanism.drives for key in item.missing]
+    if missing:
+        allowed = "an inertial drive needs a number; the others that are missing: "
+        raise ModelError(
+            file=f"{mechanism.name}.toml",
+            key=missing[0],
+            value=None,
+            allowed=allowed + (", ".join(missing[1:]) or "none"),
+        )
 
 
 def column_index(places: NDArray[np.intp]) -> slice | NDArray[np.intp]:
@@ -170,23 +161,13 @@ class ConstraintSet:
 
 
 # Constraint sets depend on neither speed nor time, so all runs of a mechanism share them.
-_KNOWN: WeakKeyDictionary[Mechanism, dict[tuple[bool, frozenset[str]], ConstraintSet]]
-_KNOWN = WeakKeyDictionary()
-
-
-def constraint_set(mechanism: Mechanism, closed: frozenset[str], *, held: bool) -> ConstraintSet:
+@made_once
+def constraint_set(mechanism: Mechanism, closed: frozenset[str], held: bool) -> ConstraintSet:
     """Return the constraints of the phase with these closed stops.
 
     Args:
         held: True if the driven shafts are held, False if they have their inertia.
     """
-    known = _KNOWN.setdefault(mechanism, {})
-    if (held, closed) not in known:
-        known[held, closed] = _constraint_set(mechanism, closed, held=held)
-    return known[held, closed]
-
-
-def _constraint_set(mechanism: Mechanism, closed: frozenset[str], *, held: bool) -> ConstraintSet:
     leaders = [stop for stop in mechanism.stops if not stop.leader]
     shut = tuple(stop for stop in leaders if stop.name in closed)
     stops = tuple(stop.index for stop in shut)

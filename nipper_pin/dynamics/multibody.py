@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 
 from ..arrays import FloatArray, product
 from ..errors import SingularConfigurationError
-from ..mechanism import Mechanism, joint_axis, joint_placements, supports
+from ..mechanism import Mechanism, Shared, joint_axis, joint_placements, supports
 from ..tolerances.mechanics import (
     LIGHT_BODY_SHARE,
     PROXIMAL_CHANGE,
@@ -155,22 +155,29 @@ INFINITE_INERTIA = 2.0**100
 _ITERATIONS = 200
 # Configurations from which on all together are faster than each by Pinocchio.
 _MANY = 4
-_OF_THREAD = threading.local()
+
+
+class _OfThread(threading.local):
+    """Multibody systems of one thread."""
+
+    def __init__(self) -> None:
+        self.known: WeakKeyDictionary[Shared, Multibody] = WeakKeyDictionary()
+
+
+_OF_THREAD = _OfThread()
 
 
 def multibody(mechanism: Mechanism) -> Multibody:
     """Return this thread's multibody system of a mechanism.
 
     Building one takes as long as thirty evaluations, and none keeps anything from one call to the
-    next but its buffers, so all runs of a thread share it.
+    next but its buffers, so all runs of a thread share it, and those of machines with other numbers
+    of springs, dampers and restitutions.
     """
-    known: WeakKeyDictionary[Mechanism, Multibody] | None
-    known = getattr(_OF_THREAD, "known", None)
-    if known is None:
-        known = _OF_THREAD.known = WeakKeyDictionary()
-    if mechanism not in known:
-        known[mechanism] = Multibody(mechanism)
-    return known[mechanism]
+    known, shared = _OF_THREAD.known, mechanism.shared
+    if shared not in known:
+        known[shared] = Multibody(mechanism)
+    return known[shared]
 
 
 class Multibody(OpenTree):

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
-from weakref import WeakKeyDictionary
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from ..made_once import made_once
 from ..mechanism import Mechanism, supports
 
 
@@ -33,26 +33,21 @@ class Parts(NamedTuple):
     whole: bool
 
 
-_KNOWN: WeakKeyDictionary[Mechanism, dict[bool, Parts]] = WeakKeyDictionary()
-
-
+@made_once
 def parts(mechanism: Mechanism, held: bool) -> Parts:
-    """Find the parts of a machine, once.
+    """Find the parts of a machine.
 
     Args:
         held: True if the driven shafts are held, False if they have their inertia.
     """
-    known = _KNOWN.setdefault(mechanism, {})
-    if held not in known:
-        driven = {drive.index for drive in mechanism.drives} if held else set[int]()
-        number, members = _parts(mechanism, driven)
-        groups: dict[int, set[str]] = {}
-        for stop in mechanism.stops:
-            groups.setdefault(number[stop.index], set()).add(stop.name)
-        names = {place: frozenset(group) for place, group in groups.items()}
-        stops = {stop.name: names[number[stop.index]] for stop in mechanism.stops}
-        known[held] = Parts(np.array(number, dtype=np.intp), members, stops, len(groups) < 2)
-    return known[held]
+    driven = {drive.index for drive in mechanism.drives} if held else set[int]()
+    number, members = _parts(mechanism, driven)
+    groups: dict[int, set[str]] = {}
+    for stop in mechanism.stops:
+        groups.setdefault(number[stop.index], set()).add(stop.name)
+    names = {place: frozenset(group) for place, group in groups.items()}
+    stops = {stop.name: names[number[stop.index]] for stop in mechanism.stops}
+    return Parts(np.array(number, dtype=np.intp), members, stops, len(groups) < 2)
 
 
 def _parts(mechanism: Mechanism, held: set[int]) -> tuple[list[int], dict[int, NDArray[np.intp]]]:

@@ -69,7 +69,7 @@ class System:
     def constraint_set(self, closed: frozenset[str]) -> ConstraintSet:
         """Return the constraints of the phase with these closed stops."""
         if closed not in self._sets:
-            self._sets[closed] = constraint_set(self.mechanism, closed, held=self.held)
+            self._sets[closed] = constraint_set(self.mechanism, closed, self.held)
         return self._sets[closed]
 
     def apart(self, stops: Sequence[Stop]) -> list[list[Stop]]:

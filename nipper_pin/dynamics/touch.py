@@ -9,6 +9,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from ..arrays import FloatArray, product
+from ..made_once import made_once
 from ..tolerances.mechanics import GOOD_CONDITION, TRACKING_RESIDUAL
 from .assembly import Partition, close_positions, close_velocities, inverted, partition
 from .multibody import Multibody
@@ -40,11 +41,11 @@ class _Assembled:
     split: Partition
 
 
-_TOUCH: WeakKeyDictionary[Multibody, dict[tuple[int, ...], Touch]] = WeakKeyDictionary()
 _LAST: WeakKeyDictionary[Multibody, _Assembled] = WeakKeyDictionary()
 
 
-def touch(body: Multibody, given: Sequence[int]) -> Touch:
+@made_once
+def touch(body: Multibody, given: tuple[int, ...]) -> Touch:
     """The touch configuration of a multibody system; all its runs start from there.
 
     Args:
@@ -53,14 +54,11 @@ def touch(body: Multibody, given: Sequence[int]) -> Touch:
     Raises:
         SingularConfigurationError: The closures do not determine the others.
     """
-    known, key = _TOUCH.setdefault(body, {}), tuple(given)
-    if key not in known:
-        jacobian = body.closures(np.zeros((1, body.nv)))[1]
-        jacobian.flags.writeable = False
-        split = partition(jacobian[0] * body.units, given, [])
-        units = np.eye(body.nv)[list(given)]
-        known[key] = Touch(jacobian[0], split, close_velocities(units, jacobian, split).T)
-    return known[key]
+    jacobian = body.closures(np.zeros((1, body.nv)))[1]
+    jacobian.flags.writeable = False
+    split = partition(jacobian[0] * body.units, given, [])
+    units = np.eye(body.nv)[list(given)]
+    return Touch(jacobian[0], split, close_velocities(units, jacobian, split).T)
 
 
 def assemble(
@@ -78,7 +76,7 @@ def assemble(
         q, v of shape (nv,) and the closure Jacobian there, shape (m, nv).
     """
     if not len(path):
-        start = touch(body, given)
+        start = touch(body, tuple(given))
         return np.zeros(body.nv), start.motion @ rates, start.jacobian
     end, columns = _LAST.get(body), list(given)
     if end is None or end.given != tuple(given) or not np.array_equal(end.path, path):
@@ -90,7 +88,7 @@ def assemble(
 
 def _followed(body: Multibody, path: FloatArray, columns: list[int]) -> _Assembled:
     """Follow a path of given coordinates; arguments as those of :func:`assemble`."""
-    start = touch(body, columns)
+    start = touch(body, tuple(columns))
     q = np.zeros((1, body.nv))
     jacobian, split, gaps = start.jacobian, start.split, np.zeros(body.closure_rows)
     before: FloatArray | None = None

@@ -19,8 +19,9 @@ from .load import (
     number_of,
     with_numbers,
 )
-from .mechanism import Mechanism
+from .mechanism import Mechanism, Shared
 from .model_files import find_model, known_models, model_folder
+from .other_numbers import retuned
 from .parts import Closure, Contact, Drive, Joint, Phase, Simultaneous, Spring, Start, Stop
 from .shapes import collision_model
 
@@ -36,6 +37,7 @@ __all__ = [
     "Joint",
     "Mechanism",
     "Phase",
+    "Shared",
     "Simultaneous",
     "Spring",
     "Start",
@@ -57,6 +59,7 @@ __all__ = [
     "number_of",
     "own_frame",
     "rad_s_from_rpm",
+    "retuned",
     "supports",
     "with_numbers",
     "within_turn",

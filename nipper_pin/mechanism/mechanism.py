@@ -37,6 +37,10 @@ if TYPE_CHECKING:
     from .forces.law import JointForce
 
 
+class Shared:
+    """Stands for what machines have in common that only differ in numbers of forces and impacts."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Mechanism:
     """A validated planar mechanism with closures, drives, springs and stops; equal to itself only.
@@ -121,6 +125,11 @@ class Mechanism:
         joints = [(item.name, item.kind, item.parent, item.child) for item in self.joints]
         title = f"{self.name}: {self.title}" if self.title else self.name
         return html(title, facts, ("joint", "kind", "parent", "child"), joints)
+
+    @cached_property
+    def shared(self) -> Shared:
+        """What :func:`retuned` leaves as it is: all that is built of it is built once."""
+        return Shared()
 
     @property
     def degrees_of_freedom(self) -> int:

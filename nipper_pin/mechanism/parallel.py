@@ -4,30 +4,29 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import replace
-from weakref import WeakKeyDictionary
 
+from ..made_once import made_once
 from .mechanism import Mechanism
 from .parts import Stop
-
-_LED: WeakKeyDictionary[Mechanism, Mechanism] = WeakKeyDictionary()
 
 
 def led(mechanism: Mechanism) -> Mechanism:
     """The mechanism with leaders alone: itself, unless some of its stops close together."""
+    return _led(mechanism) if any(stop.leader for stop in mechanism.stops) else mechanism
+
+
+@made_once
+def _led(mechanism: Mechanism) -> Mechanism:
     followers = {stop.name: stop.leader for stop in mechanism.stops if stop.leader}
-    if not followers:
-        return mechanism
-    if mechanism not in _LED:
-        stop = mechanism.transition_stop
-        _LED[mechanism] = replace(
-            mechanism,
-            stops=tuple(item for item in mechanism.stops if not item.leader),
-            phases=tuple(
-                replace(item, closed=item.closed.difference(followers)) for item in mechanism.phases
-            ),
-            transition_stop=followers.get(stop, stop),
-        )
-    return _LED[mechanism]
+    stop = mechanism.transition_stop
+    return replace(
+        mechanism,
+        stops=tuple(item for item in mechanism.stops if not item.leader),
+        phases=tuple(
+            replace(item, closed=item.closed.difference(followers)) for item in mechanism.phases
+        ),
+        transition_stop=followers.get(stop, stop),
+    )
 
 
 def group(stops: Collection[Stop], name: str) -> tuple[Stop, ...]:

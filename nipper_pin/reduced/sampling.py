@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from ..errors import InputError, NipperError
 from ..given import LARGEST, flag, number
 from ..hybrid import comes_back
 from ..hybrid.error_estimate.local_error import at_start
+from ..made_once import made_once
 from ..mechanism import Mechanism, Stop, rad_s_from_rpm
 from ..tolerances.reduced import ARRIVAL_TABLES, NO_ACCELERATION
 from .inputs import check_tolerance
@@ -290,9 +290,6 @@ def _nominal(mechanism: Mechanism, sampler: Sampler, rate: float) -> tuple[Float
     return weights, gap
 
 
-_KNOWN: WeakKeyDictionary[Mechanism, ReducedModel] = WeakKeyDictionary()
-
-
 def reduced_model(mechanism: Mechanism, drive: DriveMode = DriveMode.HELD) -> ReducedModel:
     """Return the reduced model of a mechanism on its default domain, sampled at the first call.
 
@@ -309,7 +306,9 @@ def reduced_model(mechanism: Mechanism, drive: DriveMode = DriveMode.HELD) -> Re
         InputError: The mechanism cannot be reduced, or not with these drives.
         SimulationError: A point of the domain cannot be reached or is singular.
     """
-    known = _KNOWN.get(mechanism) if drive is DriveMode.HELD else None
-    if known is None:
-        known = _KNOWN[mechanism] = build(mechanism, drive=drive)
-    return known
+    return _model(mechanism, drive)
+
+
+@made_once
+def _model(mechanism: Mechanism, drive: DriveMode) -> ReducedModel:
+    return build(mechanism, drive=drive)

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from nipper_pin import Case, Mechanism, Resolution, SimulationError, load, transition_table
+from nipper_pin.mechanism import retuned
 from nipper_pin.reduced import ReducedModel, Status, build, transition, transitions
-from nipper_pin.study.transitions import retuned
 from nipper_pin.study.true_transition import true_transition
 
 # Fast, soft and little preloaded: many of them arrive with their steeve off its stop.
@@ -41,9 +41,9 @@ def judge(mechanism: Mechanism, cases: dict[str, Any], number: int) -> Any:
     """The transition that the direct engine finds, in whole turns if need be."""
     tuned = retuned(
         mechanism,
-        float(cases["restitution"][number]),
-        np.array([cases["stiffness"][number]]),
-        np.array([cases["preload"][number]]),
+        restitution={mechanism.transition_stop: float(cases["restitution"][number])},
+        stiffness=[cases["stiffness"][number]],
+        preload=[cases["preload"][number]],
     )
     tolerance = Resolution(tolerance=1e-13)
     return true_transition(

@@ -57,7 +57,7 @@ def _beginning(error: SimulationError, system: System) -> SimulationError:
     if isinstance(error, ConvergenceError):
         shut = [stop.index for stop in mechanism.stops if stop.name in phase.closed]
         given = [*system.shaft.indices, *shut, *(item.index for item in mechanism.starts)]
-        free = set(touch(system.body, given).split.independent) - set(given)
+        free = set(touch(system.body, tuple(given)).split.independent) - set(given)
         kept = [joint.name for joint in mechanism.joints if joint.index in free]
         if kept:
             message += f", {', '.join(kept)} at 0, as nothing says where"

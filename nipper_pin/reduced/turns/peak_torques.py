@@ -15,7 +15,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,7 +22,9 @@ from numpy.typing import ArrayLike, NDArray
 from ...arrays import FloatArray
 from ...extras import require
 from ...given import number
+from ...made_once import made_once
 from ...mechanism import Mechanism
+from ...tolerances.reduced import TORQUE_TABLES
 from ..inputs import check_run
 from ..kernels import turn_layout as rows
 from ..kernels.turn_layout import Charts
@@ -38,7 +39,6 @@ from .turn import STRETCHES, scratch, turn_model
 
 # Nodes across the gap to start with.
 _NODES_X = 8
-_KNOWN: WeakKeyDictionary[Mechanism, dict[tuple[float, float], TorqueModel]] = WeakKeyDictionary()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,53 +77,40 @@ class _DriveSampler:
         return Samples(guess, found, none, none, np.ones(len(u)))
 
 
-def torque_model(mechanism: Mechanism, turns: TurnModel, room: float = 1.0) -> TorqueModel:
+@made_once
+def torque_model(mechanism: Mechanism, start_index: float, room: float) -> TorqueModel:
     """Return the torques of a mechanism's drives on the charts of its turns, sampled once.
 
     Args:
-        room: Factor on the gaps that its tables cover.
+        start_index: Index at which turns start.
+        room: Factor on the gaps that the tables cover.
 
     Raises:
         ConvergenceError: The functions are not smooth enough on a chart.
         SimulationError: A point of the turn cannot be reached or is singular.
     """
-    known = _KNOWN.setdefault(mechanism, {})
-    key = turns.start_index, room
-    if key not in known:
-        known[key] = build_torques(mechanism, turns)
-    return known[key]
-
-
-def build_torques(
-    mechanism: Mechanism, turns: TurnModel, *, tolerance: float = 1e-11
-) -> TorqueModel:
-    """Sample the torques; arguments and errors as of :func:`torque_model`.
-
-    Args:
-        tolerance: Accuracy of the tables, by the size of a torque.
-    """
-    around, _, _ = surroundings(mechanism, turns.start_index)
-    charts = turns.charts
+    around, _, _ = surroundings(mechanism, start_index)
+    charts = turn_model(mechanism, start_index, room).charts
     found = []
     for place, item in enumerate(around):
         low, high = float(charts.low[place]), float(charts.high[place])
         domain = Domain(float(item.arc.travels[-1]), low, high, count_x=_NODES_X)
         for drive in range(len(mechanism.drives)):
-            found.append(_chart(item, drive, domain, tolerance))
+            found.append(_chart(item, drive, domain))
     return TorqueModel(
         drives=tuple(item.name for item in mechanism.drives),
         charts=stacked(mechanism, found, [0] * len(found)),
     )
 
 
-def _chart(around: Surroundings, drive: int, domain: Domain, tolerance: float) -> Chart:
+def _chart(around: Surroundings, drive: int, domain: Domain) -> Chart:
     """Tables of the torque of one drive around one arc."""
     sampler = _DriveSampler(around, drive)
     rate = float(np.sqrt(np.abs(around.acceleration(0.0, 0)[0]) * domain.high))
     weights = _weights(around, sampler, rate)
-    tables, samples = resolved(sampler, domain, weights, tolerance)
+    tables, samples = resolved(sampler, domain, weights, TORQUE_TABLES)
     points = checks(sampler, domain, tables)
-    kept = trimmed(points, domain, tables, weights, tolerance)
+    kept = trimmed(points, domain, tables, weights, TORQUE_TABLES)
     functions = replace(
         kept,
         equation=np.ascontiguousarray(kept.equation[:-1]),
@@ -237,7 +224,7 @@ class _Run:
         found: FloatArray,
     ) -> None:
         """Follow cases on the tables with a room, and write their status and torques."""
-        torques = torque_model(self.mechanism, model, room)
+        torques = torque_model(self.mechanism, model.start_index, room)
         run_torques, grids = _compiled()
         events = self.most + BESIDE
         run_torques(

@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,6 +15,7 @@ from ...arrays import FloatArray
 from ...errors import SimulationError
 from ...extras import require
 from ...given import LARGEST, number
+from ...made_once import made_once
 from ...mechanism import Mechanism
 from ...units import S_PER_MIN
 from ..inputs import check_run, one_row, speed_of
@@ -28,7 +28,6 @@ from .results import TURN_REASONS, ReducedTurns, TurnStatus
 # Stretches of a turn on which a stop is closed.
 STRETCHES = 64
 ROOMS = (1.0, 2.0, 4.0, 8.0, 32.0, 128.0)
-_KNOWN: WeakKeyDictionary[Mechanism, dict[tuple[float, float], TurnModel]] = WeakKeyDictionary()
 
 
 def turn_model(
@@ -44,10 +43,12 @@ def turn_model(
         InputError: The mechanism cannot be reduced.
         SimulationError: A point of the turn cannot be reached or is singular.
     """
-    known = _KNOWN.setdefault(mechanism, {})
-    if (start_index, room) not in known:
-        known[start_index, room] = build_turns(mechanism, start_index=start_index, room=room)
-    return known[start_index, room]
+    return _model(mechanism, start_index, room)
+
+
+@made_once
+def _model(mechanism: Mechanism, start_index: float, room: float) -> TurnModel:
+    return build_turns(mechanism, start_index=start_index, room=room)
 
 
 def wider(mechanism: Mechanism, start_index: float, room: float) -> TurnModel | None:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from ..engines import Engine
 from .engine_choice import REDUCED_PAYS_FROM, TURNS_PAY_FROM, table_of, transition_table
-from .retuned import retuned
 from .table import FAILED, REDUCED, REDUCED_TURN, TURN, TransitionTable
 
 __all__ = [
@@ -21,7 +20,6 @@ __all__ = [
     "TURNS_PAY_FROM",
     "Engine",
     "TransitionTable",
-    "retuned",
     "table_of",
     "transition_table",
 ]

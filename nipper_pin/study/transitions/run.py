@@ -11,14 +11,13 @@ from ...arrays import FloatArray
 from ...dynamics import DriveMode
 from ...errors import NipperError, SimulationError
 from ...hybrid import Case, Resolution
-from ...mechanism import Mechanism
+from ...mechanism import Mechanism, retuned
 from ...reduced import ReducedModel, Status, transitions
 from ...reduced.kernels import layout as rows
 from ...reduced.kernels.layout import FAILS, HOLDS, UNKNOWN
 from ..cases import Cases
 from ..true_transition import assumed_transition, transition_of_turns
 from ..turn_transition import TurnCase, TurnTransition, touch_turns, turn_transition
-from .retuned import retuned
 from .rows import collision_rows, rest_numbers
 from .table import FAILED, REDUCED, REDUCED_TURN, TURN, TransitionTable
 
@@ -196,9 +195,9 @@ class Run:
         cases, settings = self._cases, self._settings
         mechanism = retuned(
             self._mechanism,
-            float(cases.restitution[number]),
-            cases.stiffness[number],
-            cases.preload[number],
+            restitution={self._mechanism.transition_stop: float(cases.restitution[number])},
+            stiffness=cases.stiffness[number],
+            preload=cases.preload[number],
         )
         return mechanism, Case(
             speed_rpm=float(cases.speed_rpm[number]),

@@ -130,7 +130,7 @@ def _model(mechanism: Mechanism, drive: DriveMode, *, torques: bool = False) -> 
         raise InputError(message, model=mechanism.name)
     model = turn_model(mechanism)
     if torques:
-        torque_model(mechanism, model)
+        torque_model(mechanism, model.start_index, 1.0)
     return model
 
 

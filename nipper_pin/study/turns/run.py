@@ -11,11 +11,11 @@ from ...dynamics import DriveMode
 from ...errors import NipperError
 from ...hybrid import START_INDEX, Case, Outcome, Resolution, Solution, Window, simulate
 from ...hybrid.result.turns import Turn, of_turn, read_of, reported_turn, turn_names
-from ...mechanism import Mechanism
+from ...mechanism import Mechanism, retuned
 from ...reduced.turns import TurnStatus, turn_quantities, turn_torques
 from ...reduced.turns.results import TURN_REASONS
 from ..cases import Cases
-from ..transitions import FAILED, REDUCED, retuned
+from ..transitions import FAILED, REDUCED
 from .reduced_columns import reduced_columns, torque_columns
 from .table import FOLLOWED, TurnTable
 
@@ -113,9 +113,9 @@ class Run:
         try:
             mechanism = retuned(
                 self._mechanism,
-                {name: float(e_N[number]) for name, e_N in self._restitution.items()},
-                cases.stiffness[number],
-                cases.preload[number],
+                restitution={name: float(e_N[number]) for name, e_N in self._restitution.items()},
+                stiffness=cases.stiffness[number],
+                preload=cases.preload[number],
             )
             case = Case(
                 speed_rpm=float(cases.speed_rpm[number]),

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from ...errors import InputError
 from ...hybrid.result.quantities import coordinate_unit
-from ...mechanism import Mechanism, Spring
+from ...mechanism import Mechanism, Spring, retuned
 from ...units import M_PER_MM, MM_PER_M, RAD_PER_DEG
 
 SPEED = "speed"
@@ -98,21 +98,14 @@ def changed(mechanism: Mechanism, values: Mapping[str, float]) -> Mechanism:
     Args:
         values: Values in SI units, by key of the knobs.
     """
-    stops = tuple(
-        replace(stop, restitution=values[RESTITUTION])
-        if stop.name == mechanism.transition_stop
-        else stop
-        for stop in mechanism.stops
+    return retuned(
+        mechanism,
+        restitution={mechanism.transition_stop: values[RESTITUTION]},
+        stiffness=[
+            values.get(_key(spring, "stiffness"), spring.stiffness) for spring in mechanism.springs
+        ],
+        preload=[values[_key(spring, "preload")] for spring in mechanism.springs],
     )
-    springs = tuple(
-        replace(
-            spring,
-            stiffness=values.get(_key(spring, "stiffness"), spring.stiffness),
-            preload=values[_key(spring, "preload")],
-        )
-        for spring in mechanism.springs
-    )
-    return replace(mechanism, stops=stops, springs=springs)
 
 
 def _spring_knobs(mechanism: Mechanism, spring: Spring) -> list[Knob]:

@@ -21,9 +21,8 @@ import numpy as np
 from nipper_pin.arrays import FloatArray
 from nipper_pin.errors import NipperError
 from nipper_pin.hybrid import Case, EventKind, Solution, Window, simulate
-from nipper_pin.mechanism import Mechanism, load
+from nipper_pin.mechanism import Mechanism, load, retuned
 from nipper_pin.reduced import reduced_model, transitions
-from nipper_pin.study.transitions import retuned
 
 _NAMES = {True: "true", False: "false", None: "null"}
 MODELS = ("e62", "e62_identified", "e62_offset_guide")
@@ -136,7 +135,10 @@ def judged(mechanism: Mechanism, drawn: list[Drawn]) -> list[Judged]:
     reduced = _reduced(mechanism, drawn)
     for place, one in enumerate(drawn):
         tuned = retuned(
-            mechanism, one.restitution, np.array([one.stiffness]), np.array([one.preload])
+            mechanism,
+            restitution={mechanism.transition_stop: one.restitution},
+            stiffness=[one.stiffness],
+            preload=[one.preload],
         )
         try:
             solution = simulate(tuned, Case(speed_rpm=one.speed_rpm))

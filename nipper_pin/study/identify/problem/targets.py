@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +19,7 @@ from ....errors import InputError, SimulationError
 from ....hybrid import Case, Collision, Outcome, Resolution, Solution, Transition, simulate
 from ....hybrid.result.premise import Premise
 from ....hybrid.result.quantities import of_transition
-from ....mechanism import Mechanism
+from ....mechanism import Mechanism, retuned
 from ...true_transition import true_transition
 
 QUANTITIES = (
@@ -204,24 +204,18 @@ def with_settings(mechanism: Mechanism, at: Condition) -> Mechanism:
     Raises:
         InputError: A stiffness is given, and the mechanism has not just one spring.
     """
-    if at.restitution is not None:
-        stops = tuple(
-            replace(stop, restitution=at.restitution)
-            if stop.name == mechanism.transition_stop
-            else stop
-            for stop in mechanism.stops
+    if at.stiffness is not None and len(mechanism.springs) != 1:
+        message = (
+            f"{mechanism.name} has {len(mechanism.springs)} springs: a stiffness in a target "
+            "needs a model with one"
         )
-        mechanism = replace(mechanism, stops=stops)
-    if at.stiffness is not None:
-        if len(mechanism.springs) != 1:
-            message = (
-                f"{mechanism.name} has {len(mechanism.springs)} springs: a stiffness in a target "
-                "needs a model with one"
-            )
-            raise InputError(message, springs=[spring.name for spring in mechanism.springs])
-        springs = (replace(mechanism.springs[0], stiffness=at.stiffness),)
-        mechanism = replace(mechanism, springs=springs)
-    return mechanism
+        raise InputError(message, springs=[spring.name for spring in mechanism.springs])
+    e_N, k = at.restitution, at.stiffness
+    return retuned(
+        mechanism,
+        restitution=None if e_N is None else {mechanism.transition_stop: e_N},
+        stiffness=None if k is None else [k],
+    )
 
 
 def _quantities(

@@ -10,11 +10,10 @@ import numpy as np
 
 from ....arrays import FloatArray
 from ....errors import NipperError, SimulationError
-from ....mechanism import Mechanism
+from ....mechanism import Mechanism, retuned
 from ....tolerances.study import QUANTITY_ROUND_OFF
 from ...identify.problem.parameters import with_values
 from ...identify.problem.working_cycle import WorkingCycle, working_cycle
-from ...transitions import retuned
 from ..problem.problem import Problem, read_text
 from ..problem.quantities import QUANTITIES, cycle_values, lowest, thinned
 from .bounces import Bounces, Transitions
@@ -126,7 +125,12 @@ class Evaluator:
                 stiffness[item.target.spring] = value
             elif item.target.kind == "preload":
                 preload[item.target.spring] = item.target.scale * value
-        return retuned(base, restitution, stiffness, preload)
+        return retuned(
+            base,
+            restitution={base.transition_stop: restitution},
+            stiffness=stiffness,
+            preload=preload,
+        )
 
     def _known(self, z: FloatArray) -> _Known:
         """Transition and cycle of a design; the turn is simulated where they would be wrong."""
