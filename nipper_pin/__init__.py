@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from .hybrid.files.npz import load_case, load_solution, save, save_case
     from .hybrid.result.json_document import record
     from .hybrid.result.trajectory import Impulses, Motion, Reactions
-    from .mechanism import Mechanism, load
+    from .mechanism import Mechanism, changed, load
     from .study.compare import Comparison, compare
     from .study.entry_points import check, identify, optimise, sweep
     from .study.sweep import read_sweep
@@ -63,7 +63,7 @@ else:
         "hybrid.result.solution": ("Solution",),
         "hybrid.files.npz": ("load_case", "load_solution", "save", "save_case"),
         "hybrid.result.trajectory": ("Impulses", "Motion", "Reactions"),
-        "mechanism": ("Mechanism", "load"),
+        "mechanism": ("Mechanism", "changed", "load"),
         "study.compare": ("Comparison", "compare"),
         "study.entry_points": ("check", "identify", "optimise", "sweep"),
         "study.sweep": ("read_sweep",),
@@ -116,6 +116,7 @@ __all__ = [
     "TurnTable",
     "UnknownNameError",
     "Window",
+    "changed",
     "check",
     "compare",
     "identify",

@@ -17,7 +17,7 @@ import nipper_pin as nip
 from nipper_pin import InputError, ModelError
 from nipper_pin.cli import main
 from nipper_pin.hybrid.error_estimate.saltation import impact_map
-from nipper_pin.mechanism import from_sources, with_numbers
+from nipper_pin.mechanism import changed, from_sources
 from nipper_pin.mechanism.drawing import (
     Body,
     Drawing,
@@ -148,7 +148,7 @@ def test_a_stop(monkeypatch: pytest.MonkeyPatch) -> None:
     assert struck.t == pytest.approx(math.sqrt(2.0 * h / GRAVITY), rel=16 * EPS)
     assert struck.approach_rate == pytest.approx(-math.sqrt(2.0 * h * GRAVITY), rel=16 * EPS)
     # The key is a number of the model like others: half a turn lifts the stop by 10 mm.
-    lifted = with_numbers(page.solution.mechanism, {"stops.height.adjusted.angle_deg": 180.0})
+    lifted = changed(page.solution.mechanism, {"stops.height.adjusted.angle_deg": 180.0})
     assert lifted.stop("height").at == pytest.approx(0.010, rel=4 * EPS)
 
 

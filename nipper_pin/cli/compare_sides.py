@@ -76,7 +76,7 @@ def simulated(source: Source, options: argparse.Namespace) -> Solution:
     """
     from ..hybrid import simulate
     from ..hybrid.files.npz import load_solution
-    from ..mechanism import load, with_numbers
+    from ..mechanism import changed, load
 
     numbers = dict(source.given)
     speed = numbers.pop(_SPEED, None)
@@ -90,7 +90,7 @@ def simulated(source: Source, options: argparse.Namespace) -> Solution:
         if source.beside:
             case = load_solution(source.beside).case
     else:
-        mechanism = with_numbers(run.mechanism, numbers) if numbers else run.mechanism
+        mechanism = changed(run.mechanism, numbers) if numbers else run.mechanism
         case = run.case
     if speed is not None:
         case = replace(case, speed_rpm=_number(speed))

@@ -100,11 +100,11 @@ def _asked(options: argparse.Namespace) -> tuple[Mechanism, Case]:
         )
         raise InputError(message, argument=options.model)
     from ..hybrid.files.npz import load_case
-    from ..mechanism import with_numbers
+    from ..mechanism import changed
 
     mechanism, case = load_case(options.case)
     changes = overrides(options)
-    return (with_numbers(mechanism, changes) if changes else mechanism), changed_case(case, options)
+    return (changed(mechanism, changes) if changes else mechanism), changed_case(case, options)
 
 
 def _print(solution: Solution, options: argparse.Namespace) -> None:

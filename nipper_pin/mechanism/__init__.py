@@ -17,11 +17,10 @@ from .load import (
     need_as_written,
     need_mechanism,
     number_of,
-    with_numbers,
 )
 from .mechanism import Mechanism, Shared
 from .model_files import find_model, known_models, model_folder
-from .other_numbers import retuned
+from .other_numbers import changed, retuned
 from .parts import Closure, Contact, Drive, Joint, Phase, Simultaneous, Spring, Start, Stop
 from .shapes import collision_model
 
@@ -44,6 +43,7 @@ __all__ = [
     "Stop",
     "Strut",
     "TabulatedSpring",
+    "changed",
     "collision_model",
     "counted_from",
     "find_model",
@@ -61,6 +61,5 @@ __all__ = [
     "rad_s_from_rpm",
     "retuned",
     "supports",
-    "with_numbers",
     "within_turn",
 ]

@@ -59,7 +59,7 @@ def load(model: str | Path = "e62", overrides: Mapping[str, object] | None = Non
             data = inline_tables(data, folder, toml_file)
         return build_mechanism(name, urdf, data, folder)
     except AssemblyError as error:
-        raise found.named(_with_advice(error, overrides or {})) from None
+        raise found.named(with_advice(error, overrides or {})) from None
     except InputError as error:
         if found.own_names:
             raise
@@ -165,31 +165,7 @@ def _alike(one: object, other: object) -> bool:
     return type(one).__eq__ is object.__eq__ or bool(one == other)
 
 
-def with_numbers(mechanism: Mechanism, overrides: Mapping[str, object]) -> Mechanism:
-    """The same mechanism with other numbers, built again from its own texts.
-
-    Args:
-        mechanism: The mechanism; one of a saved run needs no model folder for it.
-        overrides: New values by path or shortcut, as in :func:`load`.
-
-    Raises:
-        UnknownNameError: A path leads nowhere.
-        ModelError: A value cannot be used.
-        AssemblyError: The closures do not meet at touch.
-    """
-    from .edit.overrides import apply_overrides, by_path
-
-    name, data = mechanism.name, mechanism.description
-    toml_file, urdf_file = f"{name}.toml", f"{name}.urdf"
-    values = by_path(overrides, data, toml_file)
-    try:
-        changed, urdf = apply_overrides(data, mechanism.urdf, values, toml_file, urdf_file)
-        return from_sources(name, urdf, changed, mechanism.mesh_folder)
-    except AssemblyError as error:
-        raise _with_advice(error, values) from None
-
-
-def _with_advice(error: AssemblyError, overrides: Mapping[str, object]) -> AssemblyError:
+def with_advice(error: AssemblyError, overrides: Mapping[str, object]) -> AssemblyError:
     """Say how a dimension is changed without opening a pin, if one of the overrides may have."""
     raw = [path for path in overrides if path.startswith("urdf.joint.")]
     if not raw:

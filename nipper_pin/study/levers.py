@@ -11,11 +11,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from ..errors import InputError, SimulationError
-from ..mechanism import Mechanism
+from ..mechanism import Mechanism, changed
 from ..terms import named, parameter_shown
 from ..tolerances.study import NO_EFFECT, STUDY_TOLERANCE
 from .identify.problem.geometry import Sources, layout
-from .identify.problem.parameters import with_values
 from .identify.problem.targets import Condition, transition_quantities
 from .identify.problem.working_cycle import working_cycle
 from .sensitivity import SPEED, Sensitivities, Sensitivity
@@ -115,7 +114,6 @@ def levers(mechanism: Mechanism, found: Sensitivities) -> tuple[Lever, ...]:
         InputError: The machine has no working cycle of two phases without freedom.
         SimulationError: The transition cannot be simulated.
     """
-    sources = Sources.of(mechanism)
     before = _bounce(mechanism, found)
     chosen: list[Lever] = []
     parts: set[str] = set()
@@ -125,8 +123,7 @@ def levers(mechanism: Mechanism, found: Sensitivities) -> tuple[Lever, ...]:
             continue
         new = row.value - (1.0 if row.per[0] > 0.0 else -1.0) * step_of(row.path, row.value).amount
         try:
-            changed = with_values(sources, {row.path: new}).build()
-            after = _bounce(changed, found)
+            after = _bounce(changed(mechanism, {row.path: new}), found)
         except (InputError, SimulationError):
             continue
         parts.add(part)

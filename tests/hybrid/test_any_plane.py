@@ -18,7 +18,7 @@ from small_machines import frame, hinge, link, slide, sources
 
 from nipper_pin import Case, Mechanism, Solution, Window, load, simulate
 from nipper_pin.cli import main
-from nipper_pin.mechanism import from_sources, joint_placements, number_of, with_numbers
+from nipper_pin.mechanism import changed, from_sources, joint_placements, number_of
 from nipper_pin.view.scene import Solid, solids
 from nipper_pin.view.sketch import sketch
 
@@ -174,7 +174,7 @@ def test_drawn_parts_and_dimensions_are_those_of_the_side_view() -> None:
         "links.rocker.inertia_kg_m2": 0.002,
         "links.rocker.com_x_mm": 80.0,
     }
-    told = [with_numbers(machine, values) for machine in (plain, other)]
+    told = [changed(machine, values) for machine in (plain, other)]
     for path, value in values.items():
         assert [number_of(machine, path) for machine in told] == pytest.approx([value] * 2)
     for one, two in zip(*(machine.model.inertias for machine in told), strict=True):

@@ -10,7 +10,7 @@ import pytest
 from small_machines import frame, hinge, link, machine, slide, sources, turn
 
 import nipper_pin as nip
-from nipper_pin.mechanism import from_sources, number_of, with_numbers
+from nipper_pin.mechanism import changed, from_sources, number_of
 
 RADIUS, LENGTH = 0.03, 0.1
 
@@ -67,15 +67,15 @@ def test_a_start_can_be_set_without_being_in_the_file() -> None:
     plain = from_sources("small", urdf, description, ".")
     assert plain.starts == ()
     assert number_of(plain, "initial.ram.at_mm") == 0.0
-    given = with_numbers(plain, {"initial.ram.at_mm": "3.5", "initial.ram.rate_mm_per_s": 1})
+    given = changed(plain, {"initial.ram.at_mm": "3.5", "initial.ram.rate_mm_per_s": 1})
     (start,) = given.starts
     assert (start.at, start.rate) == (0.0035, 0.001)
     assert number_of(given, "initial.ram.at_mm") == 3.5
     with pytest.raises(nip.UnknownNameError, match="no joint named 'rma'"):
-        with_numbers(plain, {"initial.rma.at_mm": 1.0})
+        changed(plain, {"initial.rma.at_mm": 1.0})
     with pytest.raises(nip.UnknownNameError, match="no key named 'at'; known: at_deg, at_mm, rate"):
-        with_numbers(plain, {"initial.ram.at": 1.0})
-    assert with_numbers(given, {"initial.ram.at_mm": 0.0}).starts[0].at == 0.0
+        changed(plain, {"initial.ram.at": 1.0})
+    assert changed(given, {"initial.ram.at_mm": 0.0}).starts[0].at == 0.0
     assert "initial" not in description
 
 

@@ -15,7 +15,7 @@ from nipper_pin.dynamics.parts import parts as parts_of
 from nipper_pin.hybrid import State, initial_state
 from nipper_pin.hybrid.contact.complementarity import Closed
 from nipper_pin.hybrid.run.phase_manager import EventLog
-from nipper_pin.mechanism import with_numbers
+from nipper_pin.mechanism import changed
 
 GRAVITY = 9.81
 
@@ -332,7 +332,7 @@ def _assembled(
     """Positions and rates with these stops closed, assembled anew along the drives."""
     phase = mechanism.phase_of(closed)
     assert phase is not None
-    there = with_numbers(mechanism, {"initial_phase": phase.number})
+    there = changed(mechanism, {"initial_phase": phase.number})
     shaft = ShaftMotion(there, 450.0 * np.pi / 30.0, angle)
     state = initial_state(System(there, shaft), 0.0)
     return state.q, state.v

@@ -19,7 +19,7 @@ from nipper_pin.cli import main
 from nipper_pin.cli import simulate as command
 from nipper_pin.hybrid import need_sound
 from nipper_pin.hybrid.result.energy_balance import energy_balance
-from nipper_pin.mechanism import with_numbers
+from nipper_pin.mechanism import changed
 from nipper_pin.mechanism.files.register import FORCES, RESTITUTIONS
 from nipper_pin.mechanism.forces import ForceTable
 from nipper_pin.mechanism.restitution import RestitutionTable
@@ -164,7 +164,7 @@ def test_round_off_of_what_springs_and_weights_hold_is_no_error(
         start = {"z": {"at_mm": 1000.0}}
         mechanism = machine(parts, 1, gravity=gravity, stops={"floor": floor}, initial=start)
     else:
-        mechanism = with_numbers(follower(LAWS["Fourier"]), {"gravity_m_s2": gravity})
+        mechanism = changed(follower(LAWS["Fourier"]), {"gravity_m_s2": gravity})
     need_sound(nip.simulate(mechanism, nip.Case(speed_rpm=speed, window=nip.Window.CYCLE)))
 
 

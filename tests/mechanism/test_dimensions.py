@@ -14,7 +14,7 @@ from small_machines import frame, hinge, machine, slide
 from small_machines import link as body
 
 from nipper_pin import AssemblyError, Mechanism, ModelError, load
-from nipper_pin.mechanism import joint_placements, with_numbers
+from nipper_pin.mechanism import changed, joint_placements
 from nipper_pin.mechanism.build.closing import closure_gaps
 from nipper_pin.mechanism.edit import Layout, read_dimension, read_layout
 from nipper_pin.mechanism.edit.urdf_paths import find_value
@@ -95,14 +95,14 @@ def test_a_pin_in_a_slot_goes_its_own_way() -> None:
     yoke = machine(parts, 1, closures={"slot": slot})
     before = places(yoke)
     assert layout(yoke).meeting["crank_pin"] == ("crank_pin",)
-    moved = places(with_numbers(yoke, {"points.crank_pin.z_mm": 20.0}))
+    moved = places(changed(yoke, {"points.crank_pin.z_mm": 20.0}))
     for name in ("crank_pin", "guide", "yoke", "crank"):
         shift = [0.0, 20.0] if name == "crank_pin" else [0.0, 0.0]
         np.testing.assert_allclose(moved[name] - before[name], shift, rtol=0.0, atol=1e-9)
     with pytest.raises(AssemblyError, match=r"a gap of 1 mm \(x 1, z 0\)"):
-        with_numbers(yoke, {"points.crank_pin.x_mm": 51.0})
+        changed(yoke, {"points.crank_pin.x_mm": 51.0})
     both = {"points.crank_pin.x_mm": 51.0, "points.guide.x_mm": 51.0}
-    assert places(with_numbers(yoke, both))["guide"] == pytest.approx([51.0, 0.0], abs=1e-9)
+    assert places(changed(yoke, both))["guide"] == pytest.approx([51.0, 0.0], abs=1e-9)
 
 
 def test_a_chain_of_polar_points_is_followed_from_the_frame_outwards() -> None:
@@ -241,7 +241,7 @@ def test_shapes_and_mass_turn_with_the_line_of_two_pins() -> None:
              '<geometry><box size="0.1 0.1 0.1"/></geometry></collision></link>')  # fmt: skip
     lever = body("lever", centre=(0.2, 0.01)).replace("</link>", shape)
     parts = [lever, hinge("pivot", "frame", "lever", (0.4, 0.1)), frame("tip", "lever", (0.3, 0.0))]
-    moved = with_numbers(machine(parts, 1), {"points.tip.x_mm": 400.0, "points.tip.z_mm": 400.0})
+    moved = changed(machine(parts, 1), {"points.tip.x_mm": 400.0, "points.tip.z_mm": 400.0})
     root = ElementTree.fromstring(moved.urdf)
     bar = root.find("link[@name='lever']/collision/origin")
     assert bar is not None

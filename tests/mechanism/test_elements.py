@@ -14,7 +14,15 @@ from small_machines import hinge, link, machine, slide, sources
 
 import nipper_pin as nip
 from nipper_pin.cli import main
-from nipper_pin.mechanism import Characteristic, Damper, Stop, Strut, from_sources, with_numbers
+from nipper_pin.mechanism import (
+    Characteristic,
+    Damper,
+    Stop,
+    Strut,
+    changed,
+    from_sources,
+    need_as_written,
+)
 from nipper_pin.mechanism.files import toml
 from nipper_pin.reduced import build, transition, unfit
 from tests.refusals.bases import PARTS, model
@@ -58,9 +66,15 @@ def test_elements_in_si_units() -> None:
 
 def test_every_number_of_them_has_a_path() -> None:
     numbers = {"springs.tie.free_length_mm": 180.0, "springs.tie.stiffness_N_per_m": 7e3,
-               "dampers.oil.damping_N_s_per_m": 0.0, "springs.lid.torque_N_m[1]": 2.5}  # fmt: skip
-    mechanism = with_numbers(machine(PARTS, 3, **TABLES), numbers)
-    spring, _ = mechanism.struts
+               "dampers.oil.damping_N_s_per_m": 0.0,
+               "dampers.stay.damping_N_s_per_m": 6}  # fmt: skip
+    whole = machine(PARTS, 3, **TABLES)
+    other = changed(whole, numbers)
+    need_as_written(other)
+    assert other.model is whole.model
+    mechanism = changed(other, {"springs.lid.torque_N_m[1]": 2.5})
+    spring, damper = mechanism.struts
+    assert damper.damping == 6.0
     assert (spring.free_length, spring.stiffness) == (pytest.approx(0.18), 7e3)
     assert mechanism.dampers[0].damping == 0.0
     assert mechanism.tabulated_springs[0].characteristic.force == (1.0, 2.5, 4.0)
@@ -245,15 +259,15 @@ def test_it_may_be_left_out_written_and_changed(cannon: Path) -> None:
     """At once both leave with the speed of the fall; in sequence the upper one with twice that."""
     plain = nip.load(cannon)
     assert plain.simultaneous == "newton"
-    changed = nip.load(cannon, {"simultaneous": "sequential"})
-    assert changed.simultaneous == "sequential"
-    assert [_upper(plain), _upper(changed)] == pytest.approx([1.0, 2.0], rel=1e-14)
+    other = nip.load(cannon, {"simultaneous": "sequential"})
+    assert other.simultaneous == "sequential"
+    assert [_upper(plain), _upper(other)] == pytest.approx([1.0, 2.0], rel=1e-14)
     file = cannon / "cannon.toml"
     file.write_text('simultaneous = "sequential"\n' + file.read_text(encoding="utf-8"))
     written = nip.load(cannon)
     assert written.simultaneous == "sequential"
     assert nip.load(cannon, {"simultaneous": "newton"}).simultaneous == "newton"
-    assert with_numbers(written, {"stops.s0.restitution": 0.5}).simultaneous == "sequential"
+    assert changed(written, {"stops.s0.restitution": 0.5}).simultaneous == "sequential"
 
 
 def test_a_saved_run_keeps_it(cannon: Path, tmp_path: Path) -> None:
@@ -285,7 +299,7 @@ def test_the_command_line_says_it(
 @pytest.mark.slow
 def test_laws_agree_in_the_reduced_engine(e62: nip.Mechanism) -> None:
     """One freedom, in which the strike at the jaw throws the steeve off: both laws are one."""
-    other = with_numbers(e62, {"simultaneous": "sequential"})
+    other = changed(e62, {"simultaneous": "sequential"})
     found = [transition(build(item, turn=False), speed_rpm=450.0).table for item in (e62, other)]
     assert np.array_equal(*found)
     runs = [nip.simulate(item, nip.Case(speed_rpm=450.0)) for item in (e62, other)]

@@ -14,8 +14,18 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from nipper_pin import InputError, Mechanism, ModelError, UnknownNameError, load
-from nipper_pin.mechanism import known_models
+from nipper_pin import (
+    Case,
+    InputError,
+    Mechanism,
+    ModelError,
+    UnknownNameError,
+    Window,
+    changed,
+    load,
+    simulate,
+)
+from nipper_pin.mechanism import known_models, need_as_written
 from nipper_pin.mechanism.drives import Table
 from nipper_pin.mechanism.edit import apply_overrides, number_at, read_dimension, read_layout
 from nipper_pin.mechanism.edit.overrides import by_path, with_tables
@@ -33,6 +43,9 @@ MODELS = {
         for folder in sorted((Path(__file__).parents[2] / "models" / "benchmarks").iterdir())
     },
 }
+
+# Known as texts alone: their joints move in no plane.
+SPATIAL = {"bricard"}
 
 PLACES = ("xyz", "rpy")
 
@@ -117,8 +130,8 @@ def test_every_number_of_the_document(texts: tuple[dict[str, Any], str]) -> None
     found = dict(document_numbers(document))
     wanted = {path: value + 0.25 + place for place, (path, value) in enumerate(found.items())}
     assert all(number_at(document, path, "model.toml") == found[path] for path in found)
-    changed, same = apply_overrides(document, urdf, wanted, "model.toml", "model.urdf")
-    assert dict(document_numbers(changed)) == wanted
+    new, same = apply_overrides(document, urdf, wanted, "model.toml", "model.urdf")
+    assert dict(document_numbers(new)) == wanted
     assert same == urdf
     assert dict(document_numbers(document)) == found
 
@@ -129,11 +142,11 @@ def test_every_number_that_need_not_be_written(texts: tuple[dict[str, Any], str]
     paths = unwritten_numbers(document)
     assert all(number_at(document, path, "model.toml") == 0.0 for path in paths)
     wanted = {path: 0.5 + place for place, path in enumerate(sorted(paths))}
-    changed, _ = apply_overrides(document, urdf, wanted, "model.toml", "model.urdf")
+    written, _ = apply_overrides(document, urdf, wanted, "model.toml", "model.urdf")
     before = dict(document_numbers(document))
-    assert dict(document_numbers(changed)) == {**before, **wanted}
+    assert dict(document_numbers(written)) == {**before, **wanted}
     # They are what the description reads, not keys that it would refuse.
-    describe(changed, "model.toml")
+    describe(written, "model.toml")
 
 
 def test_every_number_of_the_urdf(texts: tuple[dict[str, Any], str]) -> None:
@@ -143,8 +156,8 @@ def test_every_number_of_the_urdf(texts: tuple[dict[str, Any], str]) -> None:
     found = dict(urdf_numbers(root))
     assert len(found) > 10
     wanted = {path: value + 0.25 + place for place, (path, value) in enumerate(found.items())}
-    same, changed = apply_overrides(document, urdf, wanted, "model.toml", "model.urdf")
-    assert dict(urdf_numbers(ElementTree.fromstring(changed))) == wanted
+    same, written = apply_overrides(document, urdf, wanted, "model.toml", "model.urdf")
+    assert dict(urdf_numbers(ElementTree.fromstring(written))) == wanted
     assert same == document
 
 
@@ -161,8 +174,8 @@ def test_placements_that_need_not_be_written(texts: tuple[dict[str, Any], str]) 
         path = f"urdf.joint.{joint}.origin.{key}.{axis}"
         layout = read_layout(parse_xml(bare, "model.urdf"), document, "model.urdf")
         assert read_dimension(layout, path, "model.urdf") == 0.0
-        _, changed = apply_overrides(document, bare, {path: 0.3}, "model.toml", "model.urdf")
-        added = set(urdf_numbers(ElementTree.fromstring(changed))) - set(urdf_numbers(root))
+        _, written = apply_overrides(document, bare, {path: 0.3}, "model.toml", "model.urdf")
+        added = set(urdf_numbers(ElementTree.fromstring(written))) - set(urdf_numbers(root))
         assert (path, 0.3) in added
         assert all(value == 0.0 for other, value in added if other != path)
 
@@ -170,7 +183,7 @@ def test_placements_that_need_not_be_written(texts: tuple[dict[str, Any], str]) 
 def test_every_mass_and_dimension(texts: tuple[dict[str, Any], str]) -> None:
     """Masses, inertias, centres and pins: what is written is read back, and the rest stays.
 
-    The values are those of the machine a little changed, so every one of them is possible.
+    The values are those of the machine a little written, so every one of them is possible.
     """
     document, urdf = texts
     layout = read_layout(parse_xml(urdf, "model.urdf"), document, "model.urdf")
@@ -183,17 +196,76 @@ def test_every_mass_and_dimension(texts: tuple[dict[str, Any], str]) -> None:
     pins = {frozenset(meeting): min(meeting) for meeting in layout.meeting.values()}
     paths += [f"points.{name}.{key}" for name in pins.values() for key in ("x_mm", "z_mm")]
     assert paths
-    # Pins carry centres of mass along, so links are changed by themselves.
+    # Pins carry centres of mass along, so links are written by themselves.
     for head in ("links", "points"):
         chosen = [path for path in paths if path.startswith(head)]
         own = {path: read_dimension(layout, path, "model.urdf") for path in chosen}
         wanted = {
             path: 1.01 * value + 1e-3 * (1.0 + i) for i, (path, value) in enumerate(own.items())
         }
-        new, changed = apply_overrides(document, urdf, wanted, "model.toml", "model.urdf")
-        after = read_layout(parse_xml(changed, "model.urdf"), new, "model.urdf")
+        new, written = apply_overrides(document, urdf, wanted, "model.toml", "model.urdf")
+        after = read_layout(parse_xml(written, "model.urdf"), new, "model.urdf")
         for path, value in wanted.items():
             assert read_dimension(after, path, "model.urdf") == pytest.approx(value, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", sorted({*MODELS} - SPATIAL))
+def test_numbers_of_forces_and_impacts(name: str) -> None:
+    """Each by itself, and all at once: a machine as its texts make it, on the tree of the other."""
+    own = load(MODELS[name])
+    found = dict(document_numbers(own.description))
+    wanted = {
+        path: 0.5 * value
+        for path, value in found.items()
+        if path.split(".")[0] in ("springs", "dampers") or path.endswith(".restitution")
+    }
+    rows = [path for path in wanted if "[" in path]
+    for values in [{path: value} for path, value in wanted.items() if path not in rows] + [wanted]:
+        other = changed(own, values)
+        need_as_written(other)
+        assert all(number_at(other.description, path, name) == values[path] for path in values)
+        if not {*values} & {*rows} and not any(stop.leader for stop in own.stops):
+            assert other.model is own.model
+    need_as_written(own)
+    assert dict(document_numbers(own.description)) == found
+
+
+@pytest.mark.parametrize("path", ["springs.steeve.stiffness_N_per_m", "stops.jaw.restitution"])
+@pytest.mark.parametrize("value", [-1.0, math.inf, 1e16, "x", True, [1.0], None])
+def test_changed_numbers_are_refused_as_those_of_a_file(
+    e62: Mechanism, path: str, value: Any
+) -> None:
+    with pytest.raises(ModelError) as of_a_file:
+        load("e62", {path: value})
+    with pytest.raises(ModelError) as of_a_machine:
+        changed(e62, {path: value})
+    assert of_a_machine.value.message == of_a_file.value.message
+
+
+@pytest.mark.parametrize(
+    "path", ["springs.stev.preload_length_mm", "springs.steeve.preload_deg", "stops.jaw.e",
+             "springs.steeve", "springs"],
+)  # fmt: skip
+def test_paths_that_lead_nowhere(e62: Mechanism, path: str) -> None:
+    with pytest.raises(UnknownNameError) as of_a_file:
+        load("e62", {path: 1.0})
+    with pytest.raises(UnknownNameError) as of_a_machine:
+        changed(e62, {path: 1.0})
+    assert of_a_machine.value.message == of_a_file.value.message
+
+
+def test_runs_of_a_changed_machine(e62: Mechanism) -> None:
+    """On the tree of one that has run already: bit for bit those of a machine loaded so."""
+    simulate(e62, Case(speed_rpm=650.0))
+    values = {"stiffness": 11000.0, "preload": 9.0, "restitution": 0.1}
+    one, other = changed(e62, values), load("e62", values)
+    for case in (Case(speed_rpm=650.0), Case(speed_rpm=500.0, window=Window.CYCLE)):
+        events, expected = (simulate(machine, case).events for machine in (one, other))
+        assert len(events) == len(expected) > 5
+        for found, wanted in zip(events, expected, strict=True):
+            assert found.t == wanted.t
+            np.testing.assert_array_equal(found.q, wanted.q)
+            np.testing.assert_array_equal(found.v_after, wanted.v_after)
 
 
 def test_no_number_may_be_none(e62: Mechanism) -> None:

@@ -18,7 +18,7 @@ from small_machines import frame, hinge, link, machine, sources
 import nipper_pin as nip
 from nipper_pin import Mechanism
 from nipper_pin.cli import main
-from nipper_pin.mechanism import from_sources, known_models, own_frame, with_numbers
+from nipper_pin.mechanism import changed, from_sources, known_models, own_frame
 from nipper_pin.mechanism.drawing import drawn_sources
 from nipper_pin.mechanism.gallery import GALLERY
 from nipper_pin.reduced import reduced_model, transition
@@ -252,27 +252,27 @@ def test_no_change_of_numbers_is_closed() -> None:
     """Pins move together, however far; one side alone is refused, however little it opens."""
     mechanism = nip.load(STRANGERS / "sw_fourbar_5")
     before = mechanism.closures
-    moved = with_numbers(mechanism, {"points.rocker_end.x_mm": 190.0, "links.crank.mass_kg": 0.2})
+    moved = changed(mechanism, {"points.rocker_end.x_mm": 190.0, "links.crank.mass_kg": 0.2})
     for first, second in zip(before, moved.closures, strict=True):
         np.testing.assert_allclose(second.gap_m, first.gap_m, rtol=0.0, atol=1e-16)
     both = {"points.rocker_end.x_mm": 190.0, "points.coupler_end.x_mm": 190.0}
     both |= {"points.rocker_end.z_mm": 120.0, "points.coupler_end.z_mm": 120.0}
-    assert with_numbers(mechanism, both).closing
+    assert changed(mechanism, both).closing
     path = "urdf.joint.rocker_end_fix.origin.xyz.x"
     with pytest.raises(nip.AssemblyError, match=r"closures\.pin_B"):
-        with_numbers(mechanism, {path: 0.130005})
+        changed(mechanism, {path: 0.130005})
     with pytest.raises(nip.AssemblyError, match=r"closures\.pin_B"):
         nip.load(STRANGERS / "sw_fourbar_5", {path: 0.130005})
     e62 = nip.load("e62")
     with pytest.raises(nip.AssemblyError, match=r"closures\.rocker_axis"):
-        with_numbers(e62, {"urdf.joint.rocker_pin.origin.xyz.x": 0.182201})
+        changed(e62, {"urdf.joint.rocker_pin.origin.xyz.x": 0.182201})
 
 
 def test_pins_off_their_slots_are_no_rounding() -> None:
     mechanism = nip.load(STRANGERS / "yoke_6dec")
-    assert with_numbers(mechanism, {"points.pin.x_mm": 26.188}).closures == mechanism.closures
+    assert changed(mechanism, {"points.pin.x_mm": 26.188}).closures == mechanism.closures
     with pytest.raises(nip.AssemblyError, match=r"closures\.s"):
-        with_numbers(mechanism, {"points.pin.x_mm": 26.189})
+        changed(mechanism, {"points.pin.x_mm": 26.189})
 
 
 def test_the_slot_of_a_frame_that_is_turned_says_which_line_it_is() -> None:

@@ -14,10 +14,10 @@ from small_machines import hinge, link, machine, slide, turn
 
 from nipper_pin import Mechanism, ModelError, load
 from nipper_pin.mechanism import (
+    changed,
     collision_model,
     find_model,
     joint_placements,
-    with_numbers,
 )
 from nipper_pin.mechanism.build.touch_checks import closure_jacobian, dependent_rows
 from nipper_pin.mechanism.files import parse_xml, urdf_parts
@@ -188,8 +188,8 @@ def test_it_adds_to_the_dampers_of_the_file_and_has_a_path() -> None:
     parts = [link("wheel"), with_dynamics(hinge("wheel", "frame", "wheel"), 'damping="0.7"')]
     mechanism = machine(parts, 1, dampers=dampers)
     assert sorted(item.damping for item in mechanism.dampers) == [0.5, 0.7]
-    changed = with_numbers(mechanism, {"urdf.joint.wheel.dynamics.damping": 0.9})
-    assert sorted(item.damping for item in changed.dampers) == [0.5, 0.9]
+    other = changed(mechanism, {"urdf.joint.wheel.dynamics.damping": 0.9})
+    assert sorted(item.damping for item in other.dampers) == [0.5, 0.9]
     parts = [link("ram"), with_dynamics(slide("ram", "frame", "ram"), 'damping="3.0"')]
     assert [item.damping for item in machine(parts, 1).dampers] == [3.0]
 

@@ -95,6 +95,26 @@ def build_elements(
     )
 
 
+def build_element(
+    entry: SpringDescription | DamperDescription,
+    name: str,
+    joints: Mapping[str, Joint],
+    model: pin.Model,
+    file: str,
+) -> Spring | TabulatedSpring | Damper | Strut:
+    """Build one spring or damper; errors as of :func:`build_elements`.
+
+    Args:
+        name: Its name.
+        model: The tree, in which its points lie.
+    """
+    links = tuple(frame.name for frame in model.frames) if _between_points(entry) else ()
+    source = _Source(joints, links, model, file)
+    if isinstance(entry, SpringDescription):
+        return _spring(source, name, entry)
+    return _damper(source, name, entry)
+
+
 class _Source(NamedTuple):
     """What elements are built from."""
 

@@ -7,6 +7,7 @@ import typing
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
+from functools import cache
 from typing import Annotated, Any, Literal, TypeVar
 
 import msgspec
@@ -185,6 +186,18 @@ def describe(data: Mapping[str, object], file: str) -> Description:
     return msgspec.structs.replace(whole, **extended)
 
 
+def describe_entry(data: Mapping[str, Any], section: str, name: str, file: str) -> Any:
+    """One spring, damper or stop of a document, as :func:`describe` gives it.
+
+    Raises:
+        ModelError: As of :func:`describe`.
+    """
+    entry = {section: {name: data[section][name]}}
+    _refuse_unusable(entry, "", file)
+    found = _stops(entry, file) if section == "stops" else _entries(entry, section, file)
+    return found[name]
+
+
 def _check_size(data: Mapping[str, object], file: str) -> None:
     """Refuse more entries than can be checked while somebody waits."""
     limits = {**dict.fromkeys((*_LAWS, *_SECTIONS), _MOST_ENTRIES), "phases": _MOST_PHASES}
@@ -254,13 +267,17 @@ def optional_numbers(section: str, entry: Mapping[str, object]) -> dict[str, flo
     kind = _SECTIONS[section] if register is None else register.kind(entry.get("law"))
     if kind is None:
         return {}
+    return {key: value for key, value in _defaults(kind).items() if key not in entry}
+
+
+@cache
+def _defaults(kind: type[msgspec.Struct]) -> dict[str, float]:
+    """Numbers of a table that need not be written, and what they are then."""
     hints = typing.get_type_hints(kind)
     return {
         field.name: field.default or 0.0
         for field in msgspec.structs.fields(kind)
-        if field.name not in entry
-        and not field.required
-        and hints[field.name] in (float, float | None)
+        if not field.required and hints[field.name] in (float, float | None)
     }
 
 

@@ -1,8 +1,8 @@
-"""A model with other numbers: one mechanism for one set of dimensions."""
+"""The mechanism of a sweep, and the paths of the numbers that it changes."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 from ...mechanism import Mechanism, from_sources, model_folder
 from ...mechanism.edit import HEADS, apply_overrides, number_at, read_dimension, read_layout
@@ -28,16 +28,10 @@ def check_paths(paths: Sequence[str], mechanism: Mechanism) -> None:
     apply_overrides(mechanism.description, mechanism.urdf, own, toml, urdf)
 
 
-def changed(job: Job, values: Mapping[str, float]) -> Mechanism:
-    """The mechanism of a job with other numbers.
-
-    Args:
-        values: Numbers by path; points move together with everything that meets in them.
+def machine_of(job: Job) -> Mechanism:
+    """The mechanism whose numbers a job changes.
 
     Raises:
         InputError: There is no such machine.
     """
-    document, urdf = apply_overrides(
-        job.document, job.urdf, values, f"{job.name}.toml", f"{job.name}.urdf"
-    )
-    return from_sources(job.name, urdf, document, model_folder(job.name, job.folder))
+    return from_sources(job.name, job.urdf, job.document, model_folder(job.name, job.folder))

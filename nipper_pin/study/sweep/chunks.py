@@ -14,12 +14,12 @@ import numpy as np
 from ...arrays import FloatArray
 from ...errors import NipperError, SimulationError
 from ...hybrid.result.turns import is_of_drive
-from ...mechanism import Mechanism
+from ...mechanism import Mechanism, changed
 from ..cases import Cases, cases_of
 from ..transitions import FAILED, TURN, TransitionTable, table_of
 from ..turns import Settings, TurnTable, turns_of
 from .axes import restitution_path
-from .changes import changed
+from .changes import machine_of
 from .job import NO_MODEL, Job, TurnJob, read_job
 from .quantities import quantity
 from .results.chunk_file import encode
@@ -154,7 +154,9 @@ def _solve(job: Job, text: bytes, rows: FloatArray, columns: _Columns, part: sli
     """Compute the scenarios of one mechanism."""
     values = {job.axes[place].target.path: float(rows[part.start, place]) for place in job.moving}
     try:
-        mechanism = changed(job, values) if values else _unchanged(text)
+        mechanism = _machine(text)
+        if values:
+            mechanism = changed(mechanism, values)
     except NipperError as error:
         columns.fail(part, NO_MODEL, error.message)
         return
@@ -229,6 +231,6 @@ def _job(text: bytes) -> Job:
 
 
 @lru_cache(maxsize=4)
-def _unchanged(text: bytes) -> Mechanism:
-    """The mechanism of a sweep that changes no dimension, built once a process."""
-    return changed(_job(text), {})
+def _machine(text: bytes) -> Mechanism:
+    """The mechanism of a sweep before its numbers are changed, built once a process."""
+    return machine_of(_job(text))
