@@ -128,7 +128,7 @@ class Mechanism:
 
     @cached_property
     def shared(self) -> Shared:
-        """What :func:`retuned` leaves as it is: all that is built of it is built once."""
+        """Stands for all that other numbers of forces and impacts leave as it is."""
         return Shared()
 
     @property
