@@ -10,9 +10,10 @@ import argparse
 import contextlib
 import inspect
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from enum import Enum
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -336,8 +337,12 @@ class ReachedError(Exception):
     """The call at which a command line ends."""
 
 
+@cache
 def asked(line: str, places: tuple[str, ...]) -> Facts:
-    """The arguments of the first of these calls; none where none is reached."""
+    """The arguments of the first of these calls; none where none is reached.
+
+    Many options have the line without them in common.
+    """
     found: Facts = {}
     with pytest.MonkeyPatch.context() as patch:
         for place in places:
@@ -381,34 +386,14 @@ def inputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     return {path.stem: str(path) for path in home.iterdir()}
 
 
-@pytest.fixture(scope="module")
-def known() -> dict[tuple[str, ...], Facts]:
-    """Facts of command lines without the option, which many options share."""
-    return {}
-
-
-@pytest.fixture
-def found(
-    inputs: dict[str, str],
-    known: dict[tuple[str, ...], Facts],
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-) -> Callable[[str], tuple[Facts, Facts]]:
+def around(name: str, inputs: dict[str, str]) -> tuple[Facts, Facts]:
     """What is asked without an option and with it."""
-    monkeypatch.chdir(tmp_path)
-
-    def find(name: str) -> tuple[Facts, Facts]:
-        entry, command = TABLE[name], name.rpartition(" ")[0]
-        places = entry.at or (CALLS[command],)
-        bare, line = (
-            f"{command} {entry.base} {words}".format(**inputs)
-            for words in (entry.without, entry.words)
-        )
-        if (bare, *places) not in known:
-            known[bare, *places] = asked(bare, places)
-        return known[bare, *places], asked(line, places)
-
-    return find
+    entry, command = TABLE[name], name.rpartition(" ")[0]
+    before, after = (
+        asked(f"{command} {entry.base} {words}".format(**inputs), entry.at or (CALLS[command],))
+        for words in (entry.without, entry.words)
+    )
+    return before, after
 
 
 def test_every_option_is_in_the_table() -> None:
@@ -419,12 +404,11 @@ def test_every_option_is_in_the_table() -> None:
     assert all(entry.effect or entry.moves for entry in TABLE.values())
 
 
+@pytest.mark.usefixtures("here")
 @pytest.mark.parametrize("name", TABLE)
-def test_an_option_changes_what_it_names(
-    name: str, found: Callable[[str], tuple[Facts, Facts]]
-) -> None:
+def test_an_option_changes_what_it_names(name: str, inputs: dict[str, str]) -> None:
     """Nothing that its entry does not name, and all that it names."""
-    entry, (before, after) = TABLE[name], found(name)
+    entry, (before, after) = TABLE[name], around(name, inputs)
     changed = {
         key: after.get(key, GONE)
         for key in {*before, *after}
@@ -454,14 +438,13 @@ def test_help_says_every_default_of_a_parser() -> None:
         assert DEFAULTS.get(name) == (value if isinstance(value, str) else f"{value:g}"), name
 
 
+@pytest.mark.usefixtures("here")
 @pytest.mark.parametrize(
     "name", [name for name, text in DEFAULTS.items() if NAMED.fullmatch(text) and name in TABLE]
 )
-def test_without_an_option_it_is_what_help_says(
-    name: str, found: Callable[[str], tuple[Facts, Facts]]
-) -> None:
+def test_without_an_option_it_is_what_help_says(name: str, inputs: dict[str, str]) -> None:
     """Of all that the option changes, as numbers or as names."""
-    text, (before, _) = DEFAULTS[name], found(name)
+    text, (before, _) = DEFAULTS[name], around(name, inputs)
     kind, value = (str, text) if text[0].isalpha() else ((int, float), float(text))
     own = {before[key] for key in TABLE[name].effect if isinstance(before.get(key), kind)}
     assert {fact for fact in own if not isinstance(fact, bool)} <= {value}

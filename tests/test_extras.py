@@ -1,13 +1,14 @@
 """What works without the libraries of the extras, and what the others say of the missing ones."""
 
+import os
 import subprocess
 import sys
 import tomllib
+from collections.abc import Iterable
 from importlib import metadata
 from pathlib import Path
 
 import pytest
-from blocked import run_without
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
@@ -20,6 +21,25 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["
 MODULES = sorted({name for names in EXTRAS.values() for name in names})
 OPTIMISE = str(ROOT / "scripts/optimise_rebound.toml")
 SWEEP = str(ROOT / "scripts/sweep_spring.toml")
+
+
+# The command, for which some libraries are not installed.
+WITHOUT = """
+import sys
+sys.modules.update(dict.fromkeys(sys.argv.pop(1).split(",")))
+from nipper_pin.cli import main
+sys.exit(main())
+"""
+
+
+def run_without(
+    modules: Iterable[str], *arguments: str, folder: Path
+) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-c", WITHOUT, ",".join(modules), *arguments],
+        cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False,
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)},
+    )  # fmt: skip
 
 
 def packages(requirements):

@@ -1,7 +1,7 @@
 """Files that an earlier fuzzer found, read again: taken, or refused by one line.
 
-A file that once failed is called ``failed_...`` by what it ended in. For every kind of file and
-message that comes from other people there is a function of a folder and its bytes.
+A file that once failed is called ``failed_...`` by what it ended in. For every kind of file that
+comes from other people there is a function of a folder and its bytes.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ import zlib
 from collections.abc import Callable
 from pathlib import Path
 
-import numpy as np
 import pytest
 from refusals import taken
 from sweep_studies import taken_up
@@ -175,35 +174,12 @@ def study(home: Path, data: bytes) -> bool:
     return taken(lambda: read_plan(str(file)).chunks())
 
 
-def live(_: Path, data: bytes) -> bool:
-    """A message to the live page; values of its controls go through a filter of their own."""
-    from viser import _messages
-
-    from nipper_pin.view.live.guard import _taken
-
-    if not _taken(data):
-        return False
-    message = _messages.Message.deserialize(data)
-    if not isinstance(message, _messages.GuiUpdateMessage):
-        placed(message)
-    return True
-
-
-def placed(message: object) -> None:
-    """What viser does with the place of a camera: four or three numbers each."""
-    for name, size in (("wxyz", 4), ("position", 3), ("look_at", 3), ("up_direction", 3)):
-        value = np.array(getattr(message, name))
-        assert value.shape == (size,), name
-        assert value.dtype.kind in "fi", name
-
-
 # By the name of a folder of the corpus, what reads its files and what it needs.
 TARGETS: dict[str, tuple[Callable[[Path, bytes], bool], str]] = {
     "urdf": (lambda home, data: model(home, data, "urdf"), ""),
     "toml": (lambda home, data: model(home, data, "toml"), ""),
     "csv": (csv, ""), "measured": (measured, ""), "case": (case, ""), "npz": (npz, ""),
     "parquet": (parquet, "pyarrow"), "plan": (plan, "pyarrow"), "study": (study, ""),
-    "live": (live, "viser"),
 }  # fmt: skip
 
 

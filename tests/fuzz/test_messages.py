@@ -25,6 +25,7 @@ WRONG: list[Any] = [
       for value in (math.nan, math.inf, 1e31, "1", None, [], [1.0], [[1.0], [1.0, 2.0]], True)),
     *({key: CAMERA[key] for key in CAMERA if key != left} for left in CAMERA),
     {**CAMERA, "more": 1}, {**CAMERA, "position": [0.0, math.nan, 0.0]},
+    {**CAMERA, "position": [0.0] * 4}, {**CAMERA, "wxyz": [[0.0, CAMERA, math.nan], 0.0, 0.0, 1.0]},
     {**UPDATE, "uuid": 1}, {**UPDATE, "updates": [1]}, {**UPDATE, "more": 1}, {"type": 1}, [], 1,
     {"type": "GuiButtonHoldMessage", "uuid": "a"}, {"type": "FileTransferPart"},
     {"type": "ShareUrlRequest"},
