@@ -125,15 +125,7 @@ class _End(NamedTuple):
 
 
 class _Way:
-    """Phase, limits and checks of the motion from one event to the next.
-
-    Args:
-        system: The system.
-        state: The state just after the event.
-        t_limit: Where to stop at the latest [s].
-        resolution: How finely the motion is resolved.
-        watched: Names of the stops that end it; all if there are none.
-    """
+    """Phase, limits and checks of the motion from one event to the next."""
 
     def __init__(
         self,

@@ -87,10 +87,6 @@ def found_after(events: Sequence[Event], rest: Event) -> Event:
 
     Events of parts that it has nothing to do with may lie between them. Any other event, and a rest
     that none comes before, is its own.
-
-    Args:
-        events: Events in order of time.
-        rest: One of them.
     """
     if rest.kind is not EventKind.REST:
         return rest

@@ -31,7 +31,6 @@ def after_collision(closed: Closed, rates: dict[str, float]) -> Closed:
     """Stops that may be closed after a collision: those in contact that do not separate.
 
     Args:
-        closed: Closed stops before.
         rates: Rate of every stop in contact after the impact, by name.
     """
     return frozenset(name for name, rate in rates.items() if rate == 0.0) | (closed - rates.keys())
@@ -57,7 +56,6 @@ def pressed(
         q: Configuration, shape (nv,).
         v: Velocity, shape (nv,).
         jacobian: Closure Jacobian, shape (m, nv).
-        at_rest: Names of the stops at rest.
         about: Names of stops whose parts are asked for, all by default; what rests in others stays
             closed.
 
@@ -96,9 +94,7 @@ def pressed_next(
     Where forces vanish together, so do all accelerations: what comes next tells which stops open.
 
     Args:
-        phase: The phase that ends.
-        panel: Its last panel.
-        t: Its end [s].
+        t: End of the phase, and of its last panel [s].
         about: As in :func:`pressed`.
 
     Raises:

@@ -50,10 +50,7 @@ def release_error(
     """Error of the time at which a stop force vanishes: what it is wrong by over its slope.
 
     Args:
-        phase: The phase before.
-        panel: The panel on which the force vanishes.
-        t: When it does so [s].
-        deviations: Those of the motion there.
+        t: When the force vanishes [s].
         index: Coordinate of the stop, a closed one.
 
     Returns:
@@ -123,12 +120,7 @@ _FRESH = EventError(0.0, RATE_ROUND_OFF, 0.0, {})
 def event_errors(
     system: System, segments: Sequence[Segment], events: Sequence[Event]
 ) -> tuple[EventError, ...]:
-    """Estimate the errors of all events, in their order.
-
-    Args:
-        segments: Segments in order of time.
-        events: Events in order of time.
-    """
+    """Estimate the errors of all events, in their order."""
     if not events:
         return ()
     panels, start = PanelMaps(system, events), _at_start(system, segments, events[0])

@@ -65,7 +65,6 @@ class Freedoms:
         """Coordinates of one part, held shafts that move it among them.
 
         Args:
-            columns: The coordinates.
             members: All coordinates of the part.
         """
         return cls(system.body.units, tuple(columns), (0,) * len(columns), (members,))

@@ -99,7 +99,6 @@ def at_start(
         t: When [s].
         q: Configuration, shape (nv,).
         v: Velocity, shape (nv,).
-        split: Dependent and independent coordinates, where they are known.
     """
     split = _split(system, closed, q) if split is None else split
     # In the touch configuration nothing is turned, and only lengths and their sums are rounded.

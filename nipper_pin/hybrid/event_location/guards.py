@@ -55,8 +55,6 @@ class Trigger(NamedTuple):
 
     Attributes:
         t: Time [s].
-        kind: Gap or force.
-        stop: Name of the stop.
     """
 
     t: float
@@ -146,8 +144,7 @@ def _flight_root(panel: Panel, stop: Stop, gap: float, rate: float, nothing: flo
     Dividing out the zero at the start leaves the next one as the only one, to full precision.
 
     Args:
-        stop: The open stop.
-        gap: Its gap at the start of the panel [rad or m].
+        gap: Gap of the stop, an open one, at the start of the panel [rad or m].
         rate: The rate of the gap there.
         nothing: Gap that is round-off.
     """

@@ -109,7 +109,6 @@ def polish(
 
     Args:
         function: Value and derivative (an approximate one is enough); positive at the left end.
-        left: Left end of the bracket.
         right: Right end; the function is not positive there.
         start: Where to start; the right end by default.
 

@@ -31,12 +31,7 @@ class AnyFormat(msgspec.Struct):
 
 
 class Model(_Record, frozen=True, kw_only=True):
-    """Sources of the mechanism.
-
-    Attributes:
-        description: The TOML document as plain data.
-        folder: Folder that relative mesh paths start from.
-    """
+    """Sources of a mechanism: its texts, and the folder that relative mesh paths start from."""
 
     name: str
     urdf: str
@@ -48,9 +43,7 @@ class Setting(_Record, frozen=True, kw_only=True):
     """What a run needs to be repeated.
 
     Attributes:
-        format: Of the file.
         version: Of the package that wrote it.
-        mechanism: Sources of the mechanism.
         meshes: SHA-256 of its mesh files by their names in the URDF.
         case: Fields of ``Case``, which checks them itself.
     """

@@ -38,8 +38,6 @@ def need_own_files(
     """Refuse a model whose files are not those that it was saved with.
 
     Args:
-        description: The TOML document as plain data.
-        folder: Folder that the meshes are to be read from.
         digests: What :func:`mesh_digests` gave when it was saved.
 
     Raises:

@@ -43,7 +43,6 @@ def kinematic_panel(
     Args:
         begin: Where it begins; the guess for the nodes is made from it.
         h: Length [s].
-        resolution: Number of nodes, and what they may leave unresolved.
 
     Returns:
         The panel with the stop forces, or the advice to try a shorter one.
@@ -132,9 +131,7 @@ def _excess(h: float, shown: _Shown, round_off: FloatArray, resolution: Resoluti
 
     Args:
         h: Length of the panel [s].
-        shown: What its nodes show.
         round_off: Round-off of the positions, shape (nv,).
-        resolution: Number of nodes, and what they may leave unresolved.
     """
     left_over = np.maximum(shown.tail_q - round_off, 0.0)
     rough = left_over / (resolution.tolerance * h * shown.v + SMALLEST)
@@ -158,9 +155,7 @@ def _rough_accelerations(
     Near a dead centre they rise within the round-off of the positions.
 
     Args:
-        shown: What its nodes show.
         round_off: Round-off of the positions, shape (nv,).
-        resolution: Number of nodes, and what they may leave unresolved.
     """
     h, v = panel.h, panel.v
     changed = h * shown.v + h**2 * shown.a + SMALLEST

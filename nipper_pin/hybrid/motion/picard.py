@@ -56,9 +56,6 @@ class Sweeps:
     """Picard iteration of one panel.
 
     Args:
-        system: The system.
-        phase: The phase.
-        begin: Where the panel begins.
         h: Its length [s].
         finest: Number of nodes of the finest grid.
         tolerance: Relative change of the positions that ends the iteration.
@@ -113,7 +110,6 @@ class Sweeps:
         Args:
             a: Accelerations at the nodes, shape (N, nv), the first one exact.
             stride: Step from node to node on the finest grid.
-            most: Largest number of sweeps.
         """
         count, h, system = len(a), self._h, self._system
         # Nothing changes at the first node.
@@ -269,7 +265,6 @@ def flight_panel(
     Args:
         begin: Where it begins; its acceleration is that of the first node.
         h: Length [s].
-        resolution: Number of nodes and relative accuracy of the positions.
 
     Returns:
         The panel with the stop forces, or the advice to try a shorter one.

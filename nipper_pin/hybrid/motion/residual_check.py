@@ -32,12 +32,7 @@ _NARROW = 0.1
 
 
 def shows_turns(elements: Elements, panel: Panel, tolerance: float) -> bool:
-    """True if the nodes of a panel show how its dampers turn.
-
-    Args:
-        elements: Tables and struts of the system.
-        tolerance: Relative accuracy of its positions.
-    """
+    """True if the nodes of a panel show how its dampers turn."""
     lines = elements.damper_lines(panel.q)
     if not lines.size:
         return True
@@ -91,12 +86,7 @@ def _in_line(elements: Elements, panel: Panel, damper: int, left: float, right: 
 
 
 def shows_forces(system: System, phase: ConstraintSet, panel: Panel, tolerance: float) -> bool:
-    """True if a flight panel obeys its equations between its nodes, as far as forces ask for it.
-
-    Args:
-        panel: The panel, resolved by its nodes.
-        tolerance: Relative accuracy of its positions.
-    """
+    """True if a flight panel obeys its equations between its nodes, as far as forces ask for it."""
     sigma = rows_met(system, panel)
     if system.mechanism.struts:
         sigma = np.concatenate([sigma, nodes(panel.order).between])
@@ -111,7 +101,6 @@ def shows_end(
     Points of a strut may be at one place where a stop closes, and only there.
 
     Args:
-        tolerance: Relative accuracy of its positions.
         t_end: Time of the event [s].
     """
     if not system.mechanism.struts:

@@ -62,10 +62,6 @@ def energy_balance(
 ) -> EnergyBalance:
     """Integrate the power of drives and dampers by Gauss quadrature and balance it.
 
-    Args:
-        segments: Segments in order of time.
-        events: Events of the run.
-
     Returns:
         The balance. Copies of a turn share their panels' arrays and are integrated once.
     """

@@ -22,11 +22,7 @@ def law_that_matters(system: System, events: Sequence[Event]) -> str:
     """Return one sentence where the other law gives another outcome; empty if it gives the same.
 
     Only impacts at two stops or more that share a motion are looked at, until the first one that
-    differs.
-
-    Args:
-        system: The system that was followed.
-        events: Its events in order of time.
+    differs, in the system that was followed.
     """
     law = system.mechanism.simultaneous
     for event in events:

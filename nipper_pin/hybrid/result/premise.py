@@ -52,12 +52,7 @@ def premise_of(
 ) -> Premise:
     """Follow a transition to the next touch and see in which phase the machine arrives.
 
-    Args:
-        system: The system that was followed.
-        case: The case; one of whole turns assumes nothing.
-        events: Events of that system in order of time.
-        segments: Motion between them.
-        trajectory: The same motion at any time.
+    Events and motion are those of the system that was followed; whole turns assume nothing.
     """
     if case.window is not Window.TRANSITION:
         return Premise(None, "Whole turns assume nothing of how the machine arrives.")

@@ -157,10 +157,6 @@ def of_transition(name: str) -> tuple[Quantity[Collision] | Quantity[Transition 
 def refuse_unknown(names: Iterable[str], known: Iterable[str], where: str) -> None:
     """Refuse names that are no quantity here.
 
-    Args:
-        known: Names that may stand there.
-        where: File and key, for messages.
-
     Raises:
         UnknownNameError: A name is none.
     """

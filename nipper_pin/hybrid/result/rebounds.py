@@ -24,9 +24,6 @@ class Rebounds:
     """Amplitudes and times of rebounds, found when asked for; those of copied turns only once.
 
     Args:
-        system: The system.
-        segments: Segments in order of time.
-        events: Events in order of time.
         case: The case, for motion that a run has left out.
         led: The system with leaders alone; by default the same.
     """

@@ -13,12 +13,7 @@ from ..event import Event, EventKind
 def bounces_summed_up(mechanism: Mechanism, case: Case, events: Sequence[Event]) -> str:
     """Return one sentence where a series ends at its limit with rebounds that are still large.
 
-    A threshold of rates is a choice, and needs no sentence.
-
-    Args:
-        mechanism: The mechanism.
-        case: The case.
-        events: Events in order of time. The first such series is named.
+    A threshold of rates is a choice, and needs no sentence. The first such series is named.
     """
     if case.rest_rate is not None:
         return ""

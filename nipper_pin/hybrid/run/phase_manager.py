@@ -58,12 +58,8 @@ class EventLog:
         """Write an event down: before those rests of parts that it does not touch that come later.
 
         Args:
-            kind: Its kind.
             state: State just before it.
             t: Its time [s]; that of a limit of bounces lies beyond the state.
-            stops: Names of the stops that it concerns.
-            impact: What it changes.
-            closed: Closed stops after it.
             series_error: Estimated error of such a limit [s].
 
         Returns:
@@ -178,16 +174,7 @@ def located(error: SimulationError, system: System, state: State | None = None) 
 class PhaseManager:
     """Events and segments of one run as they grow.
 
-    Args:
-        system: The system.
-        case: The case.
-        state: Where the run begins.
-
     Attributes:
-        state: Where the run stands.
-        segments: The motion so far.
-        events: The events so far.
-        collisions: Number of collisions so far.
         end: End of the window [s]: bounces that outlast it are followed, not summed up.
     """
 
@@ -244,10 +231,7 @@ class PhaseManager:
         }
 
     def step(self, t_limit: float) -> bool:
-        """Advance to the next event or to the limit; False at the limit.
-
-        Args:
-            t_limit: The limit [s].
+        """Advance to the next event or to the limit [s]; False at the limit.
 
         Raises:
             SimulationError: The motion cannot be followed; the message says where and why.
@@ -405,8 +389,6 @@ class PhaseManager:
         """Append copies of a turn, in each of which hinges wind on.
 
         Args:
-            segments: Motion of the turn.
-            times: Number of copies.
             wound: What a turn adds to the coordinates, shape (nv,).
         """
         period, end = self.system.shaft.period, self.state

@@ -69,9 +69,6 @@ def repeats(
 
     Args:
         previous: Segments of the turn before; none before the first.
-        current: Segments of this turn.
-        start: State at its start.
-        end: State at its end.
 
     Returns:
         As :func:`winding`; None if the next turn has to be computed.
@@ -104,9 +101,6 @@ def repeats(
 
 def transition(manager: PhaseManager) -> Outcome:
     """From the touch configuration, where the transition stop collides, to its rest.
-
-    Args:
-        manager: The run, at its start.
 
     Raises:
         InputError: The machine has no such stop, or it does not close there.
@@ -192,7 +186,6 @@ def turns(
     """Whole turns, until one is known to repeat.
 
     Args:
-        manager: The run, at its start.
         progress: Called with (turns done, turns in all) after each turn.
 
     Returns:

@@ -32,7 +32,6 @@ class Struck(NamedTuple):
     """A collision that has been computed.
 
     Attributes:
-        number: Number of its event.
         before: State just before it, with the series of bounces until then.
         after: State just after it, with those series that it does not disturb.
         hit: Names of the stops that have just closed.

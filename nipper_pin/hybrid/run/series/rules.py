@@ -257,11 +257,7 @@ def _rise(stop: Stop, state: State, a: FloatArray, lasts: float) -> float:
 
 
 def series_rules(system: System, case: Case, events: Sequence[Event]) -> tuple[SeriesRule, ...]:
-    """Return the rules of a machine, in the order in which they are asked.
-
-    Args:
-        events: The events of the run, as they are written down.
-    """
+    """Return the rules of a machine, in the order in which they are asked."""
     bounces = Bounces(system, case)
     if len(system.mechanism.stops) < 2:
         return (bounces,)
