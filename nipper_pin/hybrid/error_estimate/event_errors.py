@@ -30,9 +30,8 @@ from ..event import Event, EventKind
 from ..motion.panel import Panel, forces_at
 from ..segment import Segment
 from .freedoms import Freedoms, Part, free_coordinates, parts_of
-from .linear_maps import ImpactMap, LinearMaps, pushing
+from .linear_maps import ImpactMap, LinearMaps, PanelMaps, pushing
 from .local_error import at_start, of_closures, round_off, unsure
-from .panel_maps import PanelMaps
 from .together import StrikeError, after_all, beside, stated, still_apart
 from .variational import tangents
 from .zonotope import Deviations

@@ -10,8 +10,7 @@ import numpy as np
 from ...tolerances.hybrid import CLOCK_ROUND_OFF
 from ..error_estimate.event_errors import EventError
 from ..error_estimate.freedoms import part_of
-from ..error_estimate.linear_maps import LinearMaps
-from ..error_estimate.panel_maps import PanelMaps
+from ..error_estimate.linear_maps import LinearMaps, PanelMaps
 from ..event import EventKind
 from ..segment import Segment
 from .solution import Solution

@@ -142,8 +142,7 @@ class Simulated:
     @cached_property
     def warnings(self) -> tuple[str, ...]:
         """What to know before its numbers are used, a sentence each; usually nothing."""
-        from .other_law import law_that_matters
-        from .summed_bounces import bounces_summed_up
+        from .caveats import bounces_summed_up, law_that_matters
 
         mechanism = self.mechanism
         told = (

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from ..event import Event
+import numpy as np
+
+from ...errors import InputError
+from ..event import Event, EventKind, found_after
+from ..run.phase_manager import PhaseManager, go_on
+from ..state import State
 from .simulated import Simulated
 
 if TYPE_CHECKING:
@@ -70,9 +76,20 @@ class Solution(Simulated):
         Raises:
             SimulationError: The motion cannot be followed to the time of a rest.
         """
-        from .event_state import motion_at
+        from .trajectory import Motion
 
-        return motion_at(self, event)
+        system, t = self.led_system, event.t
+        q, v = event.q, event.v_after
+        if event.kind is EventKind.REST:
+            if self.segments and t <= self.segments[-1].t_end:
+                return self.trajectory.evaluate(t)
+            began = found_after(self.events, event).t
+            closed = self.led_events[event.number - 1].closed_after
+            reached, _ = go_on(system, self.case, State.at(system, began, q, v, closed), t)
+            if reached is not None:
+                q, v = reached.q, reached.v
+        times = np.array([t])
+        return Motion(times, system.shaft.angle(times), q[None], v[None])
 
     def continued(self, to: float) -> Solution:
         """This run with the motion after its last event, until the next one or a later time.
@@ -87,6 +104,14 @@ class Solution(Simulated):
             InputError: The run has no event, or its last one comes later.
             SimulationError: The motion cannot be followed.
         """
-        from .event_state import continued
-
-        return continued(self, to)
+        if not self.events or not to > self.events[-1].t:
+            there = f"comes at {self.events[-1].t:.6g} s" if self.events else "is not there"
+            message = f"to = {to:g} s: a run is continued behind its last event, which {there}"
+            raise InputError(message, to=to)
+        last, system = self.led_events[-1], self.led_system
+        motion = self.motion_at(last)
+        start = State.at(system, last.t, motion.q[0], motion.v[0], last.closed_after)
+        manager = PhaseManager(system, self.case, start)
+        manager.step(to)
+        before = [item for item in self.segments if item.t_start < last.t]
+        return replace(self, segments=(*before, *manager.segments))

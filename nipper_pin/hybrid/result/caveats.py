@@ -1,4 +1,4 @@
-"""Does the outcome of a run depend on the law of stops that are struck together?"""
+"""What to know of a run: a law that it depends on, bounces that are summed up while still seen."""
 
 from __future__ import annotations
 
@@ -7,9 +7,11 @@ from collections.abc import Sequence
 from ...dynamics import System
 from ...dynamics.strike import same_by_every_law, strike
 from ...errors import ImpactError
-from ...mechanism import Simultaneous, Stop
+from ...mechanism import Mechanism, Simultaneous, Stop
+from ...tolerances.hybrid import DROPPED_SERIES
 from ...tolerances.mechanics import FAINT_GAP_RATE
 from ...units import MS_PER_S
+from ..case import Case
 from ..event import Event, EventKind
 
 # Enough for rows of ten balls, in a tenth of a second.
@@ -54,3 +56,38 @@ def _differs(system: System, event: Event, stops: Sequence[Stop], other: Simulta
     least = FAINT_GAP_RATE * max(abs(stop.rate(before)) for stop in stops)
     rates = [(stop.rate(instead.v_after), stop.rate(after)) for stop in stops]
     return any(abs(one - another) > least for one, another in rates)
+
+
+def bounces_summed_up(mechanism: Mechanism, case: Case, events: Sequence[Event]) -> str:
+    """Return one sentence where a series ends at its limit with rebounds that are still large.
+
+    A threshold of rates is a choice, and needs no sentence. The first such series is named.
+    """
+    if case.rest_rate is not None:
+        return ""
+    most = (DROPPED_SERIES * case.resolution.tolerance) ** (1.0 / 3.0)
+    for rest in events:
+        if rest.kind is not EventKind.REST or rest.source != rest.number:
+            continue
+        for stop in map(mechanism.stop, rest.stops):
+            rebounds = _rebounds(events[: rest.number - 1], stop)
+            if rebounds and rebounds[-1] > most * max(rebounds):
+                return (
+                    f"Of the bounces of stop {stop.name} {len(rebounds)} are computed. Those that "
+                    f"follow, still {rebounds[-1] / max(rebounds):.2g} as fast as the fastest, are "
+                    f"summed up: it rests at their limit, t = {rest.t:.6g} s, and pictures show "
+                    "it closed before."
+                )
+    return ""
+
+
+def _rebounds(events: Sequence[Event], stop: Stop) -> list[float]:
+    """Rates of the rebounds of the series that the events end with [rad/s or m/s]."""
+    rates: list[float] = []
+    for event in reversed(events):
+        if stop.name not in event.P_N:
+            continue
+        if event.kind is not EventKind.COLLISION or stop.rate(event.v_after) <= 0.0:
+            break
+        rates.insert(0, stop.rate(event.v_after))
+    return rates
