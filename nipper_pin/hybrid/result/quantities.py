@@ -68,7 +68,7 @@ def force_unit(mechanism: Mechanism, stop: Stop) -> str:
 
 
 def _own(name: str) -> Callable[[Simulated, object], Any]:
-    """Reads an attribute of a collision or a transition; None without a transition."""
+    """Reads an attribute of a collision, a turn or a transition; None without a transition."""
     return lambda _, item: None if item is None else getattr(item, name)
 
 
@@ -76,23 +76,23 @@ def _error(solution: Simulated, hit: Collision) -> StrikeError:
     return solution.errors[hit.event.number - 1].at(hit.stop)
 
 
-def _kept(name: str, column: str, force: str | None = None) -> Quantity[Any]:
-    """A quantity whose attribute is called alike in solutions and in tables of transitions."""
+def kept(name: str, column: str, force: str | None = None) -> Quantity[Any]:
+    """A quantity whose attribute is called alike in solutions and in tables."""
     return Quantity(name=name, column=column, read=_own(column), force=force)
 
 
 COLLISION: tuple[Quantity[Collision], ...] = (
     Quantity(name="t_s", read=_own("t")),
     Quantity(name="time_s", column="time", read=lambda run, hit: hit.t - run.collisions[0].t),
-    _kept("cylinder_angle_rad", "cylinder_angle"),
+    kept("cylinder_angle_rad", "cylinder_angle"),
     Quantity(name="index", read=_own("index")),
-    _kept("approach_rate", "approach_rate"),
-    _kept("separation_rate", "separation_rate"),
-    _kept("impulse_N_s", "impulse", "N"),
-    _kept("impulse_N_m_s", "impulse", "N m"),
-    _kept("energy_lost_J", "energy_lost"),
-    _kept("rebound_amplitude", "rebound_amplitude"),
-    _kept("rebound_time_s", "rebound_time"),
+    kept("approach_rate", "approach_rate"),
+    kept("separation_rate", "separation_rate"),
+    kept("impulse_N_s", "impulse", "N"),
+    kept("impulse_N_m_s", "impulse", "N m"),
+    kept("energy_lost_J", "energy_lost"),
+    kept("rebound_amplitude", "rebound_amplitude"),
+    kept("rebound_time_s", "rebound_time"),
     Quantity(
         name="time_error_s",
         column="time_error",
@@ -129,10 +129,10 @@ def _collisions(solution: Simulated, found: Transition | None) -> float:
 
 TRANSITION: tuple[Quantity[Transition | None], ...] = (
     Quantity(name="premise_holds", read=lambda run, _: run.premise_holds),
-    _kept("duration_s", "duration"),
+    kept("duration_s", "duration"),
     Quantity(name="duration_error_s", column="duration_error", read=_duration_error),
     Quantity(name="collisions", read=_collisions),
-    _kept("first_two_share", "first_two_share"),
+    kept("first_two_share", "first_two_share"),
 )
 """Quantities of a transition; without a completed one there are its premise and collisions."""
 

@@ -5,29 +5,18 @@ As in :mod:`~nipper_pin.hybrid.result.quantities`, of which this is the part of 
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 from ....mechanism import Mechanism
-from ..quantities import Quantity, coordinate_unit
-from ..simulated import Simulated
+from ..quantities import Quantity, coordinate_unit, kept
 from .turn import DriveTurn, StopTurn, Turn
-
-
-def _own(name: str) -> Callable[[Simulated, object], Any]:
-    """Reads an attribute of a turn, or of a stop in it."""
-    return lambda _, item: getattr(item, name)
-
-
-def _of(name: str, column: str, force: str | None = None) -> Any:
-    """A quantity whose attribute is called alike in a turn and in tables of turns."""
-    return Quantity(name=name, read=_own(column), column=column, force=force)
 
 
 def _forces(column: str, units: tuple[str, ...] = ("N", "N m")) -> list[Any]:
     """A force, or an impulse, once for each unit that a stop can have."""
     return [
-        _of(f"{column}_{unit.replace(' ', '_')}", column, unit.removesuffix(" s")) for unit in units
+        kept(f"{column}_{unit.replace(' ', '_')}", column, unit.removesuffix(" s"))
+        for unit in units
     ]
 
 
@@ -44,27 +33,27 @@ _EVENTS = ("closing", "rest", "loss", "opening")
 INDICES = tuple(f"{event}_index" for event in _EVENTS)
 """Names of the quantities that are places in the turn: differences go the short way around."""
 TURN: tuple[Quantity[Turn], ...] = (
-    _of("repeats_after", "repeats_after"),
-    _of("clamped_time_s", "clamped_time"),
+    kept("repeats_after", "repeats_after"),
+    kept("clamped_time_s", "clamped_time"),
     Quantity(name="clamped_time_error_s", column="clamped_time_error"),
-    _of("clamped_share", "clamped_share"),
+    kept("clamped_share", "clamped_share"),
     *(
-        _of(f"{event}_index{error}", f"{event}_index{error}")
+        kept(f"{event}_index{error}", f"{event}_index{error}")
         for event in _EVENTS
         for error in ("", "_error")
     ),
     *_forces("least_clamping_force"),
     *_forces("largest_clamping_force"),
     *_force_errors("clamping_force_error"),
-    _of("largest_gap", "largest_gap"),
-    _of("largest_gap_error", "largest_gap_error"),
-    _of("energy_lost_turn_J", "energy_lost"),
-    _of("energy_lost_turn_error_J", "energy_lost_error"),
+    kept("largest_gap", "largest_gap"),
+    kept("largest_gap_error", "largest_gap_error"),
+    kept("energy_lost_turn_J", "energy_lost"),
+    kept("energy_lost_turn_error_J", "energy_lost_error"),
 )
 """Quantities of a whole turn; forces and gaps are those of the transition stop, which clamps."""
 
 TURN_STOP: tuple[Quantity[StopTurn], ...] = (
-    _of("collisions", "collisions"),
+    kept("collisions", "collisions"),
     *_forces("impulse_sum", _IMPULSE),
     *_forces("impulse_sum_error", _IMPULSE),
     *_forces("largest_impulse", _IMPULSE),
