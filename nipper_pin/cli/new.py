@@ -43,11 +43,11 @@ def _run(options: argparse.Namespace) -> None:
 
 
 def _list() -> None:
-    from ..mechanism.gallery import GALLERY
+    from ..mechanism.gallery import GALLERY, drawn
     from ..view.console import paste, say, show_table, unbroken_console
 
     console = unbroken_console()
-    rows = [(name, draw().title) for name, draw in GALLERY.items()]
+    rows = [(name, drawn(name).title) for name in GALLERY]
     show_table(console, ("machine", "what it is"), rows, text=(0, 1))
     say(console, f"Found: {len(rows)} machines to start from.")
     paste(console, f"Next: nipper-pin new my_machine --from {rows[0][0]}")

@@ -25,7 +25,7 @@ def load(model: str | Path = "e62", overrides: Mapping[str, object] | None = Non
     Args:
         model: Name of a model that comes with the package; or a folder that holds
             ``<folder>.urdf`` and ``<folder>.toml``, or one URDF and one TOML file of any names; or
-            the path of the TOML file.
+            the path of the TOML file. A TOML file that draws the machine needs no URDF.
         overrides: New values by path, for example ``{"stops.jaw.restitution": 0.1}``,
             ``{"links.top_nipper.mass_kg": 1.3}`` or ``{"points.rod_pin.x_mm": -20.0}``
             or by the model's shortcuts, ``{"restitution": 0.1}``; strings are
@@ -48,8 +48,14 @@ def load(model: str | Path = "e62", overrides: Mapping[str, object] | None = Non
     folder, name = found.folder, found.name
     urdf_file, toml_file = f"{name}.urdf", f"{name}.toml"
     try:
-        urdf = as_unicode(_read(found.urdf, encoding_of))
         data = read_toml(_read(found.toml), toml_file)
+        if found.urdf is None:
+            from .drawing.read import drawing_of
+            from .drawing.tables import drawn_sources
+
+            urdf, data = drawn_sources(drawing_of(data, name, toml_file))
+        else:
+            urdf = as_unicode(_read(found.urdf, encoding_of))
         if overrides:
             from .edit.overrides import apply_overrides, by_path, with_tables
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from ..errors import InputError, ModelError, UnknownNameError, with_words
 from ..outputs import complete_folder
-from ..texts import followed, no_file
+from ..texts import MOST_TEXT, followed, no_file, read_text
 
 
 @dataclass(frozen=True)
@@ -19,11 +19,12 @@ class ModelFiles:
 
     Attributes:
         name: Name of the model: that of its folder, or of a TOML file that was asked for.
+        urdf: The URDF; None if the TOML file draws the machine.
         toml: The TOML file.
     """
 
     name: str
-    urdf: Path
+    urdf: Path | None
     toml: Path
 
     @property
@@ -34,11 +35,14 @@ class ModelFiles:
     @property
     def own_names(self) -> bool:
         """True if the files are called like the model, as messages call them."""
-        return (self.urdf.name, self.toml.name) == (f"{self.name}.urdf", f"{self.name}.toml")
+        urdf = f"{self.name}.urdf" if self.urdf is None else self.urdf.name
+        return (urdf, self.toml.name) == (f"{self.name}.urdf", f"{self.name}.toml")
 
     def named(self, error: InputError) -> InputError:
         """The error with the files called by their names."""
-        names = {f"{self.name}.urdf": self.urdf.name, f"{self.name}.toml": self.toml.name}
+        names = {f"{self.name}.toml": self.toml.name}
+        if self.urdf is not None:
+            names[f"{self.name}.urdf"] = self.urdf.name
         return with_words(error, names)
 
 
@@ -78,7 +82,7 @@ def find_files(model: str | Path) -> ModelFiles:
     """
     known = known_models()
     if isinstance(model, str) and model in known:
-        return _pair(known[model], model)
+        return _in_folder(known[model], model)
     try:
         path = followed(model)
         if path.suffix == ".toml" and path.is_file():
@@ -95,12 +99,7 @@ def find_files(model: str | Path) -> ModelFiles:
             allowed = "a folder with a URDF and a TOML file, or the TOML file of one"
             raise ModelError(file=str(path.parent), key="model", value=path.name, allowed=allowed)
         raise UnknownNameError(kind="model or model folder", name=str(model), known=known)
-    pair = _pair(path, path.name)
-    _need_file(pair.urdf)
-    _need_file(pair.toml)
-    if pair.urdf.is_file() and pair.toml.is_file():
-        return pair
-    return ModelFiles(path.name, _only(path, ".urdf", path.name), _only(path, ".toml", path.name))
+    return _in_folder(path, path.name)
 
 
 def find_model(model: str | Path) -> Path:
@@ -108,17 +107,48 @@ def find_model(model: str | Path) -> Path:
     return find_files(model).folder
 
 
-def _pair(folder: Path, name: str) -> ModelFiles:
-    return ModelFiles(name, folder / f"{name}.urdf", folder / f"{name}.toml")
+def _in_folder(folder: Path, name: str) -> ModelFiles:
+    """The model of a folder: its files have its name, or are the only ones there."""
+    urdf, toml = folder / f"{name}.urdf", folder / f"{name}.toml"
+    for path in (urdf, toml):
+        _need_file(path)
+    drawn = toml if toml.is_file() else None
+    if drawn is None and len(there := [*folder.glob("*.toml")]) == 1:
+        drawn = there[0]
+    if drawn is not None and _draws(drawn):
+        return _drawing(name, drawn)
+    if urdf.is_file() and toml.is_file():
+        return ModelFiles(name, urdf, toml)
+    return ModelFiles(name, _only(folder, ".urdf", name), _only(folder, ".toml", name))
 
 
 def _with_toml(toml: Path) -> ModelFiles:
     """The model of a TOML file: its URDF has its name, or is the only one beside it."""
-    pair = _pair(toml.parent, toml.stem)
-    _need_file(pair.urdf)
-    if pair.urdf.is_file():
-        return pair
-    return ModelFiles(toml.stem, _only(toml.parent, ".urdf", toml.stem), toml)
+    if _draws(toml):
+        return _drawing(toml.stem, toml)
+    urdf = toml.with_suffix(".urdf")
+    _need_file(urdf)
+    if not urdf.is_file():
+        urdf = _only(toml.parent, ".urdf", toml.stem)
+    return ModelFiles(toml.stem, urdf, toml)
+
+
+def _drawing(name: str, toml: Path) -> ModelFiles:
+    """The model that a file draws; a URDF of its name would be another one."""
+    if (urdf := toml.with_suffix(".urdf")).exists():
+        allowed = f"one of them: {toml.name} draws a machine (drawing = 1), {urdf.name} is another"
+        raise ModelError(file=str(toml.parent), key="model", value=urdf.name, allowed=allowed)
+    return ModelFiles(name, None, toml)
+
+
+def _draws(toml: Path) -> bool:
+    """Whether a TOML file draws its machine, by the key ``drawing`` above its first table."""
+    try:
+        text = read_text(toml, MOST_TEXT)
+    except (OSError, UnicodeError):
+        # What reads the file says what is wrong with it.
+        return False
+    return re.search(r"^\s*drawing\s*=", text.split("\n[")[0], re.MULTILINE) is not None
 
 
 def _need_file(path: Path) -> None:

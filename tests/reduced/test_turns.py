@@ -25,7 +25,7 @@ from nipper_pin import (
 )
 from nipper_pin.mechanism import from_sources
 from nipper_pin.mechanism.drawing import drawn_mechanism
-from nipper_pin.mechanism.gallery import GALLERY
+from nipper_pin.mechanism.gallery import GALLERY, drawn
 from nipper_pin.reduced.kernels.turn_layout import END_COLUMNS, EVENT_COLUMNS, HOLD_COLUMNS
 from nipper_pin.reduced.turns import ReducedTurns, TurnStatus, build_turns, turn_model, turns
 from nipper_pin.reduced.turns import turn as module
@@ -132,16 +132,16 @@ def judged(mechanism: Mechanism, factor: float) -> bool:
 @pytest.mark.parametrize("name", FEW)
 def test_turns_of_machines_of_the_gallery(name: str) -> None:
     """At the rated speed, within both stated errors."""
-    assert judged(drawn_mechanism(GALLERY[name]()), 1.0)
+    assert judged(drawn_mechanism(drawn(name)), 1.0)
 
 
 @pytest.mark.campaign
 def test_no_machine_of_the_gallery_is_followed_wrongly() -> None:
     """All machines at half, once and twice their rated speed: followed rightly, or refused."""
     refused = []
-    for name, draw in GALLERY.items():
+    for name in GALLERY:
         # Its tables are those of all three speeds.
-        mechanism = drawn_mechanism(draw())
+        mechanism = drawn_mechanism(drawn(name))
         refused += [(name, factor) for factor in (0.5, 1.0, 2.0) if not judged(mechanism, factor)]
     assert len(refused) <= REFUSED, refused
 
@@ -203,7 +203,7 @@ def test_arguments_and_machines_that_cannot_be_used(e62: Mechanism) -> None:
         with pytest.raises(InputError):
             turns(e62, **{"speed_rpm": 450.0, **keys})  # type: ignore[arg-type]
     with pytest.raises(InputError, match="and 2 are left"):
-        turns(drawn_mechanism(GALLERY["needle_bar"]()), speed_rpm=60.0)
+        turns(drawn_mechanism(drawn("needle_bar")), speed_rpm=60.0)
     with pytest.raises(SimulationError, match="max_collisions") as many:
         turns(e62, speed_rpm=450.0, max_collisions=3)
     assert many.value.evidence["status"] == TurnStatus.TOO_MANY_COLLISIONS.name

@@ -28,7 +28,7 @@ from nipper_pin.hybrid.result.turns import (
     turn_names,
 )
 from nipper_pin.mechanism.drawing import drawn_mechanism
-from nipper_pin.mechanism.gallery import GALLERY
+from nipper_pin.mechanism.gallery import drawn
 from nipper_pin.mechanism.restitution import Falling
 from nipper_pin.study.turns import TURNS_PAY_FROM
 
@@ -80,7 +80,7 @@ def test_engines_agree(name: str, e62: Mechanism) -> None:
     turn to turn with room: the engines agree to 1e-7 anyhow.
     """
     speeds, cycles, level, rate = MACHINES[name]
-    mechanism = e62 if name == "e62" else drawn_mechanism(GALLERY[name]())
+    mechanism = e62 if name == "e62" else drawn_mechanism(drawn(name))
     keys: dict[str, Any] = {"turns": cycles, "rest_rate": rate, "least_force_N": level,
                             "tolerance": TOLERANCE}  # fmt: skip
     direct, reduced = (turn_table(mechanism, speed_rpm=speeds, engine=engine, **keys)

@@ -18,7 +18,7 @@ from nipper_pin.cli import main
 from nipper_pin.mechanism import from_sources, known_models
 from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.files import toml
-from nipper_pin.mechanism.gallery import GALLERY
+from nipper_pin.mechanism.gallery import GALLERY, drawn
 from nipper_pin.study.urdf_advice import UrdfAdvice
 from nipper_pin.study.urdf_unread import unread
 
@@ -42,7 +42,7 @@ def built(parts: list[str], **tables: Any) -> Mechanism:
 @pytest.mark.slow
 def test_good_models_get_no_advice() -> None:
     machines = [load(name) for name in known_models() if name != "benchmarks"]
-    for mechanism in (*machines, *(drawn_mechanism(draw()) for draw in GALLERY.values())):
+    for mechanism in (*machines, *(drawn_mechanism(drawn(name)) for name in GALLERY)):
         assert advised(mechanism) == UrdfAdvice((), ""), mechanism.name
 
 

@@ -19,7 +19,9 @@ from .parts import (
     Tie,
 )
 from .places import between, direction, distance, meet, on_line, polar
-from .write import drawn_mechanism, drawn_sources, drawn_texts, write_drawing
+from .read import drawing_of, is_drawing, read_drawing
+from .tables import drawn_sources
+from .write import drawn_mechanism, drawn_texts, write_drawing
 
 __all__ = [
     "FRAME",
@@ -40,13 +42,16 @@ __all__ = [
     "between",
     "direction",
     "distance",
+    "drawing_of",
     "drawn_mechanism",
     "drawn_sources",
     "drawn_texts",
     "flap",
+    "is_drawing",
     "meet",
     "on_line",
     "polar",
+    "read_drawing",
     "telescope",
     "write_drawing",
 ]

@@ -234,6 +234,8 @@ class Drawing:
         known: Where the dimensions come from.
         invented: What is an invention.
         traced: Link and point whose path is drawn, as in ``"coupler P"``.
+        tables: Further drives, springs, stops and so on, as a model's TOML file has them. Springs
+            and dampers between points may have ``ends`` in the place of their frames.
     """
 
     name: str
@@ -250,3 +252,4 @@ class Drawing:
     known: str = ""
     invented: str = "invention: a plausible machine of its kind"
     traced: str = ""
+    tables: Mapping[str, Any] = field(default_factory=dict)

@@ -53,8 +53,8 @@ def meet(first: Place, r_first: float, second: Place, r_second: float, left: boo
     high = r_first**2 - along**2
     if high < 0.0:
         message = (
-            f"no point is {r_first:g} mm from {first} and {r_second:g} mm from {second}, which are "
-            f"{apart:g} mm apart"
+            f"no point is {r_first:g} mm from {_shown(first)} and {r_second:g} mm from "
+            f"{_shown(second)}, which are {apart:g} mm apart"
         )
         raise InputError(message, lengths=(r_first, r_second, apart))
     return between(first, second, along / apart, sqrt(high) if left else -sqrt(high))
@@ -78,7 +78,7 @@ def on_line(centre: Place, radius: float, at: Place, along: Place, ahead: bool) 
     foot = (centre[0] - at[0]) * x + (centre[1] - at[1]) * z
     aside = hypot(at[0] + foot * x - centre[0], at[1] + foot * z - centre[1])
     if aside > radius:
-        message = f"the line passes {centre} at {aside:g} mm, further than {radius:g} mm"
+        message = f"the line passes {_shown(centre)} at {aside:g} mm, further than {radius:g} mm"
         raise InputError(message, distance=aside)
     away = foot + (1.0 if ahead else -1.0) * sqrt(radius**2 - aside**2)
     return at[0] + away * x, at[1] + away * z
@@ -92,6 +92,10 @@ def distance(first: Place, second: Place) -> float:
 def direction(first: Place, second: Place) -> float:
     """Angle of the way from one point to another, counter-clockwise from x [deg]."""
     return degrees(atan2(second[1] - first[1], second[0] - first[0]))
+
+
+def _shown(point: Place) -> str:
+    return f"({point[0]:.6g}, {point[1]:.6g})"
 
 
 def place(points: Mapping[str, Place], name: str) -> Place:

@@ -2,15 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any, TypeVar
 
 from ...errors import InputError
 from .parts import Damper, Drawing, Drive, Force, Slot, Spring, Start, Stop, Tie
-from .tree import Tree
-from .urdf_text import LINE, frame_name
+from .tree import Tree, grown
+from .urdf_text import LINE, ends_of, frame_name, urdf_text
 
+_ADDED = ("drives", "springs", "dampers", "forces", "initial", "stops")
 Entry = TypeVar("Entry")
+
+
+def drawn_sources(drawing: Drawing) -> tuple[str, dict[str, Any]]:
+    """The URDF and the TOML document of a drawing, as plain data.
+
+    Raises:
+        InputError: The drawing does not hang together.
+    """
+    tree = grown(drawing)
+    return urdf_text(tree, drawing.name), document(tree)
 
 
 def document(tree: Tree) -> dict[str, Any]:
@@ -21,17 +32,14 @@ def document(tree: Tree) -> dict[str, Any]:
             are two drives, starts or stops of one name.
     """
     drawing = tree.drawing
-    stops = _single(
-        drawing,
-        "stops",
-        [(part.name or part.joint, part) for part in drawing.parts if isinstance(part, Stop)],
-    )
+    given = {key: value for key, value in drawing.tables.items() if key not in _ADDED}
+    stops = _stops(tree)
     struck = drawing.struck or next(iter(stops), "")
     if missing := [name for name in (*drawing.closed, struck) if name and name not in stops]:
         message = f"{drawing.name}: {', '.join(missing)} are no stops; stops: {', '.join(stops)}"
         raise InputError(message, stops=missing)
     slots = sum(isinstance(cut, Slot) for cut in tree.cut.values())
-    springs = _springs(tree)
+    springs = {**_springs(tree), **_added(drawing, "springs")}
     found: dict[str, Any] = {
         "format": 1,
         "title": drawing.title,
@@ -46,16 +54,12 @@ def document(tree: Tree) -> dict[str, Any]:
             "reference_index": 24.0,
             "reference_angle_deg": drawing.start_deg,
         },
-        "drives": _drives(tree),
+        "drives": {**_drives(tree), **_added(drawing, "drives")},
         "springs": springs,
-        "dampers": _dampers(tree),
-        "forces": _several(
-            (part.joint, {"joint": part.joint, "law": part.law, **part.keys})
-            for part in drawing.parts
-            if isinstance(part, Force)
-        ),
-        "initial": _initial(tree),
-        "stops": {name: _stop(tree, part) for name, part in stops.items()},
+        "dampers": {**_dampers(tree), **_added(drawing, "dampers")},
+        "forces": {**_forces(drawing), **_added(drawing, "forces")},
+        "initial": {**_initial(tree), **_added(drawing, "initial")},
+        "stops": stops,
         "closures": _closures(tree),
         "phases": _phases(drawing.closed, struck),
         "shortcuts": _shortcuts(struck, springs),
@@ -64,8 +68,25 @@ def document(tree: Tree) -> dict[str, Any]:
             "urdf.links": "invention: bars of an even mass by their length, blocks as given",
             **{table: drawing.invented for table in ("drives", "springs", "stops")},
         },
+        **given,
     }
     return {key: value for key, value in found.items() if value or key == "gravity_m_s2"}
+
+
+def _added(drawing: Drawing, section: str) -> dict[str, Any]:
+    """Entries of a section that a drawing has as tables, their ends as frames."""
+    entries = drawing.tables.get(section, {})
+    if not isinstance(entries, Mapping):
+        # What reads the document says what is wrong.
+        return {section: entries}
+    found = {}
+    for name, entry in entries.items():
+        if isinstance(entry, Mapping) and "ends" in entry:
+            frames = [frame_name(*end) for end in ends_of(drawing, entry["ends"])]
+            entry = {**dict(zip(("frame_a", "frame_b"), frames, strict=True)), **entry}
+            del entry["ends"]
+        found[name] = entry
+    return found
 
 
 def _single(drawing: Drawing, kind: str, entries: Iterable[tuple[str, Entry]]) -> dict[str, Entry]:
@@ -116,10 +137,10 @@ def _springs(tree: Tree) -> dict[str, Any]:
             entry = {"joint": part.joint, stiff: part.stiffness, preload: part.preload}
             found.append((part.joint, entry))
         elif isinstance(part, Tie):
-            ends = [end.split() for end in part.ends]
+            first, second = (frame_name(*end) for end in ends_of(tree.drawing, part.ends))
             entry = {
-                "frame_a": frame_name(*ends[0]),
-                "frame_b": frame_name(*ends[1]),
+                "frame_a": first,
+                "frame_b": second,
                 "stiffness_N_per_m": part.stiffness,
                 "free_length_mm": part.free_mm,
             }
@@ -146,6 +167,20 @@ def _start(tree: Tree, part: Start) -> dict[str, Any]:
         _unit(tree, part.joint, "at_mm", "at_deg"): part.at,
         _unit(tree, part.joint, "rate_mm_per_s", "rate_rad_per_s"): part.rate,
     }
+
+
+def _forces(drawing: Drawing) -> dict[str, Any]:
+    return _several(
+        (part.joint, {"joint": part.joint, "law": part.law, **part.keys})
+        for part in drawing.parts
+        if isinstance(part, Force)
+    )
+
+
+def _stops(tree: Tree) -> dict[str, Any]:
+    drawn = [(part.name or part.joint, _stop(tree, part))
+             for part in tree.drawing.parts if isinstance(part, Stop)]  # fmt: skip
+    return {**_single(tree.drawing, "stops", drawn), **_added(tree.drawing, "stops")}
 
 
 def _stop(tree: Tree, part: Stop) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from xml.sax.saxutils import escape
 
 from ...errors import InputError
 from ...units import M_PER_MM
-from .parts import FRAME, Body, Pin, Place, Slide, Slot, Tie
+from .parts import FRAME, Body, Drawing, Pin, Place, Slide, Slot, Tie
 from .places import distance, place, vector
 from .tree import Tree
 from .visuals import body_visuals, frame_visuals
@@ -76,6 +76,31 @@ def frame_name(link: str, point: str) -> str:
     return f"{link}_{point.replace('/', '_')}"
 
 
+def ends_of(drawing: Drawing, ends: object) -> list[tuple[str, str]]:
+    """Link and point of both ends of a spring or damper between points.
+
+    Raises:
+        InputError: They are no two texts of a link and a point each.
+    """
+    given = ends if isinstance(ends, list | tuple) else ()
+    words = [str(end).split() for end in given]
+    if [len(item) for item in words] != [2, 2]:
+        message = f'{drawing.name}: ends = {ends!r}: two texts of a link and a point, "jaw E"'
+        raise InputError(message, ends=ends)
+    return [(link, point) for link, point in words]
+
+
+def _ties(drawing: Drawing) -> list[object]:
+    """Ends of the springs and dampers between points."""
+    found: list[object] = [part.ends for part in drawing.parts if isinstance(part, Tie)]
+    for section in ("springs", "dampers"):
+        entries = drawing.tables.get(section)
+        for entry in entries.values() if isinstance(entries, Mapping) else ():
+            if isinstance(entry, Mapping) and "ends" in entry:
+                found.append(entry["ends"])
+    return found
+
+
 def urdf_text(tree: Tree, name: str) -> str:
     """The URDF of a drawing.
 
@@ -107,9 +132,8 @@ def urdf_text(tree: Tree, name: str) -> str:
         point = cut.point if isinstance(cut, Pin) else cut.at
         for link in ends:
             frames[frame_name(link, point)] = _frame(tree, frame_name(link, point), link, point)
-    for tie in (part for part in drawing.parts if isinstance(part, Tie)):
-        for end in tie.ends:
-            link, point = end.split()
+    for tied in _ties(drawing):
+        for link, point in ends_of(drawing, tied):
             frames[frame_name(link, point)] = _frame(tree, frame_name(link, point), link, point)
     return "\n".join([*lines, *frames.values(), "</robot>", ""])
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 from textwrap import wrap
-from typing import Any
 
 from ..files.schema import SCHEMA_FILE, schema_text
 from ..files.toml_text import toml
@@ -12,7 +11,7 @@ from ..load import from_sources
 from ..mechanism import Mechanism
 from ..model_files import check_model_folder, new_folder
 from .parts import Drawing
-from .tables import document
+from .tables import document, drawn_sources
 from .tree import grown
 from .urdf_text import urdf_text
 
@@ -57,16 +56,6 @@ def write_drawing(drawing: Drawing, folder: str | Path) -> Path:
         for file, text in texts.items():
             (partial / file).write_text(text, encoding="utf-8")
     return target
-
-
-def drawn_sources(drawing: Drawing) -> tuple[str, dict[str, Any]]:
-    """The URDF and the TOML document of a drawing, as plain data.
-
-    Raises:
-        InputError: The drawing does not hang together.
-    """
-    tree = grown(drawing)
-    return urdf_text(tree, drawing.name), document(tree)
 
 
 def drawn_mechanism(drawing: Drawing) -> Mechanism:

@@ -174,7 +174,7 @@ def describe(data: Mapping[str, object], file: str) -> Description:
         ModelError: A key is unknown or missing, or a value cannot be used.
     """
     _check_size(data, file)
-    _refuse_unusable(data, "", file)
+    refuse_unusable(data, "", file)
     # Errors of single elements are reported before errors of the whole.
     extended = {section: _entries(data, section, file) for section in _LAWS}
     for section in _SECTIONS:
@@ -182,7 +182,7 @@ def describe(data: Mapping[str, object], file: str) -> Description:
             _entries(data, section, file)
     extended["stops"] = _stops(data, file)
     rest = {key: value for key, value in data.items() if key not in extended}
-    whole: Description = _convert(rest, Description, "", file)
+    whole: Description = converted(rest, Description, "", file)
     return msgspec.structs.replace(whole, **extended)
 
 
@@ -193,7 +193,7 @@ def describe_entry(data: Mapping[str, Any], section: str, name: str, file: str) 
         ModelError: As of :func:`describe`.
     """
     entry = {section: {name: data[section][name]}}
-    _refuse_unusable(entry, "", file)
+    refuse_unusable(entry, "", file)
     found = _stops(entry, file) if section == "stops" else _entries(entry, section, file)
     return found[name]
 
@@ -241,7 +241,7 @@ def _with_law(register: Register[Any], entry: object, prefix: str, file: str) ->
         hint = f"; did you mean {near[0]!r}?" if near else ""
         allowed = f"{lacking}one of {', '.join(known)}{hint}"
         raise ModelError(file=file, key=f"{prefix}.law", value=name, allowed=allowed)
-    return _convert(entry, kind, prefix, file)
+    return converted(entry, kind, prefix, file)
 
 
 def _entries(data: Mapping[str, object], section: str, file: str) -> dict[str, Any]:
@@ -252,7 +252,7 @@ def _entries(data: Mapping[str, object], section: str, file: str) -> dict[str, A
     return {
         name: _with_law(_LAWS[section], entry, f"{section}.{name}", file)
         if section in _LAWS
-        else _convert(entry, _SECTIONS[section], f"{section}.{name}", file)
+        else converted(entry, _SECTIONS[section], f"{section}.{name}", file)
         for name, entry in entries.items()
     }
 
@@ -281,27 +281,35 @@ def _defaults(kind: type[msgspec.Struct]) -> dict[str, float]:
     }
 
 
-def _refuse_unusable(value: object, path: str, file: str) -> None:
+def refuse_unusable(value: object, path: str, file: str) -> None:
     """Raise for the first NaN or infinity inside the value, and for names no message can show."""
     if isinstance(value, Mapping):
         for key, item in value.items():
             if not str(key).isprintable():
                 allowed = "keys and names without line breaks and control characters"
                 raise ModelError(file=file, key=path or "the file", value=key, allowed=allowed)
-            _refuse_unusable(item, f"{path}.{key}" if path else str(key), file)
+            refuse_unusable(item, f"{path}.{key}" if path else str(key), file)
     elif isinstance(value, list | tuple):
         # Tables of many rows are usual, and wrong ones seldom.
         if all(type(item) is float and -LARGEST <= item <= LARGEST for item in value):
             return
         for place, item in enumerate(value):
-            _refuse_unusable(item, f"{path}[{place}]", file)
+            refuse_unusable(item, f"{path}[{place}]", file)
     elif isinstance(value, int | float) and not abs(value) <= LARGEST:
         allowed = f"a finite number of at most {LARGEST:g}"
         raise ModelError(file=file, key=path, value=value, allowed=allowed)
 
 
-def _convert(value: object, kind: type[_T] | Any, prefix: str, file: str) -> _T:
-    """Convert one value and turn a refusal into an error that names key, value and choice."""
+def converted(value: object, kind: type[_T] | Any, prefix: str, file: str) -> _T:
+    """Convert one value of a document to a type.
+
+    Args:
+        kind: The type, for ``msgspec.convert``.
+        prefix: Path of the value; "" for the whole document.
+
+    Raises:
+        ModelError: It does not fit; names key, value and choice.
+    """
     try:
         converted: _T = msgspec.convert(value, kind)
     except msgspec.ValidationError as error:

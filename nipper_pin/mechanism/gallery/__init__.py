@@ -1,39 +1,58 @@
-"""Textbook linkages, each with one or two stops somewhere along its motion."""
+"""Textbook linkages, each with one or two stops somewhere along its motion: one drawing each."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from pathlib import Path
 
 from ...errors import UnknownNameError
-from ..drawing import Drawing
-from .devices import DEVICES
-from .exact_lines import EXACT_LINES
-from .feeds import FEEDS
-from .four_bars import FOUR_BARS
-from .legs import LEGS
-from .machines import MACHINES
-from .presses import PRESSES
-from .quick_returns import QUICK_RETURNS
-from .six_bars import SIX_BARS
-from .sliders import SLIDERS
-from .straight_lines import STRAIGHT_LINES
-from .switches import SWITCHES
+from ..drawing import Drawing, read_drawing
 
-GROUPS: dict[str, tuple[Callable[[], Drawing], ...]] = {
-    "Four-bars": FOUR_BARS,
-    "Slider-cranks and yoke": SLIDERS,
-    "Quick returns": QUICK_RETURNS,
-    "Toggles": PRESSES,
-    "Six-bars": SIX_BARS,
-    "Straight lines": STRAIGHT_LINES + EXACT_LINES,
-    "Legs and parallel bars": LEGS,
-    "Machines": MACHINES + FEEDS,
-    "Devices": DEVICES + SWITCHES,
+GROUPS: dict[str, tuple[str, ...]] = {
+    "Four-bars": ("crank_rocker", "double_crank", "double_rocker", "triple_rocker"),
+    "Slider-cranks and yoke": (
+        "slider_crank",
+        "slider_crank_offset",
+        "oscillating_cylinder",
+        "scotch_yoke",
+    ),
+    "Quick returns": ("whitworth", "crank_shaper", "drag_link"),
+    "Toggles": ("toggle_press", "knuckle_press", "moulding_machine", "jaw_crusher", "riveter"),
+    "Six-bars": ("watt_1", "watt_2", "stephenson_1", "stephenson_2", "stephenson_3"),
+    "Straight lines": (
+        "hoeken",
+        "chebyshev",
+        "roberts",
+        "watt_line",
+        "scott_russell",
+        "peaucellier",
+        "evans",
+    ),
+    "Legs and parallel bars": ("klann", "jansen", "pantograph", "scissors_lift", "wiper"),
+    "Machines": (
+        "drop_hammer",
+        "pump_jack",
+        "loom_sley",
+        "sieve",
+        "needle_bar",
+        "ratchet_feed",
+        "film_claw",
+    ),
+    "Devices": (
+        "valve_train",
+        "door_closer",
+        "piano_key",
+        "circuit_breaker",
+        "relay",
+        "bell",
+        "doorbell",
+    ),
 }
-"""What draws each machine, by kind."""
+"""Names of the machines, by kind."""
 
-GALLERY = {draw.__name__: draw for group in GROUPS.values() for draw in group}
-"""What draws each machine, by its name."""
+GALLERY = {
+    name: Path(__file__).with_name(f"{name}.toml") for group in GROUPS.values() for name in group
+}
+"""The file that draws each machine, by its name."""
 
 
 def drawn(name: str) -> Drawing:
@@ -44,4 +63,4 @@ def drawn(name: str) -> Drawing:
     """
     if name not in GALLERY:
         raise UnknownNameError(kind="machine of the gallery", name=name, known=GALLERY)
-    return GALLERY[name]()
+    return read_drawing(GALLERY[name])

@@ -9,7 +9,6 @@ Run: python scripts/maintain/figures/draw_gallery.py [FOLDER]
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,8 +19,8 @@ from matplotlib.figure import Figure
 import nipper_pin as nip
 from nipper_pin.arrays import FloatArray
 from nipper_pin.errors import SimulationError
-from nipper_pin.mechanism.drawing import Drawing, Spring, Stop, drawn_mechanism
-from nipper_pin.mechanism.gallery import GALLERY, GROUPS
+from nipper_pin.mechanism.drawing import Drawing, drawn_mechanism
+from nipper_pin.mechanism.gallery import GALLERY, GROUPS, drawn
 from nipper_pin.units import M_PER_MM, MM_PER_M
 from nipper_pin.view.figure_file import save_figure
 from nipper_pin.view.scene.film import Look, film, poses, worlds
@@ -44,8 +43,7 @@ def main(folder: str = "docs") -> None:
     """
     pictures = Path(folder) / "images" / "gallery"
     pictures.mkdir(parents=True, exist_ok=True)
-    for draw in GALLERY.values():
-        drawing = draw()
+    for drawing in map(drawn, GALLERY):
         save_figure(picture(drawing), pictures / f"{drawing.name}.svg", "svg")
     texts = pages()
     for name, text in texts.items():
@@ -57,8 +55,7 @@ def pages() -> dict[str, str]:
     """Return the text of each page, by its name."""
     shown, contents = [_TITLE], []
     for kind, group in GROUPS.items():
-        names = [draw().name for draw in group]
-        links = ", ".join(f"[{name}](gallery.md#{name})" for name in names)
+        links = ", ".join(f"[{name}](gallery.md#{name})" for name in group)
         contents.append(f"- **{kind}**: {links}")
         shown += [f"## {kind}\n", *map(_shown, group)]
     text = _PAGE.read_text(encoding="utf-8")
@@ -66,9 +63,9 @@ def pages() -> dict[str, str]:
     return {"models": front, "gallery": "\n".join(shown)}
 
 
-def _shown(draw: Callable[[], Drawing]) -> str:
+def _shown(name: str) -> str:
     """A machine on its page: heading, picture, and what is known of it."""
-    drawing = draw()
+    drawing = drawn(name)
     words = _sentence(drawing.known or "all numbers are inventions")
     return (
         f"### {drawing.name}\n\n"
@@ -106,22 +103,21 @@ def picture(drawing: Drawing) -> Figure:
 
 def _unstopped(drawing: Drawing) -> nip.Solution:
     """A slow turn in which nothing is struck and nothing gives way; a transition if that fails."""
-    closed = [
-        part
-        for part in drawing.parts
-        if isinstance(part, Stop) and (part.name or part.joint) in drawing.closed
-    ]
-    joints = {part.joint for part in closed}
-    parts = tuple(
-        replace(part, preload=_STIFFER * part.preload)
-        if isinstance(part, Spring) and part.joint in joints
-        else part
-        for part in drawing.parts
-        if not isinstance(part, Stop) or part in closed
-    )
+    stops = {name: drawing.tables["stops"][name] for name in drawing.closed}
+    joints = {stop["joint"] for stop in stops.values()}
+    springs = {
+        name: {
+            key: _STIFFER * value
+            if key.startswith("preload") and spring["joint"] in joints
+            else value
+            for key, value in spring.items()
+        }
+        for name, spring in drawing.tables.get("springs", {}).items()
+    }
+    tables = {**drawing.tables, "springs": springs, "stops": stops}
     case = nip.Case(speed_rpm=_SLOW_RPM, window=nip.Window.CYCLE)
     try:
-        return nip.simulate(drawn_mechanism(replace(drawing, parts=parts, struck="")), case)
+        return nip.simulate(drawn_mechanism(replace(drawing, tables=tables, struck="")), case)
     except SimulationError:
         return nip.simulate(drawn_mechanism(drawing), nip.Case(speed_rpm=drawing.speed_rpm))
 

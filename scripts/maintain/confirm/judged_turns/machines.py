@@ -13,7 +13,7 @@ import numpy as np
 from nipper_pin import Mechanism, NipperError, load
 from nipper_pin.mechanism.drawing import write_drawing
 from nipper_pin.mechanism.edit import read_layout
-from nipper_pin.mechanism.gallery import GALLERY
+from nipper_pin.mechanism.gallery import GALLERY, drawn
 
 MODELS = Path(__file__).resolve().parents[4] / "models"
 # Combers: the first in each two of four geometries, then the others in turn; then the gallery.
@@ -67,7 +67,7 @@ def geometry(seed: int, number: int, home: Path) -> Geometry:
             name = str(random.choice(sorted(GALLERY)))
             folder = home / name
             if not folder.exists():
-                write_drawing(GALLERY[name](), folder)
+                write_drawing(drawn(name), folder)
             return Geometry(name, folder, {})
         name = _E62 if kind == "e62" else _OTHERS[number // len(_KINDS) % len(_OTHERS)]
         found = Geometry(f"{name} {number}", MODELS / name, _changes(random, MODELS / name, draw))
