@@ -17,7 +17,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "folder",
         metavar="MODEL",
         nargs="?",
-        help="folder to write; its name becomes the model's",
+        help="folder to write, or NAME.toml for a drawing; its name becomes the model's",
     )
     parser.add_argument(
         "--from",
@@ -36,6 +36,8 @@ def _run(options: argparse.Namespace) -> None:
     elif options.folder is None:
         message = "name the folder to write, as in nipper-pin new my_press"
         raise InputError(message)
+    elif options.folder.endswith(".toml"):
+        _drawing(options.start, options.folder)
     elif options.start is None:
         _skeleton(options.folder)
     else:
@@ -68,6 +70,15 @@ def _skeleton(model: str) -> None:
     _written(head, files, model, "Then replace its parts by yours, and check after each.")
 
 
+def _drawing(name: str | None, model: str) -> None:
+    from ..mechanism.gallery import file_of
+    from ..mechanism.skeleton import write_drawing_file
+
+    write_drawing_file(model, file_of(name).read_text(encoding="utf-8") if name else "")
+    head = f"{model}: {name or 'a press, every line explained'}, drawn in millimetres"
+    _written(head, (), model, "Change its points, bodies and joints, and check after each.")
+
+
 def _from_gallery(name: str, model: str) -> None:
     from ..mechanism.drawing import write_drawing
     from ..mechanism.gallery import drawn
@@ -90,6 +101,6 @@ def _written(head: str, files: Sequence[tuple[str, str]], model: str, remark: st
     for words in (
         ("check", model),
         ("simulate", model, *turns),
-        ("view", model, *turns, "--html", f"{model}.html"),
+        ("view", model, *turns, "--html", f"{model.removesuffix('.toml')}.html"),
     ):
         paste(console, f"  {shlex.join(['nipper-pin', *words])}")

@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 from snapshots import Words
 
-from nipper_pin import InputError, ModelError, load
+from nipper_pin import Case, InputError, ModelError, Outcome, load, simulate
 from nipper_pin.cli import main
 from nipper_pin.mechanism.drawing import drawing_of, drawn_mechanism, drawn_sources, read_drawing
 from nipper_pin.mechanism.files import read_toml
-from nipper_pin.mechanism.gallery import GALLERY
+from nipper_pin.mechanism.gallery import GALLERY, drawn
 
 from .test_drawing import PRESS, YOKE
 
@@ -159,6 +159,27 @@ def test_files_that_are_none(tmp_path: Path) -> None:
         file.write_bytes(content)
         with pytest.raises(ModelError):
             read_drawing(file)
+
+
+def test_new_drawings(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A commented press that bounces to rest, or a machine of the gallery; no file is replaced."""
+    monkeypatch.chdir(tmp_path)
+    assert main(["new", "mine.toml"]) == 0
+    assert simulate(load("mine.toml"), Case(speed_rpm=120.0)).outcome is Outcome.AT_REST
+    assert main(["new", "--from", "bell", "other.toml"]) == 0
+    assert load("other.toml").description == drawn_mechanism(drawn("bell")).description
+    before = Path("mine.toml").read_text(encoding="utf-8")
+    capsys.readouterr()
+    for words in (["mine.toml"], ["e62.toml"], ["--from", "bel", "new.toml"]):
+        assert main(["new", *words]) == 2
+    said = capsys.readouterr().err
+    assert "mine.toml is there already" in said
+    assert "e62 is a model that comes with the package" in said
+    assert "no machine of the gallery named 'bel'" in said
+    assert Path("mine.toml").read_text(encoding="utf-8") == before
+    assert sorted(item.name for item in tmp_path.iterdir()) == ["mine.toml", "other.toml"]
 
 
 def test_commands_take_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

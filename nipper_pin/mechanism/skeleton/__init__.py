@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from ...errors import InputError
+from ...outputs import complete_file
 from ..files.schema import SCHEMA_FILE, schema_text
 from ..model_files import check_model_folder, new_folder
 
@@ -24,6 +26,29 @@ def write_skeleton(folder: Path) -> Path:
     with new_folder(target) as partial:
         for file, text in skeleton(target.name).items():
             (partial / file).write_text(text, encoding="utf-8")
+    return target
+
+
+def write_drawing_file(file: str | Path, text: str = "") -> Path:
+    """Write a drawing to start from, in a TOML file of its own.
+
+    Args:
+        file: File to write; its name becomes the machine's.
+        text: The drawing; by default a commented one.
+
+    Returns:
+        The file, resolved.
+
+    Raises:
+        InputError: The name cannot be a model's, or the file is there or cannot be written.
+    """
+    target = check_model_folder(Path(file).with_suffix("")).with_suffix(".toml")
+    if target.exists():
+        message = f"{target} is there already; name a new file"
+        raise InputError(message, file=str(target))
+    text = text or Path(__file__).with_name("drawing.toml").read_text(encoding="utf-8")
+    with complete_file(target) as partial:
+        partial.write_text(text, encoding="utf-8")
     return target
 
 
