@@ -16,13 +16,7 @@ import pytest
 from small_machines import frame, hinge, link, slide, sources
 from two_engines import agree, difference
 
-from nipper_pin import (
-    Mechanism,
-    TransitionTable,
-    TurnTable,
-    transition_table,
-    turn_table,
-)
+from nipper_pin import Mechanism, TransitionTable, TurnTable, transition_table, turn_table
 from nipper_pin.hybrid.result.turns import turn_names
 from nipper_pin.mechanism import Characteristic, TabulatedSpring, from_sources
 from nipper_pin.study.transitions import REDUCED_PAYS_FROM

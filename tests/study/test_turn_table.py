@@ -16,17 +16,8 @@ import numpy as np
 import pytest
 from two_engines import EPS, FORCE, difference
 
-from nipper_pin import (
-    DriveMode,
-    InputError,
-    Mechanism,
-    UnknownNameError,
-    load,
-    turn_table,
-)
-from nipper_pin.hybrid.result.turns import (
-    turn_names,
-)
+from nipper_pin import DriveMode, InputError, Mechanism, UnknownNameError, load, turn_table
+from nipper_pin.hybrid.result.turns import turn_names
 from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.gallery import drawn
 from nipper_pin.mechanism.restitution import Falling

@@ -19,14 +19,7 @@ from PIL import Image, ImageSequence
 from runs_shown import machine_called, run_of, turn
 from snapshots import Words
 
-from nipper_pin import (
-    Case,
-    InputError,
-    SingularConfigurationError,
-    Solution,
-    load,
-    simulate,
-)
+from nipper_pin import Case, InputError, SingularConfigurationError, Solution, load, simulate
 from nipper_pin.view.scene import Film, Look, film, solids
 from nipper_pin.view.scene.gif import MovingSketch, write_gif
 from nipper_pin.view.scene.pace import _profile, pace

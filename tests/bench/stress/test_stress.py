@@ -12,16 +12,7 @@ from lid_box import lid_box
 from programs import main
 from snapshots import Words
 
-from benchmarks.stress import (
-    FAMILIES,
-    RIGHT,
-    WRONG,
-    Campaign,
-    Verdict,
-    judge,
-    run_campaign,
-    trial,
-)
+from benchmarks.stress import FAMILIES, RIGHT, WRONG, Campaign, Verdict, judge, run_campaign, trial
 from benchmarks.stress.checks.agreement import within_errors
 from nipper_pin import Case, Resolution, Window, simulate
 

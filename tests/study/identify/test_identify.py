@@ -16,16 +16,7 @@ import pytest
 from linear_problem import Linear, fitted
 from rich.console import Console
 
-from nipper_pin import (
-    Case,
-    InputError,
-    Mechanism,
-    SimulationError,
-    Window,
-    check,
-    load,
-    simulate,
-)
+from nipper_pin import Case, InputError, Mechanism, SimulationError, Window, check, load, simulate
 from nipper_pin.cli import main
 from nipper_pin.study.identify import (
     Condition,
@@ -103,6 +94,18 @@ def test_same_seed_same_bits_with_any_number_of_workers(measured: Path) -> None:
         assert (a.start.tolist(), a.z.tolist(), a.cost) == (b.start.tolist(), b.z.tolist(), b.cost)
 
 
+# Four of the published kind.
+TARGETS = "".join(
+    f'[[targets]]\nname = "{name}"\nquantity = "{name}"\nat = {{ speed_rpm = 650.0 }}\n'
+    f"value = {value}\nsigma = {0.02 * value}\n{since}"
+    for name, value, since in (
+        ("rebound_amplitude_1", 1.14, "since = { speed_rpm = 450.0 }\n"),
+        ("rebound_amplitude_2", 1.1, "since = { speed_rpm = 450.0 }\n"),
+        ("rebound_time_s_1", 5.4e-3, ""), ("duration_s", 6.6e-3, ""),
+    )
+)  # fmt: skip
+
+
 def test_weighing_all_forces_changes_nothing(tmp_path: Path) -> None:
     """Masses and stiffness times one factor: an exact symmetry that no ratio and no time can see.
 
@@ -119,8 +122,7 @@ def test_weighing_all_forces_changes_nothing(tmp_path: Path) -> None:
     # Held radii of gyration make the inertias follow their masses.
     radii = {f"links.{link}.gyration_mm": (10.0, 60.0) for link in
              ("top_nipper", "steeve_lower", "steeve_upper")}  # fmt: skip
-    text = problem_file(tmp_path, targets() + free(paths | radii) + "")
-    problem = read_problem(text)
+    problem = read_problem(problem_file(tmp_path, TARGETS + free(paths | radii)))
     objective = Objective(replace(problem, tolerance=1e-11))
     known = determinability(objective, objective.start)
     direction = np.array(
@@ -131,22 +133,6 @@ def test_weighing_all_forces_changes_nothing(tmp_path: Path) -> None:
     single = np.abs(known.jacobian * direction).max(axis=0)[:2]
     assert single.min() > 1.0
     assert "springs.steeve.stiffness_N_per_m" not in known.determined
-
-
-def targets(sigma: float = 0.02) -> str:
-    """Four targets of the published kind."""
-    rows = []
-    for quantity, value in (("rebound_amplitude_1", 1.14), ("rebound_amplitude_2", 1.1)):
-        rows.append(
-            f'[[targets]]\nname = "{quantity}"\nquantity = "{quantity}"\nat = {{ speed_rpm = 650.0 '
-            f"}}\nsince = {{ speed_rpm = 450.0 }}\nvalue = {value}\nrelative_sigma = {sigma}\n"
-        )
-    for quantity, value in (("rebound_time_s_1", 5.4e-3), ("duration_s", 6.6e-3)):
-        rows.append(
-            f'[[targets]]\nname = "{quantity}"\nquantity = "{quantity}"\nat = {{ speed_rpm = 650.0 '
-            f"}}\nvalue = {value}\nsigma = {sigma * value}\n"
-        )
-    return "".join(rows)
 
 
 def test_moved_points_give_the_machine_of_the_planar_reference(e62: Mechanism) -> None:
