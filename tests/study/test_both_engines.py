@@ -13,24 +13,23 @@ from typing import Any
 
 import numpy as np
 import pytest
-from small_machines import frame, hinge, link, slide, sources
+from small_machines import frame, hinge, link, machine, slide
 from two_engines import agree, difference
 
 from nipper_pin import Mechanism, TransitionTable, TurnTable, transition_table, turn_table
 from nipper_pin.hybrid.result.turns import turn_names
-from nipper_pin.mechanism import Characteristic, TabulatedSpring, from_sources
+from nipper_pin.mechanism import Characteristic, TabulatedSpring
 from nipper_pin.study.transitions import REDUCED_PAYS_FROM
 from nipper_pin.study.transitions import TURNS_PAY_FROM as FALSE_PREMISES_PAY_FROM
 from nipper_pin.study.turns import TURNS_PAY_FROM
 
 Tables = dict[str, Any]
-Sources = tuple[str, Tables]
 GRAVITY = 9.81
 # At most of these speeds nothing leaves its seat.
 SPEEDS = np.array([*np.linspace(60.0, 120.0, 10), 290.0, 330.0, 380.0, 440.0, 520.0, 100.0])
 
 
-def sliding(tables: Tables) -> Sources:
+def sliding(tables: Tables) -> Mechanism:
     """A mass on a slide that goes up and down, between a seat and a roof."""
     parts = [
         frame("anchor", "frame", (0.0, 0.5)),
@@ -43,7 +42,7 @@ def sliding(tables: Tables) -> Sources:
     return described(parts, {"law": "fourier", "cosine_mm": [-10.0, 1.0]}, {"at_mm": 12.0}, tables)
 
 
-def turning(tables: Tables) -> Sources:
+def turning(tables: Tables) -> Mechanism:
     """A flap on an arm that swings, between a seat and a roof."""
     parts = [
         frame("anchor", "frame", (0.1, 0.5)),
@@ -59,7 +58,7 @@ def turning(tables: Tables) -> Sources:
     return described(parts, swing, {"at_deg": 30.0}, {"drives": {"wheel": wheel}, **tables})
 
 
-def described(parts: list[str], drive: Tables, roof: Tables, tables: Tables) -> Sources:
+def described(parts: list[str], drive: Tables, roof: Tables, tables: Tables) -> Mechanism:
     """A machine with a seat and a roof.
 
     Of the tables ``base`` and ``seat`` have keys of its drive and its seat, and ``moved_by`` is the
@@ -72,7 +71,7 @@ def described(parts: list[str], drive: Tables, roof: Tables, tables: Tables) -> 
     stops = {"seat": seat, "roof": {"joint": "gap", "side": "upper", "restitution": 0.2, **roof}}
     phases = [{"number": 1, "name": "on the seat", "closed": ["seat"]},
               {"number": 2, "name": "in the air", "closed": []}]  # fmt: skip
-    return sources(parts, 1 + len(drives), gravity=GRAVITY, drives=drives, stops=stops,
+    return machine(parts, 1 + len(drives), gravity=GRAVITY, drives=drives, stops=stops,
                    phases=phases, **tables)  # fmt: skip
 
 
@@ -95,11 +94,16 @@ def pressed(**keys: Any) -> Tables:
     return {"springs": {**PRESSED["springs"], "other": keys}}
 
 
+def along_the_drive(low: float, high: float) -> Tables:
+    """Beside a linear one a spring with rows from one place of the drive to another [mm]."""
+    return pressed(joint="base", force_N=[0.0, 10.0], coordinate_mm=[low, high])
+
+
 ANGLES = [30.0 * row for row in range(13)]
 WAVE = [20.0 * math.sin(math.radians(15.0 * row)) ** 4 for row in range(13)]
 TURNED = {"cylinder_angle_deg": ANGLES, "coordinate_mm": [*WAVE[:-1], WAVE[0]]}
 PIECES = {"rise_deg": 100.0, "dwell_deg": 60.0, "return_deg": 120.0, "lift_mm": 20.0}
-KINDS: dict[str, tuple[Callable[[Tables], Sources], Tables]] = {
+KINDS: dict[str, tuple[Callable[[Tables], Mechanism], Tables]] = {
     "linear spring": (sliding, PRESSED),
     "torsion spring": (turning, TWISTED),
     "rows": (sliding, rows()),
@@ -111,16 +115,9 @@ KINDS: dict[str, tuple[Callable[[Tables], Sources], Tables]] = {
                                          force_N=[1.0, 2.5, 30.0], interpolation="linear")),
     "rows of a hinge": (turning, spring(joint="gap", coordinate_deg=[-1.0, 3.0],
                                         torque_N_m=[0.19, 0.22])),
-    "rows of the drive": (
-        sliding,
-        pressed(joint="base", force_N=[0.0, 10.0], coordinate_mm=[-1.0, 21.0]),
-    ),
-    "rows as long as the stroke": (
-        sliding,
-        pressed(joint="base", force_N=[0.0, 10.0], coordinate_mm=[0.0, 20.0]),
-    ),
-    "rows that the drive leaves": (sliding, pressed(joint="base", force_N=[0.0, 10.0],
-                                                    coordinate_mm=[-1.0, 19.0])),
+    "rows of the drive": (sliding, along_the_drive(-1.0, 21.0)),
+    "rows as long as the stroke": (sliding, along_the_drive(0.0, 20.0)),
+    "rows that the drive leaves": (sliding, along_the_drive(-1.0, 19.0)),
     "spring between points": (sliding, spring(
         frame_a="anchor", frame_b="mass", free_length_mm=512.0, stiffness_N_per_m=900.0)),
     "points that meet": (sliding, pressed(frame_a="pole", frame_b="mass", free_length_mm=5.0,
@@ -153,21 +150,15 @@ KINDS: dict[str, tuple[Callable[[Tables], Sources], Tables]] = {
 DIRECT = {"force orifice", "restitution falling", "drive screw", "points that meet"}
 REFUSED = {"rows", "rows, linear", "rows, smooth", "rows from the seat on", "rows of a hinge",
            "rows that the drive leaves", "rows with a kink", "points that meet"}  # fmt: skip
-QUICK = {
-    "drive and stop of one name",
-    "rows, linear",
-    "rows from the seat on",
-    "rows that the drive leaves",
-    "stop screw",
-}
+QUICK = {"drive and stop of one name", "rows, linear", "rows from the seat on",
+         "rows that the drive leaves", "stop screw"}  # fmt: skip
 
 
 def both(name: str) -> tuple[TurnTable, TurnTable]:
     """A machine with as many cases as the direct engine does, and with one more."""
     make, tables = KINDS[name]
-    mechanism = from_sources("small", *make(tables), ".")
     few, many = (
-        turn_table(mechanism, speed_rpm=SPEEDS[:count], turns=2, rest_rate=1e-3, torques=True)
+        turn_table(make(tables), speed_rpm=SPEEDS[:count], turns=2, rest_rate=1e-3, torques=True)
         for count in (TURNS_PAY_FROM - 1, TURNS_PAY_FROM)
     )
     return few, many

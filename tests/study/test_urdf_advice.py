@@ -10,12 +10,12 @@ from typing import Any
 from xml.etree import ElementTree
 
 import pytest
-from small_machines import hinge, link, sources
+from small_machines import hinge, link, machine, sources
 from snapshots import Words
 
 from nipper_pin import Case, Mechanism, check, load, simulate
 from nipper_pin.cli import main
-from nipper_pin.mechanism import from_sources, known_models
+from nipper_pin.mechanism import known_models
 from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.files import toml
 from nipper_pin.mechanism.gallery import GALLERY, drawn
@@ -31,12 +31,6 @@ LIMITED = (
 def advised(mechanism: Mechanism) -> UrdfAdvice:
     """What is said of a machine at its rated speed."""
     return check(mechanism, mechanism.cylinder.rated_speed_rpm).urdf
-
-
-def built(parts: list[str], **tables: Any) -> Mechanism:
-    """A machine of some parts that weight moves."""
-    urdf, description = sources(parts, 1, gravity=9.81, **tables)
-    return from_sources("small", urdf, description, ".")
 
 
 @pytest.mark.slow
@@ -71,7 +65,8 @@ def test_limits_become_stops_that_enforce_them(
 
 def slide(lower: float) -> Mechanism:
     """A load on a slide with limits."""
-    return built([link("hoist"), LIMITED.replace('lower="-0.1"', f'lower="{lower}"')])
+    limited = LIMITED.replace('lower="-0.1"', f'lower="{lower}"')
+    return machine([link("hoist"), limited], 1, gravity=9.81)
 
 
 def swinging(lower: float, upper: float, kind: str = "revolute", **tables: Any) -> Mechanism:
@@ -79,7 +74,7 @@ def swinging(lower: float, upper: float, kind: str = "revolute", **tables: Any) 
     limit = f'<limit lower="{lower}" upper="{upper}" effort="1" velocity="1"/>'
     arm = hinge("pivot", "frame", "arm").replace("continuous", kind)
     arm = arm.replace("</joint>", f"{limit}</joint>")
-    return built([link("arm", centre=(0.01, -0.1)), arm], **tables)
+    return machine([link("arm", centre=(0.01, -0.1)), arm], 1, gravity=9.81, **tables)
 
 
 def bars(length: float, mass: float, inertia: float) -> Mechanism:
@@ -88,8 +83,7 @@ def bars(length: float, mass: float, inertia: float) -> Mechanism:
         link("one", mass, inertia, (0.5 * length, 0.0)), hinge("A", "frame", "one"),
         link("two", mass, inertia, (0.5 * length, 0.0)), hinge("B", "one", "two", (length, 0.0)),
     ]  # fmt: skip
-    urdf, description = sources(parts, 2)
-    return from_sources("bars", urdf, description, ".")
+    return machine(parts, 2)
 
 
 DRIVEN = {"pivot": {"law": "constant_speed", "ratio": 1.0, "joint": "pivot"}}
