@@ -127,20 +127,15 @@ def test_thresholds_for_the_published_growth(study):
         faster = (restitution.rates >= threshold).sum(axis=1)
         stiff = (study.studies.stiffness.rates >= threshold).sum(axis=1)
         few, many = int(faster[0]), int(faster[-1])
-
-        def inside(intervals, value=threshold):
-            return any(low < value <= high for low, high in intervals)
-
-        assert inside(counts.matches["collisions_grow_as_published"]) == (many + 1 == 4 * (few + 1))
-        assert inside(counts.matches["rebounds_grow_as_published"]) == (few > 0 and many == 4 * few)
-        assert inside(counts.matches["collisions_grow_to_the_published_multiple"]) == (
-            many + 1 == 3 * (few + 1)
-        )
-        assert inside(counts.matches["unchanged_by_stiffness"]) == (len(set(stiff.tolist())) == 1)
-        assert inside(counts.matches["rebounds_as_published_and_unchanged_by_stiffness"]) == (
-            inside(counts.matches["rebounds_grow_as_published"])
-            and inside(counts.matches["unchanged_by_stiffness"])
-        )
+        grown, unchanged = few > 0 and many == 4 * few, len(set(stiff.tolist())) == 1
+        for name, right in (
+            ("collisions_grow_as_published", many + 1 == 4 * (few + 1)),
+            ("rebounds_grow_as_published", grown),
+            ("collisions_grow_to_the_published_multiple", many + 1 == 3 * (few + 1)),
+            ("unchanged_by_stiffness", unchanged),
+            ("rebounds_as_published_and_unchanged_by_stiffness", grown and unchanged),
+        ):
+            assert any(low < threshold <= high for low, high in counts.matches[name]) == right
     assert counts.matches["collisions_grow_as_published"] == ()
     assert counts.largest_increase == 2.0
     # Two rebound rates: the second at e = 0.05 and the fourth at e = 0.25.
