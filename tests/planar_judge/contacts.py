@@ -56,16 +56,10 @@ def _solvable(D: Array, chosen: Sequence[int]) -> bool:
 def collision(
     dynamics: Dynamics, q: Array, stops: Sequence[Stop], before: Array
 ) -> tuple[Array, Array, Array]:
-    """Newton's law with complementarity at the stops in contact.
+    """Newton's law with complementarity at the stops that close and those that are closed.
 
-    Args:
-        dynamics: The machine.
-        q: Its coordinates.
-        stops: Those that close and those that are closed.
-        before: Rates of their gaps.
-
-    Returns:
-        Change of velocity (n,), impulses along the gaps (k,), rates of the gaps after (k,).
+    From the rates of their gaps the change of velocity (n,), the impulses along the gaps (k,) and
+    the rates after them (k,).
     """
     changes, D = responses(dynamics, q, stops)
     scaled = _free(D, dynamics, q, stops)

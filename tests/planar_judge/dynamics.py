@@ -32,13 +32,9 @@ class Forces(NamedTuple):
 
 
 class Dynamics:
-    """One machine at one speed.
+    """One machine at one signed rate of the input shaft [rad/s], from an angle of it on [rad].
 
-    Args:
-        machine: The machine.
-        rate: Rate of the input shaft, signed [rad/s].
-        start: Its angle at time zero [rad].
-        held: Whether drives are prescribed; else they are inertial.
+    Drives are prescribed if they are held; else they are inertial.
     """
 
     def __init__(self, machine: Machine, rate: float, start: float, held: bool) -> None:

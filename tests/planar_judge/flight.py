@@ -71,10 +71,7 @@ class Flight:
     ) -> tuple[State, list[str], list[str]]:
         """One step: the state at its end, the stops that are hit there and those that let go.
 
-        Args:
-            state: Where it starts.
-            t_end: Where the run ends, or a law changes its polynomial [s].
-            first: Longest step to try [s].
+        It is no longer than ``first``, and ends where the run does or a law changes its polynomial.
         """
         shut = self.shut(state.closed)
         h = min(first, self.h, t_end - state.t)

@@ -130,17 +130,9 @@ def step(
 ) -> Step | None:  # fmt: skip
     """One step; None if the iteration does not settle.
 
-    Args:
-        f: Accelerations (K, n) at K times and states.
-        t0: Start [s].
-        h: Length [s].
-        q0: Coordinates.
-        v0: Rates.
-        guess: Accelerations at the start, or at the nodes.
-        unit: Size of one in each coordinate.
-        stages: Number of nodes.
-        floor: Acceleration, in units, that counts as none beside what the machine does.
-        stiff: Coordinates on which accelerations may depend stiffly.
+    Accelerations are guessed at the start or at the nodes. ``unit`` is the size of one in each
+    coordinate, and an acceleration of ``floor`` of them counts as none beside what the machine
+    does; on ``stiff`` coordinates accelerations may depend stiffly.
     """
     r = rule(stages)
     t = t0 + h * r.nodes

@@ -127,17 +127,9 @@ class Geometry:
                 jacobian[:, rows, self.body[end], 2] = sign * levers[:, end, axis]
 
     def _lines(
-        self,
-        value: Array,
-        jacobian: Array,
-        bias: Array,
-        turn: tuple[Array, Array],
-        rate: Array,
-        points: Array,
-        speeds: Array,
-        levers: Array,
-        falls: Array,
-    ) -> None:
+        self, value: Array, jacobian: Array, bias: Array, turn: tuple[Array, Array], rate: Array,
+        points: Array, speeds: Array, levers: Array, falls: Array,
+    ) -> None:  # fmt: skip
         """Parts of u across and along the lines."""
         one, other = self.line_ends
         if not one.size:

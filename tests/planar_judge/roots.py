@@ -14,9 +14,7 @@ _SAMPLES = np.linspace(0.0, 1.0, 65)
 def first_fall(value: Callable[[Array], Array], noise: float = 1e-11) -> float | None:
     """First root with a falling value in 0 to 1; 0.0 if it is negative from the start.
 
-    Args:
-        value: The function, of many places at a time.
-        noise: Share of its largest value that is round-off.
+    Of its largest value ``noise`` is the share of round-off.
     """
     values = value(_SAMPLES)
     small = noise * float(np.abs(values).max())

@@ -52,19 +52,10 @@ def judge(
     precision: Precision | None = None,
     most: int = _MOST,
 ) -> Verdict:
-    """Follow a machine over whole turns.
+    """Follow a machine, or that of a model folder, over whole turns; drives are held or inertial.
 
-    Args:
-        model: A model folder or a machine.
-        speed_rpm: Speed of the input shaft [r/min].
-        start_index: Index of the start, where the machine is in its initial phase.
-        drive: "held" or "inertial".
-        turns: Number of turns.
-        coordinates: Joint coordinates at the start, where the drives and closed stops leave some
-            free.
-        rates: Their rates.
-        precision: How finely it is resolved.
-        most: Collisions after which it stops.
+    At the start it is in its initial phase. Joint coordinates and their rates are given where the
+    drives and closed stops leave some free.
     """
     verdict = Verdict()
     try:
@@ -259,10 +250,7 @@ class Run:
     def _end_of_series(self, hit: list[str], opened: frozenset[str], approach: float) -> None:
         """Let stops that bounce come to rest once what is left of it is known.
 
-        Args:
-            hit: Stops that have just closed.
-            opened: Stops that were closed before and are not now.
-            approach: Rate at which the first of them closed, positive.
+        Of those that have just closed the first one did so at this rate; others it has opened.
         """
         bouncing = [
             stop for stop in self.machine.stops
