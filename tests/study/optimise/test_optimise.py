@@ -328,25 +328,14 @@ def test_tables_and_single_runs_agree(tmp_path: Path) -> None:
 
     Every kind of setting takes part, so a wrong unit or place would show in the first digits.
     """
-    body = (
-        'minimise = "rebound_amplitude_1"\n[set]\n"stops.steeve.restitution" = 0.1\n'
-        + parameter("preload", 8.0, 14.0)
-        + parameter("stops.jaw.restitution", 0.1, 0.3)
-        + parameter("stiffness", 8000.0, 10000.0)
-        + parameter("speed_rpm", 500.0, 700.0)
-    )
+    body = 'minimise = "rebound_amplitude_1"\n[set]\n"stops.steeve.restitution" = 0.1\n'
+    body += parameter("preload", 8.0, 14.0) + parameter("stops.jaw.restitution", 0.1, 0.3)
+    body += parameter("stiffness", 8000.0, 10000.0) + parameter("speed_rpm", 500.0, 700.0)
     # The speed of the file is where the parameter starts.
-    found = problem(tmp_path, body, "e62")
-    source = Evaluator(found)
+    source = Evaluator(problem(tmp_path, body, "e62"))
     z = np.array([0.2, 0.7, 0.4, 0.6])
-    single = simulate(
-        load(
-            "e62",
-            {PRELOAD: 9.2, "stops.jaw.restitution": 0.24,
-             "springs.steeve.stiffness_N_per_m": 8800.0},
-        ),
-        Case(speed_rpm=620.0),
-    )  # fmt: skip
+    machine = load("e62", {"preload": 9.2, "restitution": 0.24, "stiffness": 8800.0})
+    single = simulate(machine, Case(speed_rpm=620.0))
     height = single.collisions[0].rebound_amplitude
     assert source.at(z).engine == "reduced"
     assert source.at(z).values["rebound_amplitude_1"] == pytest.approx(height, rel=1e-8)
