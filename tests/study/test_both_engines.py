@@ -76,7 +76,6 @@ def described(parts: list[str], drive: Tables, roof: Tables, tables: Tables) -> 
 
 
 def spring(**keys: Any) -> Tables:
-    """A spring alone."""
     return {"springs": {"spring": keys}}
 
 

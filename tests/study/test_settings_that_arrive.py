@@ -33,7 +33,6 @@ TURNS = {"window": "cycle", "turns": 2}
 
 
 def written(folder: Path, head: str, settings: Settings, rest: str) -> Path:
-    """The file of a study."""
     case = "".join(f"{key} = {value!r}\n" for key, value in settings.items())
     path = folder / "study.toml"
     path.write_text(f"format = 1\n{head}[case]\n{case}{rest}", encoding="utf-8")
@@ -97,7 +96,6 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> list[Case]:
 
 
 def told(cases: list[Case]) -> dict[str, set[Any]]:
-    """Every setting of some cases."""
     return {
         "rest_rate": {case.rest_rate for case in cases},
         "tolerance": {case.resolution.tolerance for case in cases},

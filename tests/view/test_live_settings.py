@@ -38,7 +38,6 @@ def stand(controls: tuple[Knob, ...], **values: float) -> dict[str, float]:
 
 
 def asked(mechanism: Mechanism, **values: float) -> Answer:
-    """The answer to them."""
     controls = knobs(mechanism, 650.0)
     return answer(mechanism, controls, stand(controls, **values))
 
@@ -136,7 +135,6 @@ def test_other_stops_on_the_way_have_a_row(e62: Mechanism) -> None:
 
 
 def told(controls: tuple[Knob, ...]) -> str:
-    """A line for each slider."""
     return "".join(
         f"{item.key}: {item.label}, {item.low:g} to {item.high:g} by {item.step:g}, starts at "
         f"{item.start:g}; times {item.factor:.6g} in SI\n" for item in controls

@@ -163,7 +163,6 @@ def transitions(e62: Mechanism) -> Comparison:
 def pages(
     turns: Comparison, transitions: Comparison, page_of: Callable[..., str]
 ) -> tuple[str, str]:
-    """Of both."""
     return page_of(turns), page_of(transitions)
 
 

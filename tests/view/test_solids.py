@@ -75,19 +75,16 @@ def run(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 
 @pytest.fixture(scope="module")
 def judge(run: Solution) -> Judge:
-    """Reads it in another way."""
     return Judge(run)
 
 
 @pytest.fixture(scope="module")
 def shown(run: Solution) -> Film:
-    """Its film."""
     return film(run, Look())
 
 
 @pytest.fixture(scope="module")
 def scene(shown: Film, page_of: Callable[..., str]) -> Scene:
-    """The page."""
     return Scene(page_of(shown.solution))
 
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 import io
 import json
 import math
-import statistics
 import subprocess
 import sys
 from dataclasses import asdict, replace
@@ -365,22 +364,23 @@ def test_quick_benchmark_prints_one_document(
 
 
 @pytest.mark.parametrize(
-    ("seconds", "repeats", "budget", "runs"),
+    ("seconds", "repeats", "budget", "runs", "figures"),
     [
-        # The first run is apart from the others.
-        ([2.0, 0.3, 0.1, 0.4, 0.15, 0.9], 5, math.inf, 5),
-        ([2.0, 0.1, 0.2, 0.3], 3, math.inf, 3),
+        # The first run is apart from the others: their median, their best, and their quartiles.
+        ([2.0, 0.3, 0.1, 0.4, 0.15, 0.9], 5, math.inf, 5, (300.0, 100.0, 525.0)),
+        ([2.0, 0.1, 0.2, 0.3], 3, math.inf, 3, (200.0, 100.0, 0.0)),
         # Enough repeats, but not a fifth of a second: 1 / 64 s are repeated 13 times, the first in.
-        ([1 / 64], 3, math.inf, 12),
+        ([1 / 64], 3, math.inf, 12, (15.625, 15.625, 0.0)),
         # A short budget is all that a short run is repeated for.
-        ([1 / 64], 3, 1 / 8, 7),
-        ([1.0], 9, 0.0, 1),
+        ([1 / 64], 3, 1 / 8, 7, (15.625, 15.625, 0.0)),
+        ([1.0], 9, 0.0, 1, (1000.0, 1000.0, 0.0)),
     ],
 )
 def test_figures_of_a_clock(
-    monkeypatch: pytest.MonkeyPatch, seconds: list[float], repeats: int, budget: float, runs: int
-) -> None:
-    """Median, best and distance of the quartiles by a clock that each run moves on by so much."""
+    monkeypatch: pytest.MonkeyPatch, seconds: list[float], repeats: int, budget: float, runs: int,
+    figures: tuple[float, ...],
+) -> None:  # fmt: skip
+    """In milliseconds, by a clock that each run moves on by so much."""
     now, done = [50.0], [0]
 
     def function() -> None:
@@ -390,9 +390,5 @@ def test_figures_of_a_clock(
     monkeypatch.setattr(timing.time, "perf_counter", lambda: now[0])
     found = timing.timed(function, repeats, budget)
     assert (found.runs, done[0]) == (runs, runs + 1)
-    others = [seconds[min(n, len(seconds) - 1)] for n in range(1, runs + 1)]
-    low, _, high = statistics.quantiles(others, n=4) if runs > 3 else (0.0, 0.0, 0.0)
     assert found.first_ms == pytest.approx(1e3 * seconds[0])
-    assert found.wall_ms == pytest.approx(1e3 * statistics.median(others))
-    assert found.fastest_ms == pytest.approx(1e3 * min(others))
-    assert found.spread_ms == pytest.approx(1e3 * (high - low))
+    assert (found.wall_ms, found.fastest_ms, found.spread_ms) == pytest.approx(figures)

@@ -25,7 +25,6 @@ case = {{ speed_rpm = 60.0 }}
 
 
 def study(folder: Path, text: str) -> Path:
-    """The file of a problem."""
     file = folder / "study.toml"
     file.write_text(f"format = 1\n{text}", encoding="utf-8")
     return file

@@ -74,7 +74,6 @@ def test_no_flipped_bit_changes_a_row(copy: Path) -> None:
 
 
 def written(table: pa.Table) -> bytes:
-    """A table as a file."""
     sink = pa.BufferOutputStream()
     pq.write_table(table, sink)
     return bytes(sink.getvalue())
