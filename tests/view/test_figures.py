@@ -17,7 +17,7 @@ from rich.console import Console
 from runs_shown import run_of, slotted, turn, with_elements
 from snapshots import Words
 
-from nipper_pin import Case, EventKind, Solution, check, compare, load, simulate
+from nipper_pin import Case, EventKind, InputError, Solution, check, compare, load, simulate
 from nipper_pin.study.next_steps import NextSteps
 from nipper_pin.study.speed_limit import SpeedLimit, SpeedRange, Verdict
 from nipper_pin.view.compare.files import curves_figure
@@ -122,6 +122,12 @@ def test_which_figures_a_run_has(
     assert [file.name for file in files] == [f"{name}.png" for name in names]
     assert sorted(folder.iterdir()) == sorted(files)
     assert all(imread(file)[..., :3].std() > 0.02 for file in files)
+
+
+def test_a_folder_that_is_a_file_is_refused(transition: Solution, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="cannot be made a folder"):
+        plot_solution(transition, tmp_path / "file")
 
 
 # Springs, dampers, slots and limits in words, as `check` and the tables of a run have them.
