@@ -206,8 +206,6 @@ def test_loops_that_do_not_close_cannot_be_exaggerated(
 
 ARROW = "#D55E00"
 PHASES = ("#F0E442", "#56B4E9", "#E69F00")
-# Of phases without closed stops in which the jaw does not bounce.
-ELSEWHERE = "#F7F0B5"
 Box = tuple[float, ...]
 SIZE, MACHINE, BAR = (800, 560), (290, 60, 792, 466), (16, 480, 784, 492)
 

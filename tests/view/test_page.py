@@ -35,8 +35,6 @@ from nipper_pin import (
 from nipper_pin.cli import main
 from nipper_pin.mechanism import collision_model, known_models
 
-ARROW = "#D55E00"
-
 
 @pytest.fixture(scope="module")
 def page(cycle: Solution, page_of: Callable[..., str]) -> str:
