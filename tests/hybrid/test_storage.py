@@ -230,6 +230,11 @@ def test_every_bit_of_the_begin_of_an_array(stored: Path) -> None:
         lambda document: document.update(segments=None),
         lambda document: document["segments"][0].update(source=1),
         lambda document: document["events"][0].update(source=2),
+        lambda document: document["events"][0].update(closed_after=["nowhere"]),
+        lambda document: document["events"][0]["P_g"].append(0.0),
+        lambda document: document["segments"][0]["panels"][0][2].pop(),
+        lambda document: document["case"].pop("cycles"),
+        lambda document: document["case"]["resolution"].update(integrator="radau"),
     ],
 )
 def test_an_edited_file_is_an_input_error(
@@ -239,6 +244,24 @@ def test_an_edited_file_is_an_input_error(
     _edit(stored, change)
     with pytest.raises(nip.InputError):
         nip.load_solution(stored)
+
+
+@pytest.mark.parametrize("name", ["panel0", "events"])
+def test_an_array_that_is_no_row_of_finite_numbers_is_an_input_error(
+    stored: Path, name: str
+) -> None:
+    """NaN, numbers whose squares overflow, other shapes, and other kinds of numbers."""
+    with np.load(stored, allow_pickle=False) as archive:
+        arrays = {key: archive[key] for key in archive.files}
+    right = arrays[name]
+    for wrong in (
+        np.nan * right, 1e200 + right, right.ravel(), right[..., :-1], right[..., :0],
+        right.astype("U8"), right.astype(np.float32),
+    ):  # fmt: skip
+        with stored.open("wb") as stream:
+            np.savez(stream, **{**arrays, name: wrong})
+        with pytest.raises(nip.InputError, match="where numbers"):
+            nip.load_solution(stored)
 
 
 def test_a_case_may_be_edited(case_file: Path) -> None:

@@ -8,6 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...errors import InputError
+from ...frames import Column, data_frame
+from ...notebook import html
+from ...terms.shown import counted
+from ...units import MS_PER_S
 from ..event import Event, EventKind, found_after
 from ..run.phase_manager import PhaseManager, go_on
 from ..state import State
@@ -15,6 +19,10 @@ from .simulated import Simulated
 
 if TYPE_CHECKING:
     from .trajectory import Motion
+
+
+_SHOWN = ("number", "stop", "time_s", "index", "approach_rate", "separation_rate", "energy_lost_J",
+          "rebound_amplitude", "rebound_time_s")  # fmt: skip
 
 
 class Solution(Simulated):
@@ -36,15 +44,30 @@ class Solution(Simulated):
     """
 
     def __repr__(self) -> str:
-        """One line."""
-        from .summary import line
-
-        return line(self)
+        """One line; nothing is computed for it."""
+        hits = (event for event in self.events if event.kind is EventKind.COLLISION)
+        count = sum(len(event.struck(self.mechanism)) for event in hits)
+        return (
+            f"<Solution of {self.mechanism.name}: {self._told_case}, "
+            f"{counted(count, 'collision')}, {self.outcome.name.lower()}>"
+        )
 
     def _repr_html_(self) -> str:
-        from .summary import page
+        """The case, how the run ended, and its collisions."""
+        facts = {"case": self._told_case, "outcome": self.outcome.value}
+        if self.transitions:
+            facts["transition"] = f"{MS_PER_S * self.transitions[0].duration:.6g} ms"
+        table = self._columns()
+        shown = {name: table[name] for name in _SHOWN if name in table}
+        rows = list(zip(*shown.values(), strict=True))
+        return html(self.mechanism.title or self.mechanism.name, facts, list(shown), rows)
 
-        return page(self)
+    @property
+    def _told_case(self) -> str:
+        case = self.case
+        window = case.window.value
+        told = counted(case.cycles, "turn") if window == "cycle" else window
+        return f"{case.speed_rpm:g} r/min, {told}, {case.drive.value} drive"
 
     def to_frame(self, library: str | None = None) -> Any:
         """Collisions as a data frame, with the names and units of the JSON document.
@@ -55,10 +78,15 @@ class Solution(Simulated):
         Raises:
             InputError: It is not installed.
         """
-        from ...frames import data_frame
-        from .summary import columns
+        return data_frame(self._columns(), library)
 
-        return data_frame(columns(self), library)
+    def _columns(self) -> dict[str, Column]:
+        """Collisions by the names of the JSON document, shape (collisions,); NaN for none there."""
+        from .json_document import record
+
+        hits = record(self)["collisions"]
+        names = dict.fromkeys(name for hit in hits for name in hit)
+        return {name: _column([hit.get(name) for hit in hits]) for name in names}
 
     def motion_at(self, event: Event) -> Motion:
         """State just after an event, at its own time; not computed before it is asked for.
@@ -115,3 +143,9 @@ class Solution(Simulated):
         manager.step(to)
         before = [item for item in self.segments if item.t_start < last.t]
         return replace(self, segments=(*before, *manager.segments))
+
+
+def _column(values: list[Any]) -> Column:
+    if any(isinstance(value, str | int) for value in values):
+        return values
+    return np.array([np.nan if value is None else value for value in values])
