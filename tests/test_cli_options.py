@@ -275,7 +275,7 @@ ELSEWHERE = {
 STUDY = 'format = 1\nchunk = 2\ntitle = "{title}"\n[parameters.{name}]\nvalues = [0.1, 0.2, 0.3]\n'
 DESIGN = """format = 1
 title = "{title}"
-maximise = ["clamping_force_N", "stop_force_N"]
+{aims}
 [parameters."{name}"]
 low = 0.05
 high = 0.3
@@ -374,12 +374,15 @@ def inputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     mechanism, given = load("e62"), Case(speed_rpm=620.0)
     save_case(mechanism, given, home / "case.json")
     save(simulate(mechanism, given), home / "run.npz")
+    aims = 'maximise = ["clamping_force_N", "stop_force_N"]'
     texts = {
         "identify": FIT,
         "sweep": STUDY.format(title="one", name="restitution"),
         "other_sweep": STUDY.format(title="another one", name='"stops.steeve.restitution"'),
-        "optimise": DESIGN.format(title="one", name="restitution"),
-        "other_optimise": DESIGN.format(title="another one", name="stops.steeve.restitution"),
+        "optimise": DESIGN.format(title="one", name="restitution", aims=aims),
+        "other_optimise": DESIGN.format(
+            title="another one", name="stops.steeve.restitution", aims=aims
+        ),
     }
     for name, text in texts.items():
         (home / f"{name}.toml").write_text(text, encoding="utf-8")

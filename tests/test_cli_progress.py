@@ -15,19 +15,12 @@ from pathlib import Path
 
 import pytest
 from programs import main
-from test_cli_options import FIT, STUDY
+from test_cli_options import DESIGN, FIT, STUDY
 
 from benchmarks.commands import tell
 
 # Hours, minutes and seconds; the time left is told as unknown until there is an estimate.
 GONE, LEFT = r"0:00:\d\d gone", r"(-:--:--|0:00:\d\d) left"
-DESIGN = """format = 1
-title = "{title}"
-minimise = "rebound_time_s_1"
-[parameters.restitution]
-low = 0.1
-high = 0.2
-"""
 
 
 class Stream(io.StringIO):
@@ -51,10 +44,10 @@ class Stream(io.StringIO):
 @pytest.fixture(autouse=True)
 def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A folder with small studies, and a wide terminal."""
-    texts = {"fit": FIT, "sweep": STUDY, "design": DESIGN}
+    given = {"title": "one", "name": "restitution", "aims": 'minimise = "rebound_time_s_1"'}
+    texts = {"fit": FIT, "sweep": STUDY.format(**given), "design": DESIGN.format(**given)}
     for name, text in texts.items():
-        filled = text if name == "fit" else text.format(title="one", name="restitution")
-        (tmp_path / f"{name}.toml").write_text(filled, encoding="utf-8")
+        (tmp_path / f"{name}.toml").write_text(text, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     for name, value in (("COLUMNS", "200"), ("TERM", "xterm")):
         monkeypatch.setenv(name, value)

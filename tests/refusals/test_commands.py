@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from programs import main
 from snapshots import Words
+from test_cli_options import FIT
 
 from nipper_pin import Case, Mechanism, save, save_case, simulate
 from tests.refusals.bases import model
@@ -16,16 +17,6 @@ from tests.refusals.descriptions import HEAD, LINES, file, swings
 
 SWEEP = "format = 1\n[parameters.restitution]\nvalues = [0.1, 0.2]\n"
 FREE = "[parameters.restitution]\nlow = 0.05\nhigh = 0.3\n"
-FIT = f"""format = 1
-title = "fit"
-model = "e62"
-{FREE}[[targets]]
-name = "one"
-quantity = "first_two_share"
-at = {{ speed_rpm = 650.0 }}
-value = 0.8
-sigma = 0.1
-"""
 
 
 @pytest.fixture(scope="module")
