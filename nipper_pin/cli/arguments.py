@@ -9,7 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
+from ..given import read_number
 from ..mechanism import Mechanism, load
+from ..written_units import number_in
 
 MODEL = "e62"
 RESTITUTION = "restitution of the stop that the model's shortcut names"
@@ -36,16 +38,40 @@ def add_model(parser: argparse.ArgumentParser, *, json_output: bool = True) -> N
     )
     parser.add_argument("--restitution", type=float, metavar="E", help=RESTITUTION)
     parser.add_argument(
-        "--stiffness", type=float, metavar="N_PER_M", help="spring rate; the preload length is kept"
+        "--stiffness",
+        type=number_or_text,
+        metavar="N_PER_M",
+        help="spring rate, or with a unit as 9N/mm; the preload length is kept",
     )
     parser.add_argument(
         "--speed",
-        type=float,
+        type=rpm,
         metavar="RPM",
         help="cylinder speed (default: the model's rated speed)",
     )
     if json_output:
         parser.add_argument("--json", metavar="FILE", help="write the result as JSON; - for stdout")
+
+
+def rpm(text: str) -> float:
+    """A speed in r/min, which may be written with a unit.
+
+    Raises:
+        ArgumentTypeError: It is none.
+    """
+    try:
+        return number_in(text, "rpm")
+    except ValueError as error:
+        message = f"{text!r} cannot be used: {error}"
+        raise argparse.ArgumentTypeError(message) from None
+
+
+def number_or_text(text: str) -> float | str:
+    """A number; a text, that may have a unit, is read where its path is known."""
+    try:
+        return read_number(text)
+    except ValueError:
+        return text
 
 
 def load_mechanism(options: argparse.Namespace) -> Mechanism:
@@ -90,7 +116,7 @@ def machine_words(options: argparse.Namespace) -> list[str]:
     for name in (*_SHORT, "speed"):
         value = getattr(options, name)
         if value is not None:
-            words += [f"--{name}", f"{value!r}"]
+            words += [f"--{name}", value if isinstance(value, str) else f"{value!r}"]
     return words
 
 

@@ -12,6 +12,7 @@ from ..extras import require
 from ..given import read_number
 from ..hybrid import Window
 from ..study.compare import Comparison, compare
+from ..written_units import number_in
 from .arguments import MODEL, RESTITUTION, check_outputs, refuse_beside, write_json
 from .case_options import DRIVE_HELP, DRIVES, add_cycles, add_window
 from .compare_sides import simulated, sources, told_drive, told_machine, told_settings, told_window
@@ -59,6 +60,19 @@ class _OneOrTwo(argparse.Action):
         namespace.behind = [*getattr(namespace, "behind", []), *values[len(found) :]]
 
 
+class _Speeds(_OneOrTwo):
+    """The same of speeds, which may have a unit."""
+
+    @staticmethod
+    def value(word: str) -> float:
+        """A word as a speed in r/min.
+
+        Raises:
+            ValueError: It is none.
+        """
+        return number_in(word, "rpm")
+
+
 class _Drives(_OneOrTwo):
     """The same of drives."""
 
@@ -88,7 +102,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("b", nargs="?", metavar="B", help="another one (default: the same as A)")
     for name, (metavar, text) in _PAIRED.items():
         parser.add_argument(
-            f"--{name}", nargs="+", action=_OneOrTwo, metavar=metavar,
+            f"--{name}", nargs="+", action=_Speeds if name == "speed" else _OneOrTwo,
+            metavar=metavar,
             help=f"{text}: of both, or of A and of B",
         )  # fmt: skip
     for name, whose in (("--set", "both"), ("--set-a", "A alone"), ("--set-b", "B alone")):

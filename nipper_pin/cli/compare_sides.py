@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ..errors import InputError
-from ..given import read_number
 from ..hybrid import Case, Solution, Window
+from ..written_units import number_in
 from .arguments import MODEL, overrides, refuse_beside
 from .case_options import changed_case
 
@@ -171,7 +171,7 @@ def _given(options: argparse.Namespace, place: int) -> tuple[tuple[str, object],
 
 def _number(value: object) -> float:
     try:
-        return read_number(str(value))
+        return number_in(str(value), "rpm")
     except ValueError:
         message = f"speed={value}: write a number of revolutions per minute, as in speed=450"
         raise InputError(message, argument=_SPEED) from None

@@ -7,7 +7,7 @@ import shlex
 from typing import TYPE_CHECKING
 
 from ..extras import require
-from .arguments import check_outputs, load_mechanism, write_json
+from .arguments import check_outputs, load_mechanism, rpm, write_json
 
 if TYPE_CHECKING:
     from ..study.speed_limit import SpeedLimit
@@ -33,10 +33,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="change a number of the model; may be repeated",
     )
     parser.add_argument(
-        "--from", dest="low", type=float, metavar="RPM", help="least speed; half the rated"
+        "--from", dest="low", type=rpm, metavar="RPM", help="least speed; half the rated"
     )
     parser.add_argument(
-        "--to", dest="high", type=float, metavar="RPM", help="largest speed; four times the rated"
+        "--to", dest="high", type=rpm, metavar="RPM", help="largest speed; four times the rated"
     )
     parser.add_argument(
         "--speeds", type=int, default=241, metavar="N", help="number of speeds (default 241)"

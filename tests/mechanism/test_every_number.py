@@ -33,6 +33,7 @@ from nipper_pin.mechanism.edit.toml_paths import number_from, replace_value
 from nipper_pin.mechanism.files import parse_xml, rotation_from_rpy
 from nipper_pin.mechanism.files.describe import describe
 from nipper_pin.mechanism.files.urdf_values import placed
+from nipper_pin.written_units import unit_of_key
 from tests.refusals.bases import model
 from tests.refusals.descriptions import HEAD, LINES, file, swings
 
@@ -134,6 +135,16 @@ def test_every_number_of_the_document(texts: tuple[dict[str, Any], str]) -> None
     assert dict(document_numbers(new)) == wanted
     assert same == urdf
     assert dict(document_numbers(document)) == found
+
+
+def test_every_number_with_the_unit_of_its_key(texts: tuple[dict[str, Any], str]) -> None:
+    """Written with the unit that its key names it is the same number; most have one."""
+    document, _ = texts
+    found = dict(document_numbers(document))
+    units = {path: unit_of_key(path.partition("[")[0].rpartition(".")[2]) for path in found}
+    assert any(units.values())
+    for path, value in found.items():
+        assert number_from(f"{value!r} {units[path]}", path, "model.toml") == value, path
 
 
 def test_every_number_that_need_not_be_written(texts: tuple[dict[str, Any], str]) -> None:

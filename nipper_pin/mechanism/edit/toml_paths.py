@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ...errors import ModelError, UnknownNameError
-from ...given import read_number
+from ...written_units import number_in, unit_of_key
 from ..files.describe import optional_numbers
 from .urdf_paths import steps_of
 
@@ -74,21 +74,24 @@ def replace_value(document: dict[str, object], path: str, value: object, file: s
 
 
 def number_from(value: object, path: str, file: str) -> float:
-    """Convert a new value to a number.
+    """Convert a new value to a number in the unit of its path.
 
     Args:
-        value: A number, or a string that holds one.
-        path: The path that it is for, for messages.
+        value: A number, or a string that holds one, with a unit of its own or without.
+        path: The path that it is for.
 
     Raises:
         ModelError: It is none.
     """
     if isinstance(value, bool) or not isinstance(value, numbers.Real | str):
         raise ModelError(file=file, key=path, value=value, allowed="a number")
+    if not isinstance(value, str):
+        return float(value)
+    key = next((step for step in reversed(steps_of(path)) if not step.startswith("[")), "")
     try:
-        return read_number(value) if isinstance(value, str) else float(value)
-    except ValueError:
-        raise ModelError(file=file, key=path, value=value, allowed="a number") from None
+        return number_in(value, unit_of_key(key))
+    except ValueError as error:
+        raise ModelError(file=file, key=path, value=value, allowed=str(error)) from None
 
 
 def _holder(document: object, steps: Sequence[str], path: str, where: str) -> object:

@@ -1,0 +1,76 @@
+"""Numbers that are typed with a unit of their own."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+from nipper_pin import Mechanism, ModelError, changed, load
+from nipper_pin.cli import main
+from nipper_pin.written_units import number_in, unit_of_key
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "number"),
+    [
+        ("9N/mm", "stiffness_N_per_m", 9000.0), ("9.5e3", "stiffness_N_per_m", 9500.0),
+        (" 2 kN/m ", "stiffness_N_per_m", 2000.0), ("0.925cm", "preload_length_mm", 9.25),
+        ("9.25mm", "preload_length_mm", 9.25), ("1in", "x_mm", 25.4),
+        ("0.5rad", "preload_deg", math.degrees(0.5)), ("1r", "at_deg", 360.0),
+        ("50 N mm/deg", "stiffness_N_m_per_rad", 0.05 * math.degrees(1.0)),
+        ("50Nmm/deg", "stiffness_N_m_per_rad", 0.05 * math.degrees(1.0)),
+        ("3e4 kg*mm^2", "reflected_inertia_kg_m2", 0.03), ("300 g", "mass_kg", 0.3),
+        ("650rpm", "rated_speed_rpm", 650.0), ("60 deg/s", "speed_rpm", 10.0),
+        ("9810 mm/s2", "gravity_m_s2", 9.81), ("20 g/cm", "density_kg_m", 2.0),
+        ("4 N s2/m2", "c_N_s2_per_m2", 4.0), ("3 N ms/mm", "damping_N_s_per_m", 3.0),
+        ("50Hz", "shaft_frequency_hz", 50.0), ("7 cm/r", "lead_mm_per_turn", 70.0),
+        ("0.2", "restitution", 0.2),
+    ],
+)  # fmt: skip
+def test_a_unit_is_taken_into_that_of_the_key(text: str, key: str, number: float) -> None:
+    assert number_in(text, unit_of_key(key)) == pytest.approx(number, rel=4e-16)
+
+
+def test_of_one_unit_no_digit_is_lost() -> None:
+    for key in ("preload_length_mm", "preload_deg", "stiffness_N_m_per_rad", "rated_speed_rpm"):
+        unit = unit_of_key(key)
+        assert number_in(f"0.1234567890123456 {unit}", unit) == 0.1234567890123456
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("9,25", "with a decimal point: 9.25"), ("9N", "which N is not"),
+        ("9 lbf", "made of m, mm"), ("far", "a number"), ("9 mm mm", "which mm mm is not"),
+        ("1_0mm", "a number"), ("٣mm", "a number"), ("9 mm/", "made of m, mm"),
+        ("9 mm^x", "made of m, mm"),
+    ],
+)  # fmt: skip
+def test_what_is_no_number_in_mm(e62: Mechanism, text: str, told: str) -> None:
+    with pytest.raises(ModelError) as caught:
+        changed(e62, {"preload": text})
+    assert told in caught.value.evidence["allowed"]
+
+
+def test_numbers_without_a_unit_take_none() -> None:
+    with pytest.raises(ModelError, match="a number without a unit, not 'mm'"):
+        load("e62", {"restitution": "0.2mm"})
+
+
+def test_commands_take_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    said = []
+    for words in (
+        ["--speed", "650", "--stiffness", "9500", "--set", "preload=9.25"],
+        ["--speed", "650rpm", "--stiffness", "9.5N/mm", "--set", "preload=0.925cm"],
+    ):
+        assert main(["simulate", "e62", *words, "--json", "-"]) == 0
+        said.append(capsys.readouterr().out)
+    assert said[0].partition('"work"')[0] == said[1].partition('"work"')[0]
+    with pytest.raises(SystemExit):
+        main(["simulate", "e62", "--speed", "650 mm"])
+    assert "which mm is not" in capsys.readouterr().err
