@@ -155,11 +155,9 @@ FILMED = Path(__file__).resolve().parents[2] / "scripts" / "identify_camera.toml
 SENSITIVITIES = """
 from nipper_pin import load
 from nipper_pin.study.sensitivity import sensitivities
-
-if __name__ == "__main__":
-    paths = ["stops.jaw.restitution", "springs.steeve.preload_length_mm"]
-    found = sensitivities(load("e62"), 650.0, paths, workers=1)
-    print([(row.per.tolist(), row.control.tolist()) for row in found.rows])
+paths = ["stops.jaw.restitution", "springs.steeve.preload_length_mm"]
+found = sensitivities(load("e62"), 650.0, paths, workers=1)
+print([(row.per.tolist(), row.control.tolist()) for row in found.rows])
 """
 DESIGN = """
 format = 1
@@ -171,10 +169,8 @@ parameters."drives.tension.ratio" = { low = 2.15, high = 2.25 }
 OPTIMUM = """
 from pathlib import Path
 from nipper_pin.study.optimise import optimise, read_problem
-
-if __name__ == "__main__":
-    found = optimise(read_problem(Path("design.toml")), starts=1, check=False, workers=1)
-    print(found.best, found.account)
+found = optimise(read_problem(Path("design.toml")), starts=1, check=False, workers=1)
+print(found.best, found.account)
 """
 
 
@@ -196,14 +192,12 @@ def said(threads: str, words: list[str], folder: Path) -> str:
         [*COMMAND[1:], "identify", str(FILMED), "--starts", "1", "--workers", "1", "--profiles",
          "1", "--json", "-"],
         # By a caller whose BLAS has several threads, too.
-        ["sensitivities.py"], ["optimum.py"],
+        ["-c", SENSITIVITIES], ["-c", OPTIMUM],
         ["-m", "benchmarks", "paper", "--json", "-"],
     ],
     ids=["identify", "sensitivities", "optimum", "published study"],
 )  # fmt: skip
 def test_threads_change_no_bit(words: list[str], tmp_path: Path) -> None:
-    (tmp_path / "sensitivities.py").write_text(SENSITIVITIES, encoding="utf-8")
-    (tmp_path / "optimum.py").write_text(OPTIMUM, encoding="utf-8")
     (tmp_path / "design.toml").write_text(DESIGN, encoding="utf-8")
     one, two = (said(threads, words, tmp_path) for threads in ("1", "2"))
     assert len(one) > 100

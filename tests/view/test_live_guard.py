@@ -151,21 +151,14 @@ def random_message(rng: random.Random, controls: list[str]) -> bytes | str:
         "SetCameraPositionMessage", "nothing of this kind", "GuiButtonHoldMessage",
     ]  # fmt: skip
     fields = ["value", "min", "max", "update_cb", "visible", "disabled", "_impl", "step"]
-    match rng.randrange(8):
-        case 0:
-            return rng.randbytes(rng.randrange(200))
-        case 1:
-            return "text"
-        case 2:
-            return msgspec.msgpack.encode(rng.choice(values))
-        case 3:
-            return msgspec.msgpack.encode({"type": rng.choice(kinds), "uuid": rng.choice(controls)})
-        case _:
-            updates = {rng.choice(fields): rng.choice(values) for _ in range(rng.randrange(1, 3))}
-            uuid = rng.choice([*controls, "no control"])
-            return msgspec.msgpack.encode(
-                {"type": "GuiUpdateMessage", "uuid": uuid, "updates": updates}
-            )
+    updates = {rng.choice(fields): rng.choice(values) for _ in range(rng.randrange(1, 3))}
+    update = {"uuid": rng.choice([*controls, "no control"]), "updates": updates}
+    packed = [
+        rng.choice(values), {"type": rng.choice(kinds), "uuid": rng.choice(controls)},
+        *[{"type": "GuiUpdateMessage", **update}] * 4,
+    ]  # fmt: skip
+    unread = rng.randbytes(rng.randrange(200)), "text"
+    return rng.choice([*unread, *map(msgspec.msgpack.encode, packed)])
 
 
 @pytest.mark.slow
