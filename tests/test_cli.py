@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+import runpy
 import shlex
 import shutil
 from pathlib import Path
@@ -13,6 +14,7 @@ from typing import Any
 import pytest
 from units_shown import rows
 
+import nipper_pin as nip
 from nipper_pin import (
     Case,
     Mechanism,
@@ -363,3 +365,32 @@ def test_files_of_a_comparison(tmp_path: Path, capsys: pytest.CaptureFixture[str
         assert float(row["difference_percent"]) == other["difference_percent"]
     assert (tmp_path / "out" / "curves.png").read_bytes().startswith(b"\x89PNG")
     assert "<svg" in (tmp_path / "out" / "curves.svg").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["simulte", "e62"], "did you mean simulate? There are simulate, view"),
+        (["xyz"], "no command 'xyz'; There are simulate"),
+        (["simulate", "e62", "--spped", "600"], "--spped 600; did you mean --speed? -h lists"),
+        (["simulate", "e62", "--spped=600"], "did you mean --speed?"),
+        (["check", "e62", "e63", "e64"], "unrecognized arguments: e63 e64; -h lists the options"),
+    ],
+)
+def test_a_mistyped_word_is_told_with_the_nearest(
+    words: list[str], told: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main(words)
+    assert ended.value.code == 2
+    assert told in capsys.readouterr().err
+
+
+def test_the_module_is_the_command(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("sys.argv", ["nipper_pin", "--version"])
+    with pytest.raises(SystemExit) as ended:
+        runpy.run_module("nipper_pin", run_name="__main__")
+    assert ended.value.code == 0
+    assert capsys.readouterr().out == f"nipper-pin {nip.__version__}\n"

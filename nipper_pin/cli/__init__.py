@@ -6,12 +6,14 @@ import argparse
 import contextlib
 import errno
 import os
+import re
 import select
 import shutil
 import sys
 import textwrap
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from difflib import get_close_matches
 from importlib import import_module
 from typing import NamedTuple
 
@@ -22,6 +24,7 @@ if "numpy" not in sys.modules:
 # Figures are files: no window is needed, nor a name of one that this matplotlib knows.
 os.environ["MPLBACKEND"] = "agg"
 
+from .. import __version__
 from ..errors import InputError, NipperError, one_line
 from ..given import read_number, read_whole
 from .surroundings import interrupts, open_streams
@@ -116,7 +119,7 @@ def _run(words: list[str], commands: Commands) -> None:
         raise InputError(message, command="study")
     named = next((word for word in words[:1] if word in commands.places), None)
     try:
-        options = _parser(named, commands).parse_args(words)
+        options = _options(words, named, commands)
     except SystemExit:
         sys.stdout.flush()
         raise
@@ -124,6 +127,30 @@ def _run(words: list[str], commands: Commands) -> None:
     with warnings.catch_warnings():
         warnings.showwarning = _note
         options.run(options)
+
+
+def _options(words: list[str], named: str | None, commands: Commands) -> argparse.Namespace:
+    """The arguments of a command; an option or a command that does not exist names the nearest."""
+    parser = _parser(named, commands)
+    if words and named is None and not words[0].startswith("-"):
+        meant = _meant(words[0], commands.places)
+        there = f"{meant}There are {', '.join(commands.places)}"
+        parser.error(f"there is no command {words[0]!r}; {there}")
+    options, left = parser.parse_known_args(words)
+    if left:
+        of_command = argparse.ArgumentParser(prog=f"{commands.program} {options.command}")
+        place, _ = commands.places[options.command]
+        import_module(place, __package__).add_arguments(of_command)
+        known = re.findall(r"--[a-z][a-z-]*", of_command.format_usage())
+        meant = _meant(left[0].partition("=")[0], known)
+        of_command.error(f"unrecognized arguments: {' '.join(left)}; {meant}-h lists the options")
+    return options
+
+
+def _meant(word: str, known: Iterable[str]) -> str:
+    """A question for the nearest of the words that are known; empty if none is near."""
+    near = get_close_matches(word, known, 1)
+    return f"did you mean {near[0]}? " if near else ""
 
 
 def _unwritten(error: OSError) -> int:
@@ -184,6 +211,8 @@ def _say(text: str) -> None:
 def _parser(command: str | None = None, commands: Commands = NIPPER_PIN) -> argparse.ArgumentParser:
     """Return the parser of one command or of all; only the modules of that command are imported."""
     parser = argparse.ArgumentParser(prog=commands.program, description=commands.description)
+    if commands is NIPPER_PIN:
+        parser.add_argument("--version", action="version", version=f"nipper-pin {__version__}")
     subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for name, (place, text) in commands.places.items():
         of_command = subparsers.add_parser(name, help=text)
