@@ -82,6 +82,55 @@ def check_balls(solution: Solution, items: Sequence[Ball]) -> None:
     assert all(hit.approach_rate < 0.0 for hit in solution.collisions)
 
 
+@pytest.mark.parametrize("later", [0, 1])
+def test_limits_that_one_collision_shows_are_each_at_its_time(later: int) -> None:
+    """Two balls land at once and are so slow that both limits are known; one is the later one.
+
+    The event of each has its ball alone, and at the second one both lie still.
+    """
+    items = [(0.1, 5e-6), (0.1, 5e-6)]
+    items[later] = (0.3, 5e-6)
+    solution = turn(balls(items), tolerance=1e-3)
+    hit, *found = solution.events
+    assert hit.kind is EventKind.COLLISION
+    assert [event.kind for event in found] == [EventKind.REST, EventKind.REST]
+    names = [f"floor{1 - later}", f"floor{later}"]
+    assert [event.stops for event in found] == [(name,) for name in names]
+    assert found[0].closed_after == {names[0]}
+    assert found[1].closed_after == set(names)
+    assert found[1].v_after.tolist() == [0.0, 0.0]
+    for event in found:
+        off = abs(event.t - rest_in_closed_form(items[int(event.stops[0][-1])]))
+        assert off <= min(1e-12 * event.t, solution.errors[event.number - 1].time)
+
+
+@pytest.mark.parametrize("pulled", [0, 1])
+def test_a_stop_that_nothing_presses_shut_does_not_rest(pulled: int) -> None:
+    """Two balls land at once, slower than ``rest_rate``; one of them is pulled off its floor.
+
+    It flies on as a ball does that is thrown up at e v, and the other one lies still.
+    """
+    parts, stops, springs, initial = [], {}, {}, {}
+    for i in range(2):
+        parts += [link(f"ball{i}"), slide(f"z{i}", "frame", f"ball{i}", (0.0, 1.0))]
+        stops[f"floor{i}"] = {"joint": f"z{i}", "restitution": 0.5}
+        force = -1.0 if i == pulled else 1.0
+        springs[f"pull{i}"] = {
+            "joint": f"z{i}", "coordinate_mm": [-1e3, 1e4], "force_N": [force, force]
+        }  # fmt: skip
+        # So that each comes to its floor after 0.1 s, at 0.1 m/s.
+        initial[f"z{i}"] = {"at_mm": 10.0 - 5.0 * force, "rate_mm_per_s": 100.0 * (force - 1.0)}
+    thrown = machine(parts, 2, stops=stops, springs=springs, initial=initial)
+    solution = turn(thrown, rest_rate=0.06)
+    hit, rest = solution.events
+    assert set(hit.stops) == {"floor0", "floor1"}
+    assert (rest.kind, rest.stops) == (EventKind.REST, (f"floor{1 - pulled}",))
+    assert hit.t == pytest.approx(0.1, rel=1e-12)
+    places = solution.trajectory.evaluate(hit.t + 0.5).q[0]
+    assert places[pulled] == pytest.approx(0.05 * 0.5 + 0.5 * 0.5**2, rel=1e-12)
+    assert places[1 - pulled] == 0.0
+
+
 @pytest.mark.sampled(4)
 @pytest.mark.parametrize("count", [2, 3, 5])
 @pytest.mark.parametrize("ball", [(0.0, 0.2), (0.4, 0.2), (0.8, 0.05)])
