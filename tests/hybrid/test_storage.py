@@ -153,12 +153,6 @@ def _edit(path: Path, change: Callable[[Document], object]) -> None:
         np.savez_compressed(stream, document=np.array(json.dumps(document)), **arrays)
 
 
-def test_a_missing_file_is_an_input_error(tmp_path: Path) -> None:
-    for read in (nip.load_solution, nip.load_case):
-        with pytest.raises(nip.InputError, match="nowhere"):
-            read(tmp_path / "nowhere.npz")
-
-
 def test_a_truncated_file_is_an_input_error(stored: Path) -> None:
     """Wherever the file was cut off, the message says that it is damaged."""
     content = stored.read_bytes()
@@ -247,19 +241,13 @@ def test_an_edited_file_is_an_input_error(
 
 
 @pytest.mark.parametrize("name", ["panel0", "events"])
-def test_an_array_that_is_no_row_of_finite_numbers_is_an_input_error(
-    stored: Path, name: str
-) -> None:
+def test_an_array_of_other_numbers_is_an_input_error(stored: Path, name: str) -> None:
     """NaN, numbers whose squares overflow, other shapes, and other kinds of numbers."""
     with np.load(stored, allow_pickle=False) as archive:
         arrays = {key: archive[key] for key in archive.files}
-    right = arrays[name]
-    for wrong in (
-        np.nan * right, 1e200 + right, right.ravel(), right[..., :-1], right[..., :0],
-        right.astype("U8"), right.astype(np.float32),
-    ):  # fmt: skip
-        with stored.open("wb") as stream:
-            np.savez(stream, **{**arrays, name: wrong})
+    rows = arrays[name]
+    for wrong in (np.nan * rows, 1e200 + rows, rows.ravel(), rows[..., :-1], rows.astype("f4")):
+        np.savez(stored, **{**arrays, name: wrong})
         with pytest.raises(nip.InputError, match="where numbers"):
             nip.load_solution(stored)
 
@@ -313,16 +301,6 @@ def test_an_archive_that_would_grow_too_large_is_refused(tmp_path: Path) -> None
         assert tracemalloc.get_traced_memory()[1] < 2**24
     finally:
         tracemalloc.stop()
-
-
-def test_an_archive_of_too_many_arrays_is_refused(tmp_path: Path) -> None:
-    """By its directory, as those that would grow too large."""
-    path = tmp_path / "many.npz"
-    with zipfile.ZipFile(path, "w") as archive:
-        for number in range(50_001):
-            archive.writestr(f"{number}.npy", b"")
-    with pytest.raises(nip.InputError, match="it holds 50001 arrays; at most 50000 are read"):
-        nip.load_solution(path)
 
 
 @pytest.mark.parametrize("length", [10**15, 1])
