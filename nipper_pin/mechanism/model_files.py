@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import InputError, ModelError, UnknownNameError, with_words
-from ..outputs import complete_folder
 from ..texts import MOST_TEXT, followed, no_file, read_text
 
 
@@ -247,6 +246,9 @@ def new_folder(folder: str | Path) -> Iterator[Path]:
     Raises:
         InputError: The folder is occupied or cannot be written.
     """
+    # Whoever loads a model writes no folder.
+    from ..outputs import complete_folder
+
     with complete_folder(check_new_folder(folder), ()) as partial:
         yield partial
 
