@@ -8,6 +8,8 @@ from typing import Any
 
 # Letters of the begin and of the end of a message that is longer: a file may hold any word.
 _BEGIN, _END = 3000, 1000
+# Longest name that is compared with others, and most of these: a file may hold any number.
+_NAME, _NAMES = 60, 1000
 _NUMBER = re.compile(r"-?\d+(\.\d+)?(e[+-]?\d+)?")
 
 
@@ -142,7 +144,9 @@ class UnknownNameError(InputError):
         """
         names = sorted(known)
         place = f"{where}: " if where else ""
-        help_ = f"it is called {now!r}" if now else f"known: {', '.join(names) or 'none'}"
+        help_ = f"{_meant(name, names)}known: {', '.join(names) or 'none'}"
+        if now:
+            help_ = f"it is called {now!r}"
         super().__init__(
             f"{place}there is no {kind} named {name!r}; {help_}",
             kind=kind,
@@ -151,6 +155,18 @@ class UnknownNameError(InputError):
             where=where,
             now=now,
         )
+
+
+def _meant(name: str, known: Iterable[str]) -> str:
+    """A question for the nearest of the names that are known; empty if none is near."""
+    # Rarely needed, and slow to import.
+    from difflib import get_close_matches
+
+    words = [item for item in known if len(item) <= _NAME]
+    # The nearest place in a list is none that anybody meant.
+    wanted = name if len(name) <= _NAME and not name.startswith("[") else ""
+    near = get_close_matches(wanted, words[:_NAMES], 1)
+    return f"did you mean {near[0]!r}? " if near else ""
 
 
 class AssemblyError(ModelError):
