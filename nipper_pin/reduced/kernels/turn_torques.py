@@ -268,7 +268,7 @@ def run_torques(grids: FloatArray, charts: Charts, work: TurnWork, keeping: Turn
             # A literal 1 would be a type of its own, for which all of it is compiled once more.
             status, _, _, _, _ = follow(
                 grids, charts, keeping, speed[i], restitution[i], stiffness[i], preload[i],
-                gravity[i], rest_rate, tolerance, np.int64(1), one, clamp, events, holds, again,
+                gravity[i], rest_rate, tolerance, min(turns, 1), one, clamp, events, holds, again,
             )  # fmt: skip
             if status != AT_REST:
                 break
