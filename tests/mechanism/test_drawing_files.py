@@ -109,7 +109,10 @@ WRONG = {
     "found from itself": ('beside = "O"', 'beside = "A/O"'),
     "nowhere": ('beside = "O", right_mm = 20.0, up_mm = 0.0',
                 'meet = ["O", "Y"], radii_mm = [9.0, 9.0], side = "left"'),
+    "the other kind of side": ('beside = "O", right_mm = 20.0, up_mm = 0.0',
+                               'meet = ["O", "Y"], radii_mm = [30.0, 30.0], side = "ahead"'),
     "no words": ("Y = [10.0", '"Y Y" = [10.0'),
+    "two strokes": ("Y = [10.0", '"Y--Y" = [10.0'),
     "no kind of joint": ('pin = "O"', 'hinge = "O"'),
     "two kinds": ('slide = "lift"', 'slide = "lift", pin = "O"'),
     "a slide without a direction": (', along = "O Y"', ""),
@@ -143,6 +146,20 @@ def test_where_it_may_be(tmp_path: Path, place: str) -> None:
     assert (mechanism.name, mechanism.title) == ("machine", "a <yoke>")
     assert [spring.stiffness for spring in mechanism.springs] == [2.0, 600.0]
     assert load(model).description == drawn_mechanism(YOKE).description
+
+
+def test_odd_words_in_a_title_and_a_file_name(tmp_path: Path) -> None:
+    """The URDF that is made of them is well formed."""
+    file = tmp_path / 'a & "b" <c>.toml'
+    file.write_text(TEXT.replace("a <yoke>", "a -- <yoke> --"), encoding="utf-8")
+    assert load(file).name == 'a & "b" <c>'
+
+
+def test_more_than_the_most_is_refused() -> None:
+    points = "".join(f"P{number} = [0.0, 0.0]\n" for number in range(1000))
+    document = read_toml(TEXT.replace("[bodies]", f"{points}\n[bodies]"), "f")
+    with pytest.raises(ModelError, match="points = '1005 entries' cannot be used: at most 1000"):
+        drawing_of(document, "f", "f")
 
 
 def test_a_urdf_beside_it_is_another_machine(tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ from .parts import (
     Tie,
 )
 from .places import between, direction, distance, meet, on_line, polar
-from .read import drawing_of, is_drawing, read_drawing
+from .read import drawing_of, read_drawing
 from .tables import drawn_sources
 from .write import drawn_mechanism, drawn_texts, write_drawing
 
@@ -47,7 +47,6 @@ __all__ = [
     "drawn_sources",
     "drawn_texts",
     "flap",
-    "is_drawing",
     "meet",
     "on_line",
     "polar",

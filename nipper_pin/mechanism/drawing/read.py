@@ -146,18 +146,21 @@ class DrawingTable(TomlTable, frozen=True, kw_only=True):
     joints: tuple[JointTable, ...]
 
 
-_WORD = re.compile(r"[\w.-]+")
+_WORD = re.compile(r"\w+(?:[.-]\w+)*")
+# Most points, bodies and joints: each is compared with all others.
+_MOST = 1000
 _OWN = frozenset(DrawingTable.__struct_fields__)
 # Of a model's file, these follow from the drawing.
 _MADE = ("format", "degrees_of_freedom", "cylinder", "closures")
-_WAYS = (
-    ("centre", "radius_mm", "angle_deg"),
-    ("meet", "radii_mm", "side"),
-    ("between", "share"),
-    ("between", "share", "left_mm"),
-    ("centre", "radius_mm", "line", "along", "side"),
-    ("beside", "right_mm", "up_mm"),
-)
+# Keys of each way to find a point, and on which sides it may be.
+_WAYS: dict[tuple[str, ...], tuple[str | None, ...]] = {
+    ("centre", "radius_mm", "angle_deg"): (None,),
+    ("meet", "radii_mm", "side"): ("left", "right"),
+    ("between", "share"): (None,),
+    ("between", "share", "left_mm"): (None,),
+    ("centre", "radius_mm", "line", "along", "side"): ("ahead", "behind"),
+    ("beside", "right_mm", "up_mm"): (None,),
+}
 _WAYS_IN_WORDS = "[x, z], or the keys of one way: " + "; ".join(map(", ".join, _WAYS))
 _KEYS = {
     "pin": ("pin", "parent", "child"),
@@ -165,11 +168,6 @@ _KEYS = {
     "slot": ("slot", "parent", "child", "at", "along"),
 }
 _MAY_BE = {"pin": ("name",), "slide": (), "slot": ("block_mass_kg",)}
-
-
-def is_drawing(document: Mapping[str, object]) -> bool:
-    """Whether a TOML document draws a machine, rather than describing one beside its URDF."""
-    return "drawing" in document
 
 
 def read_drawing(file: str | Path) -> Drawing:
@@ -201,6 +199,14 @@ def drawing_of(document: Mapping[str, Any], name: str, file: str) -> Drawing:
             raise ModelError(file=file, key=key, value=document[key], allowed=allowed)
     refuse_unusable(own, "", file)
     table: DrawingTable = converted(own, DrawingTable, "", file)
+    for key, items in (
+        ("points", table.points),
+        ("bodies", table.bodies),
+        ("joints", table.joints),
+    ):
+        if len(items) > _MOST:
+            value = f"{len(items)} entries"
+            raise ModelError(file=file, key=key, value=value, allowed=f"at most {_MOST}")
     _need_words(table, file)
     points = _places(table.points, file)
     parts: list[Part] = [_body(key, body) for key, body in table.bodies.items()]
@@ -234,7 +240,7 @@ def _need_words(table: DrawingTable, file: str) -> None:
         ]
     for key, name in names:
         if not _WORD.fullmatch(name):
-            allowed = "a name of letters, digits, _, - and dots"
+            allowed = "one word of letters, digits and _, in which single - and dots may stand"
             raise ModelError(file=file, key=key, value=name, allowed=allowed)
 
 
@@ -272,8 +278,12 @@ def _place(
         return point
     given = {item: getattr(point, item) for item in point.__struct_fields__}
     given = {item: value for item, value in given.items() if value is not None}
-    if set(given) not in map(set, _WAYS):
+    sides = next((sides for way, sides in _WAYS.items() if set(way) == set(given)), ())
+    if not sides:
         raise ModelError(file=file, key=key, value=", ".join(given), allowed=_WAYS_IN_WORDS)
+    if point.side not in sides:
+        allowed = " or ".join(map(str, sides))
+        raise ModelError(file=file, key=f"{key}.side", value=point.side, allowed=allowed)
     try:
         return _found(points, point)
     except InputError as error:
