@@ -11,8 +11,8 @@ from .assembly import (
 )
 from .constraint_set import ConstraintSet
 from .elements import Elements
-from .impact import Impact, arrest, collide, drive_impulses, no_impact
-from .moving_mass import impact_condition
+from .free_mass import impact_condition
+from .impact import Impact, closing_impulse, collide, drive_impulses, no_impact
 from .multibody import INFINITE_INERTIA, Multibody, multibody
 from .multipliers import multipliers
 from .shaft import Driven, ShaftMotion
@@ -30,10 +30,10 @@ __all__ = [
     "Partition",
     "ShaftMotion",
     "System",
-    "arrest",
     "assemble",
     "close_positions",
     "close_velocities",
+    "closing_impulse",
     "collide",
     "drive_impulses",
     "impact_condition",

@@ -24,7 +24,7 @@ from ..tolerances.mechanics import (
     RESTITUTION_SLACK,
     STILL_GAP_RATE,
 )
-from .moving_mass import impact_condition, impulse_sizes, moving_mass
+from .free_mass import free_mass_matrix, impact_condition, inverse_mass_roots
 from .pivoting import complementary, delassus
 from .system import System
 
@@ -122,7 +122,7 @@ def _choices(
             yield tuple(np.flatnonzero(shares > least).tolist())
 
 
-def arrest(
+def closing_impulse(
     system: System,
     q: FloatArray,
     v: FloatArray,
@@ -201,9 +201,9 @@ def _round_off(
 ) -> list[float]:
     """Round-off of gap rates beside an impact: for each the same share of its energy."""
     lost = EPS * impact_condition(system, q, jacobian, struck)
-    moving, mass = moving_mass(system, q)
+    moving, mass = free_mass_matrix(system, q)
     given = math.sqrt(delta[moving] @ mass @ delta[moving])
-    return [lost * given * size for size in impulse_sizes(system, q, beside).tolist()]
+    return [lost * given * size for size in inverse_mass_roots(system, q, beside).tolist()]
 
 
 def _grazed(system: System, v: FloatArray, contacts: Sequence[Stop]) -> Impact:

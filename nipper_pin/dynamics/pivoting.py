@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..arrays import FloatArray
 from ..mechanism import Stop
 from ..tolerances.mechanics import DEPENDENT_PIVOT, EQUAL_RATIO, RANK_TOLERANCE
-from .moving_mass import impulse_sizes, moving_mass
+from .free_mass import free_mass_matrix, inverse_mass_roots
 from .system import System
 
 # Pivots for each stop at which a search ends; the usual number is one or two.
@@ -37,7 +37,7 @@ def delassus(
     """
     columns = [stop.index for stop in stops]
     split = system.split(jacobian, system.held_coordinates, tuple(columns))
-    moving, mass = moving_mass(system, q)
+    moving, mass = free_mass_matrix(system, q)
     free = [index for index in split.independent if index in moving]
     if not free:
         return np.zeros((len(stops), len(stops)))
@@ -45,7 +45,7 @@ def delassus(
     rows = motions[:, columns] * [stop.sense for stop in stops]
     within = motions[:, moving]
     matrix: FloatArray = rows.T @ np.linalg.solve(within @ mass @ within.T, rows)
-    alone = impulse_sizes(system, q, columns) ** 2
+    alone = inverse_mass_roots(system, q, columns) ** 2
     fixed = np.diag(matrix) <= RANK_TOLERANCE**2 * alone
     matrix[fixed] = 0.0
     matrix[:, fixed] = 0.0

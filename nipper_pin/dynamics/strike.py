@@ -15,8 +15,8 @@ from ..errors import ImpactError
 from ..mechanism import Simultaneous, Stop
 from ..tolerances.hybrid import JAM_SLOWING
 from ..tolerances.mechanics import EQUAL_APPROACH, STILL_GAP_RATE
+from .free_mass import free_mass_matrix
 from .impact import Impact, collide, no_impact
-from .moving_mass import moving_mass
 from .pivoting import complementary, delassus
 from .system import System
 
@@ -26,7 +26,7 @@ MOST_STRIKES = 1_000_000
 _JAM = 20_000
 
 
-def in_sequence(
+def sequential_impacts(
     system: System,
     q: FloatArray,
     v: FloatArray,
@@ -144,7 +144,7 @@ def _response(
         [stop.index for stop in contacts],
         impulses * [stop.sense for stop in contacts],
     )
-    moving, mass = moving_mass(system, q)
+    moving, mass = free_mass_matrix(system, q)
     delta = np.zeros(system.body.nv)
     delta[moving] = np.linalg.solve(mass, pushed[moving])
     if not len(jacobian):
@@ -225,7 +225,7 @@ def _of_part(
     try:
         at_once = collide(system, q, v, jacobian, contacts, restitution)
     except ImpactError:
-        return in_sequence(system, q, v, jacobian, contacts, most)
+        return sequential_impacts(system, q, v, jacobian, contacts, most)
     if same_by_every_law(v, at_once.v_after, contacts, at_once.P_N):
         return at_once
-    return in_sequence(system, q, v, jacobian, contacts, most)
+    return sequential_impacts(system, q, v, jacobian, contacts, most)

@@ -24,8 +24,8 @@ from nipper_pin.dynamics import (
     Partition,
     ShaftMotion,
     System,
-    arrest,
     close_positions,
+    closing_impulse,
     collide,
     drive_impulses,
     inverted,
@@ -262,11 +262,11 @@ def test_a_series_ends_without_moving_the_other_closed_stops(seed: int) -> None:
     W, inverse = meeting.normals(), meeting.response()
     P = np.linalg.solve(W.T @ inverse @ W, -rates)
     first, *closed = meeting.contacts
-    impact = arrest(meeting.system, meeting.q, v, meeting.jacobian, [first, *closed])
+    impact = closing_impulse(meeting.system, meeting.q, v, meeting.jacobian, [first, *closed])
     assert [stop.rate(impact.v_after) for stop in meeting.contacts] == [0.0] * len(rates)
     wanted = inverse @ W @ P
     assert np.abs(impact.delta - wanted).max() <= 1e-10 * np.abs(wanted).max()
-    alone = arrest(meeting.system, meeting.q, v, meeting.jacobian, [first])
+    alone = closing_impulse(meeting.system, meeting.q, v, meeting.jacobian, [first])
     moved = max(abs(stop.rate(alone.v_after)) for stop in closed)
     assert moved > 0.0
 

@@ -20,7 +20,7 @@ from nipper_pin.dynamics import (
     Impact,
     ShaftMotion,
     System,
-    arrest,
+    closing_impulse,
     collide,
     drive_impulses,
     impact_condition,
@@ -272,7 +272,7 @@ def test_small_impacts_keep_their_relative_precision(
 
 
 def test_a_rest_takes_away_the_last_rate(tree: PlanarTree, make_system: MakeSystem) -> None:
-    """`arrest` is the plastic impact of the stop's rate, whatever its sign.
+    """`closing_impulse` is the plastic impact of the stop's rate, whatever its sign.
 
     For a stop that still moves apart the impulse is negative, and it is minus the impulse of the
     same approach: the law is odd in the rate.
@@ -284,7 +284,7 @@ def test_a_rest_takes_away_the_last_rate(tree: PlanarTree, make_system: MakeSyst
         q, G = meeting.q, meeting.G
         leaving = _velocity(G, {stop.index: 1e-6}, rng)
         closing = _velocity(G, {stop.index: -1e-6}, rng)
-        rest = arrest(system, q, leaving, G, [stop])
+        rest = closing_impulse(system, q, leaving, G, [stop])
         plastic = collide(system, q, closing, G, [stop], [0.0])
         assert rest.v_after[stop.index] == 0.0
         assert rest.P_N["jaw"] < 0.0

@@ -15,7 +15,7 @@ from nipper_pin.dynamics import ShaftMotion, System
 from nipper_pin.hybrid.error_estimate.freedoms import free_coordinates
 from nipper_pin.hybrid.error_estimate.saltation import impact_map, sequence_map
 from nipper_pin.hybrid.error_estimate.variational import flight_map
-from nipper_pin.hybrid.error_estimate.zonotope import NOTHING_KNOWN, Deviations
+from nipper_pin.hybrid.error_estimate.zonotope import NOTHING_KNOWN, Zonotope
 
 CHANGE = 1e-6
 
@@ -66,7 +66,7 @@ def _nipper(restitution: float, drive: DriveMode = DriveMode.HELD) -> Solution:
 def _derivatives(solution: Solution, name: str) -> list[tuple[float, float]]:
     """Derivatives of the times of all collisions and of their impulses, by a restitution."""
     system, mechanism, nv = solution.system, solution.mechanism, solution.system.body.nv
-    found = Deviations(np.zeros((2 * nv, 1)), np.zeros(1), np.zeros(1))
+    found = Zonotope(np.zeros((2 * nv, 1)), np.zeros(1), np.zeros(1))
     segments, derivatives = list(solution.segments), []
     for event in solution.events:
         if event.kind is not EventKind.COLLISION:
@@ -167,7 +167,7 @@ def test_the_map_of_a_cannon_is_the_product_of_its_two_strikes(e: float, f: floa
     assert pushes[:, 2:] == pytest.approx(impulses, abs=1e-9)
 
 
-def _extent(found: Deviations, direction: np.ndarray) -> float:
+def _extent(found: Zonotope, direction: np.ndarray) -> float:
     """How far the set reaches in a direction of (dq, dv, dt, dt): what determines a convex set."""
     columns = np.vstack([found.states, found.late, found.before])
     return float(np.abs(direction @ columns).sum())
@@ -185,7 +185,7 @@ def test_a_merged_set_contains_the_one_that_it_stands_for(seed: int) -> None:
     sizes = 10.0 ** random.uniform(-9.0, 0.0, (rows, 1))
     columns = sizes * (random.normal(size=(rows, rows)) @ random.normal(size=(rows, 400)))
     columns *= 10.0 ** random.uniform(-4.0, 0.0, 400)
-    whole = Deviations(columns[:-2], columns[-2], columns[-1])
+    whole = Zonotope(columns[:-2], columns[-2], columns[-1])
     merged = whole.merged()
     assert merged.states.shape[1] <= 16 * rows
     growth = []
@@ -202,7 +202,7 @@ def test_signs_are_kept_through_maps() -> None:
     A rotation by 45 degrees makes a box sqrt(2) larger each time that signs are forgotten.
     """
     eighth = np.array([[1.0, -1.0], [1.0, 1.0]]) / np.sqrt(2.0)
-    found = Deviations.independent(np.array([1.0]), np.array([2.0]))
+    found = Zonotope.independent(np.array([1.0]), np.array([2.0]))
     for _ in range(8):
         found = found.through(eighth).merged()
     assert found.size(0) == pytest.approx(1.0, rel=1e-14)
@@ -218,10 +218,10 @@ def test_sets_of_many_dimensions_stay_close_to_the_deviations_that_they_stand_fo
     All of them together may make the set larger by what one merging into a box may, as above.
     """
     random = np.random.default_rng(rows)
-    whole = merged = Deviations.of(np.zeros((rows, 0)))
+    whole = merged = Zonotope.of(np.zeros((rows, 0)))
     for _ in range(60):
         turned, _ = np.linalg.qr(random.normal(size=(rows, rows)))
-        own = Deviations.of(np.hstack([np.eye(rows), 0.1 * random.normal(size=(rows, rows))]))
+        own = Zonotope.of(np.hstack([np.eye(rows), 0.1 * random.normal(size=(rows, rows))]))
         whole = whole.through(turned).joined(own)
         merged = merged.through(turned).joined(own).merged()
     for place in range(rows):
@@ -230,7 +230,7 @@ def test_sets_of_many_dimensions_stay_close_to_the_deviations_that_they_stand_fo
 
 
 def test_what_grows_beyond_all_motion_is_unknown_and_does_not_overflow() -> None:
-    found = Deviations.independent(np.array([1.0]), np.array([1.0]))
+    found = Zonotope.independent(np.array([1.0]), np.array([1.0]))
     for _ in range(5):
         found = found.through(np.full((2, 2), 1e90)).merged()
     assert np.isfinite(found.states).all()
@@ -239,7 +239,7 @@ def test_what_grows_beyond_all_motion_is_unknown_and_does_not_overflow() -> None
 
 def test_one_position_or_rate_is_kept_within_a_limit() -> None:
     """What a stop determines is known there, and no more of the others than before."""
-    found = Deviations.independent(np.array([3.0]), np.array([2.0])).through(np.ones((2, 2)))
+    found = Zonotope.independent(np.array([3.0]), np.array([2.0])).through(np.ones((2, 2)))
     limited = found.within(0, 0.5)
     assert limited.size(0) == pytest.approx(0.5)
     assert limited.size(1) == found.size(1) == 5.0

@@ -210,7 +210,7 @@ def test_no_limit_is_taken_across_a_knot_of_a_drive(
         return 0.0 if in_rests[-1] else inf
 
     in_rests = [False]
-    right = bounces.rest_of_series
+    right = bounces.accumulation_point
 
     def series(*arguments: object) -> tuple[float, float]:
         in_rests.append(True)
@@ -220,7 +220,7 @@ def test_no_limit_is_taken_across_a_knot_of_a_drive(
             in_rests.pop()
 
     monkeypatch.setattr(ShaftMotion, "smooth_for", knot_near)
-    monkeypatch.setattr("nipper_pin.hybrid.run.series.bounces.rest_of_series", series)
+    monkeypatch.setattr("nipper_pin.hybrid.run.series.bounces.accumulation_point", series)
     followed = simulate(e62, case)
     assert asked
     assert len(followed.collisions) > len(free.collisions)

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...dynamics import ConstraintSet, Driven, System
-from ...dynamics.moving_mass import force_size, impulse_sizes
+from ...dynamics.free_mass import force_size, inverse_mass_roots
 from ...dynamics.pivoting import complementary, delassus, independent
 from ...errors import SimulationError
 from ...mechanism import Stop
@@ -74,7 +74,7 @@ def pressed(
     for group in system.apart(stops):
         matrix = delassus(system, q, jacobian, group)
         size = ACTIVE_SET_ROUND_OFF * force_size(system, motion, q, v, a, group[0].index)
-        nothing = size * impulse_sizes(system, q, [stop.index for stop in group])
+        nothing = size * inverse_mass_roots(system, q, [stop.index for stop in group])
         found = _held(matrix, np.array([stop.rate(a) for stop in group]), nothing)
         if found is None:
             message = (

@@ -34,7 +34,7 @@ from .linear_maps import ImpactMap, LinearMaps, PanelMaps, pushing
 from .local_error import at_start, of_closures, round_off, unsure
 from .together import StrikeError, after_all, beside, stated, still_apart
 from .variational import tangents
-from .zonotope import Deviations
+from .zonotope import Zonotope
 
 
 def release_error(
@@ -43,7 +43,7 @@ def release_error(
     phase: ConstraintSet,
     panel: Panel,
     t: float,
-    deviations: Deviations,
+    deviations: Zonotope,
     index: int,
 ) -> float:
     """Error of the time at which a stop force vanishes: what it is wrong by over its slope.
@@ -186,7 +186,7 @@ def _of_part(
     return found
 
 
-def _at_start(system: System, segments: Sequence[Segment], first: Event) -> Deviations:
+def _at_start(system: System, segments: Sequence[Segment], first: Event) -> Zonotope:
     """Round-off with which a run begins: before an event that it begins with."""
     if segments and segments[0].t_start < first.t:
         panel = segments[0].panels[0]
@@ -202,7 +202,7 @@ class _State(NamedTuple):
         deviations: Of the motion, at the time of the event of each source.
     """
 
-    deviations: Deviations
+    deviations: Zonotope
     error: EventError
 
 
@@ -260,7 +260,7 @@ def _stepped(maps: LinearMaps, before: _State, arrival: _Arrival) -> _Step:
     return _Step(event.t, before, _State(deviations, error), error)
 
 
-def _struck(maps: LinearMaps, before: _State, arrival: _Arrival) -> tuple[Deviations, EventError]:
+def _struck(maps: LinearMaps, before: _State, arrival: _Arrival) -> tuple[Zonotope, EventError]:
     """Deviations after a collision and its errors, from the deviations before it."""
     system, part, event, flown = maps.system, maps.part, arrival.event, arrival.flown
     index = system.mechanism.stop(event.stops[0]).index
@@ -281,7 +281,7 @@ def _struck(maps: LinearMaps, before: _State, arrival: _Arrival) -> tuple[Deviat
     if flown > 0.0 and arrival.last is not None:
         seen = min(_seen_late(maps, event, arrival.last, index), most)
     found = found.later(late, impact.rates)
-    found = found.joined(Deviations((seen * impact.rates)[:, None], np.array([seen]), np.zeros(1)))
+    found = found.joined(Zonotope((seen * impact.rates)[:, None], np.array([seen]), np.zeros(1)))
     time = float(np.abs(found.late).sum())
     since = float(np.abs(found.late - found.before).sum()) if flown > 0.0 else 0.0
     found = found.within(place, 0.0)
@@ -302,9 +302,7 @@ def _struck(maps: LinearMaps, before: _State, arrival: _Arrival) -> tuple[Deviat
     return found.merged(), EventError(time, own.relative, since, impulses, strikes)
 
 
-def _pushed(
-    system: System, event: Event, impact: ImpactMap, before: Deviations
-) -> dict[str, float]:
+def _pushed(system: System, event: Event, impact: ImpactMap, before: Zonotope) -> dict[str, float]:
     """Errors of the impulses of an event by the deviations before it [N m s or N s], by stop."""
     sizes = np.abs(impact.pushes @ before.states).sum(axis=1).tolist()
     names = [stop.name for stop in pushing(system, event)]
@@ -327,7 +325,7 @@ def _seen_late(maps: LinearMaps, event: Event, segment: Segment, index: int) -> 
     return CLOCK_ROUND_OFF * event.t + wrong / abs(float(event.v_before[index]))
 
 
-def _rested(maps: LinearMaps, before: _State, arrival: _Arrival) -> tuple[Deviations, EventError]:
+def _rested(maps: LinearMaps, before: _State, arrival: _Arrival) -> tuple[Zonotope, EventError]:
     """Deviations after a rest and its errors, from the deviations after the last collision."""
     event, deviations, late = arrival.event, before.deviations, before.deviations.late
     left = late - deviations.before if arrival.flown > 0.0 else np.zeros_like(late)

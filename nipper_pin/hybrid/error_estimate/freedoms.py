@@ -22,7 +22,7 @@ from ...dynamics import ConstraintSet, Partition, System
 from ...mechanism import Stop
 from ...tolerances.hybrid import DIFFERENCE_STEP, SMALLEST
 from ..event import Event
-from .zonotope import Deviations
+from .zonotope import Zonotope
 
 
 def free_coordinates(phase: ConstraintSet, split: Partition) -> list[int]:
@@ -168,9 +168,9 @@ class Part:
         """Place of a coordinate of the machine among those of the part."""
         return int(np.searchsorted(self.coordinates, index))
 
-    def of(self, states: FloatArray) -> Deviations:
+    def of(self, states: FloatArray) -> Zonotope:
         """Those of deviations of the whole machine that are of this part, from (2 nv, K)."""
-        return Deviations.of(states[self.rows])
+        return Zonotope.of(states[self.rows])
 
     def event(self, event: Event) -> Event:
         """What an event is for this part."""

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from ...arrays import FloatArray
 from ...dynamics import System, close_velocities, impact_condition
-from ...dynamics.moving_mass import impulse_sizes
+from ...dynamics.free_mass import inverse_mass_roots
 from ...dynamics.strike import same_by_every_law
 from ...errors import ImpactError, SingularConfigurationError
 from ...mechanism import Stop
@@ -37,7 +37,7 @@ from .freedoms import Part, free_coordinates
 from .local_error import at_end, unresolved, unsure
 from .saltation import impact_map, sequence_map
 from .variational import flight_map
-from .zonotope import NOTHING_KNOWN, Deviations
+from .zonotope import NOTHING_KNOWN, Zonotope
 
 
 class PanelMap(NamedTuple):
@@ -65,7 +65,7 @@ class PanelMaps:
         for event in events:
             self._at.setdefault(event.t, []).append(event)
         self._pieces: dict[int, list[PanelMap]] = {}
-        self._ends: dict[int, Deviations] = {}
+        self._ends: dict[int, Zonotope] = {}
         self._free: dict[int, NDArray[np.bool_]] = {}
 
     def pieces(self, segment: Segment) -> list[PanelMap]:
@@ -76,7 +76,7 @@ class PanelMaps:
             self._pieces[segment.source] = found
         return self._pieces[segment.source]
 
-    def end(self, segment: Segment) -> Deviations:
+    def end(self, segment: Segment) -> Zonotope:
         """Deviations at the end of a segment, where drives determine a part."""
         if segment.source not in self._ends:
             self._ends[segment.source] = at_end(self.system, segment)
@@ -179,7 +179,7 @@ class FlightMap(NamedTuple):
     """
 
     matrix: FloatArray
-    own: Deviations
+    own: Zonotope
     rates: FloatArray
 
 
@@ -197,7 +197,7 @@ class ImpactMap(NamedTuple):
     """
 
     matrix: FloatArray
-    own: Deviations
+    own: Zonotope
     pushes: FloatArray
     rates: FloatArray
     lost: float
@@ -211,7 +211,7 @@ class LinearMaps:
         """Begin with none."""
         self.system, self.part, self._all = panels.system, part, panels
         self._flights: dict[int, FlightMap] = {}
-        self._ends: dict[int, Deviations] = {}
+        self._ends: dict[int, Zonotope] = {}
         self._impacts: dict[int, ImpactMap] = {}
 
     def determined(self, segment: Segment) -> bool:
@@ -224,7 +224,7 @@ class LinearMaps:
             self._flights[segment.source] = self._flight(segment)
         return self._flights[segment.source]
 
-    def end(self, segment: Segment) -> Deviations:
+    def end(self, segment: Segment) -> Zonotope:
         """Deviations at the end of a segment that determines the part, and forgets those before."""
         if segment.source not in self._ends:
             self._ends[segment.source] = self.part.of(self._all.end(segment).states)
@@ -236,10 +236,10 @@ class LinearMaps:
             self._impacts[event.source] = self._impact(event)
         return self._impacts[event.source]
 
-    def left_out(self, rest: Event, remaining: float) -> Deviations:
+    def left_out(self, rest: Event, remaining: float) -> Zonotope:
         """Deviations by bounces that are not computed, in a time before a rest [s]."""
         if remaining <= 0.0 or self.system.constraint_set(rest.closed_after).freedom == 0:
-            return Deviations.of(np.empty((2 * self.part.size, 0)))
+            return Zonotope.of(np.empty((2 * self.part.size, 0)))
         try:
             found = left_out(self.system, rest, remaining)
         except (SingularConfigurationError, np.linalg.LinAlgError):
@@ -282,7 +282,7 @@ class LinearMaps:
         if not passed:
             # The law itself determines the rates of the stops that are struck.
             rough[struck] = 0.0
-        own = Deviations.independent(np.zeros(part.size), rough[part.coordinates])
+        own = Zonotope.independent(np.zeros(part.size), rough[part.coordinates])
         before = np.concatenate([event.v_before, a])[rows]
         matrix = matrix[part.square]
         return ImpactMap(matrix, own, pushes[:, rows], before, lost, self._beside(event))
@@ -321,7 +321,7 @@ class LinearMaps:
         names = list(event.P_N)
         columns = [self.system.mechanism.stop(name).index for name in names]
         try:
-            sizes = impulse_sizes(self.system, event.q, columns)
+            sizes = inverse_mass_roots(self.system, event.q, columns)
         except np.linalg.LinAlgError:
             return dict.fromkeys(names, NOTHING_KNOWN)
         pushed = np.abs(np.array(list(event.P_N.values())))

@@ -30,7 +30,7 @@ from ...tolerances.hybrid import (
 )
 from ..motion.panel import Panel, defect, nearby, one_state_at
 from ..segment import Segment
-from .zonotope import Deviations
+from .zonotope import Zonotope
 
 
 def unsure(system: System, split: Partition) -> FloatArray:
@@ -92,7 +92,7 @@ def at_start(
     q: FloatArray,
     v: FloatArray,
     split: Partition | None = None,
-) -> Deviations:
+) -> Zonotope:
     """Deviations of a state with which a motion begins.
 
     Args:
@@ -107,10 +107,10 @@ def at_start(
     by = np.zeros(len(q))
     by[split.columns] = length * system.body.reach_m
     found = of_closures(system, split, q, v, by)
-    return of_rates(system, closed, t, q, v, split).joined(Deviations.of(found))
+    return of_rates(system, closed, t, q, v, split).joined(Zonotope.of(found))
 
 
-def at_end(system: System, segment: Segment) -> Deviations:
+def at_end(system: System, segment: Segment) -> Zonotope:
     """Deviations at the end of a segment without freedom, which forgets those before.
 
     A state between the nodes of a panel is taken from its interpolant where the closures are open
@@ -121,7 +121,7 @@ def at_end(system: System, segment: Segment) -> Deviations:
     by = unsure(system, panel.split)
     by[panel.split.columns] += np.abs(system.body.closures(q[None])[0][0])
     found = of_closures(system, panel.split, q, v, by)
-    return of_rates(system, segment.closed, t, q, v, panel.split).joined(Deviations.of(found))
+    return of_rates(system, segment.closed, t, q, v, panel.split).joined(Zonotope.of(found))
 
 
 def of_rates(
@@ -131,7 +131,7 @@ def of_rates(
     q: FloatArray,
     v: FloatArray,
     split: Partition | None = None,
-) -> Deviations:
+) -> Zonotope:
     """Round-off of rates that follow from drives and closures; arguments as :func:`at_start`.
 
     That of the rates of drives, which the others follow; of the terms of the closure rates; and
@@ -151,7 +151,7 @@ def of_rates(
         following[np.ix_(split.columns, free)] = -by_closures @ jacobian @ following[:, free]
         following[np.ix_(split.columns, split.columns)] = by_closures * terms
     turned = shifted * np.concatenate([v, a])[:, None]
-    return Deviations.of(np.hstack([np.vstack([np.zeros((nv, nv)), following]), turned]))
+    return Zonotope.of(np.hstack([np.vstack([np.zeros((nv, nv)), following]), turned]))
 
 
 def of_closures(

@@ -21,7 +21,7 @@ from ..event import Event
 from ..segment import Segment
 from .freedoms import Part
 from .saltation import pushed_by
-from .zonotope import Deviations
+from .zonotope import Zonotope
 
 
 class StrikeError(NamedTuple):
@@ -58,8 +58,8 @@ class Beside(NamedTuple):
 
 
 def still_apart(
-    system: System, part: Part, event: Event, segment: Segment | None, found: Deviations
-) -> Deviations:
+    system: System, part: Part, event: Event, segment: Segment | None, found: Zonotope
+) -> Zonotope:
     """Add what the gaps of stops that are struck together were at the time of their event.
 
     Within round-off of one time they are closed at that of the earliest.
@@ -77,12 +77,12 @@ def still_apart(
     for stop in struck:
         gaps[stop.index] = stop.gap(q)
     gaps = gaps[part.coordinates]
-    return found.joined(Deviations.independent(gaps, np.zeros_like(gaps)))
+    return found.joined(Zonotope.independent(gaps, np.zeros_like(gaps)))
 
 
 def beside(
-    system: System, part: Part, event: Event, a: FloatArray, before: Deviations
-) -> tuple[Deviations, list[Beside]]:
+    system: System, part: Part, event: Event, a: FloatArray, before: Zonotope
+) -> tuple[Zonotope, list[Beside]]:
     """Deviations where stops are struck in the event of another one.
 
     Args:
@@ -108,8 +108,8 @@ def beside(
 
 
 def after_all(
-    system: System, part: Part, event: Event, stops: list[Beside], after: Deviations
-) -> Deviations:
+    system: System, part: Part, event: Event, stops: list[Beside], after: Zonotope
+) -> Zonotope:
     """Deviations after an event, back at the times at which its first stop is struck.
 
     Args:

@@ -27,7 +27,7 @@ NOTHING_KNOWN = 1e100
 
 
 @dataclass(frozen=True, eq=False)
-class Deviations:
+class Zonotope:
     """Deviations of positions and velocities, at the time of an event of their own.
 
     Attributes:
@@ -42,17 +42,17 @@ class Deviations:
     before: FloatArray
 
     @classmethod
-    def of(cls, states: FloatArray) -> Deviations:
+    def of(cls, states: FloatArray) -> Zonotope:
         """Sources of deviations at one time, shape (2 nv, K); those that are nothing are none."""
         counting = states[:, np.abs(states).any(axis=0)]
         return cls(counting, *np.zeros((2, counting.shape[1])))
 
     @classmethod
-    def independent(cls, q: FloatArray, v: FloatArray) -> Deviations:
+    def independent(cls, q: FloatArray, v: FloatArray) -> Zonotope:
         """Deviations of every position and every velocity of their own, each of shape (nv,)."""
         return cls.of(np.diag(np.concatenate([q, v])))
 
-    def through(self, matrix: FloatArray) -> Deviations:
+    def through(self, matrix: FloatArray) -> Zonotope:
         """Return them after a linear map of the states."""
         with np.errstate(over="ignore", invalid="ignore"):
             states = matrix @ self.states
@@ -61,15 +61,15 @@ class Deviations:
                 states = np.clip(states, -NOTHING_KNOWN, NOTHING_KNOWN)
         return replace(self, states=states)
 
-    def joined(self, other: Deviations) -> Deviations:
+    def joined(self, other: Zonotope) -> Zonotope:
         """Return the sum of two sets whose sources are independent."""
-        return Deviations(
+        return Zonotope(
             np.concatenate([self.states, other.states], axis=1),
             np.concatenate([self.late, other.late]),
             np.concatenate([self.before, other.before]),
         )
 
-    def departed(self, rates: FloatArray) -> Deviations:
+    def departed(self, rates: FloatArray) -> Zonotope:
         """Return them at one time, after an event that each source makes late.
 
         Args:
@@ -77,7 +77,7 @@ class Deviations:
         """
         return replace(self.later(-self.late, rates), before=self.late)
 
-    def later(self, late: FloatArray, rates: FloatArray) -> Deviations:
+    def later(self, late: FloatArray, rates: FloatArray) -> Zonotope:
         """Return them at times that are later by so much for each source.
 
         Args:
@@ -91,7 +91,7 @@ class Deviations:
         """Largest deviation of one position or velocity."""
         return float(np.abs(self.states[row]).sum())
 
-    def within(self, row: int, most: float) -> Deviations:
+    def within(self, row: int, most: float) -> Zonotope:
         """Return them with this position or velocity deviating by no more."""
         size = self.size(row)
         if size <= most:
@@ -100,7 +100,7 @@ class Deviations:
         states[row] *= most / size
         return replace(self, states=states)
 
-    def merged(self) -> Deviations:
+    def merged(self) -> Zonotope:
         """Return a set that contains this one and has few columns."""
         columns = np.vstack([self.states, self.late, self.before])
         rows, count = columns.shape
@@ -116,4 +116,4 @@ class Deviations:
         directions = directions[:, lengths > NEGLIGIBLE_DEVIATION * lengths[0]]
         box = directions * np.abs(directions.T @ small).sum(axis=1)
         columns = np.hstack([kept, box * sizes])
-        return Deviations(columns[:-2], columns[-2], columns[-1])
+        return Zonotope(columns[:-2], columns[-2], columns[-1])

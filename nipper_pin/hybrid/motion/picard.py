@@ -52,7 +52,7 @@ def _next(moved: FloatArray, guess: FloatArray) -> float:
     return float((latest * latest / (first + SMALLEST)).max())
 
 
-class Sweeps:
+class PicardIteration:
     """Picard iteration of one panel.
 
     Args:
@@ -277,7 +277,7 @@ def flight_panel(
     tolerance = resolution.tolerance if resolution.adaptive else ITERATION_FLOOR
     if h * h * np.vdot(begin.v, begin.v) > _RUN_AWAY**2:
         raise _run_away(system, h * begin.v)
-    sweeps = Sweeps(system, phase, begin, h, finest, tolerance, nested)
+    sweeps = PicardIteration(system, phase, begin, h, finest, tolerance, nested)
     none = np.empty((0, len(phase.stops)))
     a, left_over = _swept(sweeps, begin.a[None], finest, tolerance, nested)
     if a is None:
@@ -302,7 +302,7 @@ def flight_panel(
 
 
 def _swept(
-    sweeps: Sweeps, a: FloatArray, finest: int, tolerance: float, nested: bool
+    sweeps: PicardIteration, a: FloatArray, finest: int, tolerance: float, nested: bool
 ) -> tuple[FloatArray, float] | tuple[None, float]:
     """Sweep over one grid after the other, until one of them resolves the motion.
 

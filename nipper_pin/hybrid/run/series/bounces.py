@@ -9,7 +9,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from ....arrays import FloatArray
-from ....dynamics import Impact, System, arrest, close_positions, close_velocities
+from ....dynamics import Impact, System, close_positions, close_velocities, closing_impulse
 from ....errors import ConvergenceError, ElementError, ImpactError, SingularConfigurationError
 from ....mechanism import Stop
 from ....tolerances.hybrid import (
@@ -86,7 +86,7 @@ class Limit(NamedTuple):
         return frozenset(stop.name for stop in self.stops)
 
 
-class SeriesRule(Protocol):
+class ZenoRule(Protocol):
     """One kind of series."""
 
     def concerns(self, struck: Struck) -> bool:
@@ -179,7 +179,7 @@ def _rest(system: System, state: State, limits: Sequence[Limit]) -> Rest | None:
     part = system.coupled(names)
     shut = [stop for stop in system.constraint_set(state.closed - names).shut if stop.name in part]
     try:
-        impact = arrest(system, state.q, state.v, state.jacobian, [*stops, *shut])
+        impact = closing_impulse(system, state.q, state.v, state.jacobian, [*stops, *shut])
     except (ImpactError, SingularConfigurationError):
         if len(stops) == 1:
             raise
@@ -213,7 +213,7 @@ def latest_error(limits: Sequence[Limit]) -> float:
 _MANY = 200
 
 
-class Bounces(SeriesRule):
+class Bounces(ZenoRule):
     """Bounces of stops, each of which has a series of its own.
 
     A collision goes on with the series of every stop that it throws open, and ends those of the
@@ -230,7 +230,7 @@ class Bounces(SeriesRule):
         return bool(struck.rebounding)
 
     def followed(self, struck: Struck, a: FloatArray) -> tuple[Series, Sequence[Rest]]:
-        """Add the bounces of a collision; see :meth:`.SeriesRule.followed`."""
+        """Add the bounces of a collision; see :meth:`.ZenoRule.followed`."""
         system, state = self._system, struck.after
         before = struck.before.series
         found: list[BounceSeries] = []
@@ -242,7 +242,7 @@ class Bounces(SeriesRule):
                 series = series.anew()
             series = series.bounced(state.t, stop.rate(state.v), -stop.rate(a))
             found.append(series)
-            t_rest, error = rest_of_series(
+            t_rest, error = accumulation_point(
                 system, self._case, state, a, stop, series, struck.rebounding
             )
             if isfinite(t_rest):
@@ -271,7 +271,7 @@ class Bounces(SeriesRule):
         return latest_error(limits) <= max(self._case.resolution.tolerance * lasts, shortest)
 
 
-def rest_of_series(
+def accumulation_point(
     system: System,
     case: Case,
     state: State,

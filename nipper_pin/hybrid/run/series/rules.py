@@ -42,8 +42,8 @@ from .bounces import (
     Limit,
     Rest,
     Series,
-    SeriesRule,
     Struck,
+    ZenoRule,
     knot_between,
     other_stop_meets,
     rests_of,
@@ -53,7 +53,7 @@ from .bounces import (
 _JAM = 20
 
 
-class Jams(SeriesRule):
+class Jams(ZenoRule):
     """Collisions in one instant that do not become slower.
 
     Args:
@@ -115,7 +115,7 @@ def _approaches(mechanism: Mechanism, name: str, events: Iterable[Event]) -> lis
 _MANY_EVENTS = 1000
 
 
-class NestedBounces(SeriesRule):
+class NestedBounces(ZenoRule):
     """Collisions, one in a part, that throw others open, which were at rest."""
 
     def __init__(self, system: System, case: Case) -> None:
@@ -128,7 +128,7 @@ class NestedBounces(SeriesRule):
         return any(struck.rates.get(name, 0.0) > 0.0 for name in struck.before.closed)
 
     def followed(self, struck: Struck, a: FloatArray) -> tuple[Series, Sequence[Rest]]:
-        """Add such collisions, one a part; see :meth:`.SeriesRule.followed`."""
+        """Add such collisions, one a part; see :meth:`.ZenoRule.followed`."""
         hit = [self._system.mechanism.stop(name) for name in struck.hit]
         alone = [group[0] for group in self._system.apart(hit) if len(group) == 1]
         limits = [limit for stop in alone if (limit := self._limit(struck, a, stop)) is not None]
@@ -205,7 +205,7 @@ def rest_of_nested(
     return t_rest, error
 
 
-class VanishingBounces(SeriesRule):
+class VanishingBounces(ZenoRule):
     """Collisions after which no stop of a part opens further than by round-off."""
 
     def __init__(self, system: System, case: Case) -> None:
@@ -223,7 +223,7 @@ class VanishingBounces(SeriesRule):
         return bool(struck.rebounding) and self._case.rest_rate is None
 
     def followed(self, struck: Struck, a: FloatArray) -> tuple[Series, Sequence[Rest]]:
-        """End the bounces of a part; see :meth:`.SeriesRule.followed`."""
+        """End the bounces of a part; see :meth:`.ZenoRule.followed`."""
         system = self._system
         parts = [system.coupled([group[0].name]) for group in system.apart(struck.rebounding)]
         limits = [limit for part in parts if (limit := self._limit(struck.after, a, part))]
@@ -256,12 +256,12 @@ def _rise(stop: Stop, state: State, a: FloatArray, lasts: float) -> float:
     return gap + rate * min(lasts, 0.5 * rate / deceleration if deceleration > 0.0 else lasts)
 
 
-def series_rules(system: System, case: Case, events: Sequence[Event]) -> tuple[SeriesRule, ...]:
+def series_rules(system: System, case: Case, events: Sequence[Event]) -> tuple[ZenoRule, ...]:
     """Return the rules of a machine, in the order in which they are asked."""
     bounces = Bounces(system, case)
     if len(system.mechanism.stops) < 2:
         return (bounces,)
-    rules: list[SeriesRule] = [Jams(system, events), NestedBounces(system, case)]
+    rules: list[ZenoRule] = [Jams(system, events), NestedBounces(system, case)]
     if any(stop.at for stop in system.mechanism.stops):
         rules.append(VanishingBounces(system, case))
     return (*rules, bounces)

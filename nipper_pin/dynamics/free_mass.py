@@ -31,7 +31,7 @@ def impact_condition(
         The condition number in the 2-norm; infinite if rows depend on one another, or the mass
         matrix is singular.
     """
-    moving, mass = moving_mass(system, q)
+    moving, mass = free_mass_matrix(system, q)
     rows = np.vstack([jacobian, np.eye(system.body.nv)[list(stops)]])[:, moving]
     if stops:
         # What other parts are is nothing to them.
@@ -51,7 +51,7 @@ def impact_condition(
     return float(np.linalg.cond(matrix / size / size[:, None]))
 
 
-def impulse_sizes(system: System, q: FloatArray, stops: Sequence[int]) -> FloatArray:
+def inverse_mass_roots(system: System, q: FloatArray, stops: Sequence[int]) -> FloatArray:
     """Roots of the diagonal of M^-1 at stops, shape (stops,): they make impulses comparable.
 
     An impulse times this is the root of twice the energy that it gives to a machine at rest whose
@@ -64,7 +64,7 @@ def impulse_sizes(system: System, q: FloatArray, stops: Sequence[int]) -> FloatA
     Raises:
         ImpactError: The mass matrix is singular.
     """
-    moving, mass = moving_mass(system, q)
+    moving, mass = free_mass_matrix(system, q)
     rows = np.eye(system.body.nv)[list(stops)][:, moving]
     try:
         diagonal = np.einsum("ij,ji->i", rows, np.linalg.solve(mass, rows.T))
@@ -74,7 +74,7 @@ def impulse_sizes(system: System, q: FloatArray, stops: Sequence[int]) -> FloatA
     return np.asarray(np.sqrt(np.maximum(diagonal, 0.0)))
 
 
-def moving_mass(system: System, q: FloatArray) -> tuple[list[int], FloatArray]:
+def free_mass_matrix(system: System, q: FloatArray) -> tuple[list[int], FloatArray]:
     """Coordinates that impulses move, and their mass matrix with the inertia of the shafts.
 
     Args:
@@ -106,7 +106,7 @@ def force_size(
         a: Acceleration, shape (nv,).
         index: A coordinate of the part.
     """
-    moving, mass = moving_mass(system, q)
+    moving, mass = free_mass_matrix(system, q)
     weight, whole = system.body.inverse_dynamics(*np.array([[q, q], [v, v], [0.0 * a, a]]))
     kinds = [weight, whole - weight, system.applied_forces(q[None], v[None])[0]]
     if not system.held:
