@@ -144,7 +144,7 @@ class UnknownNameError(InputError):
         """
         names = sorted(known)
         place = f"{where}: " if where else ""
-        help_ = f"{_meant(name, names)}known: {', '.join(names) or 'none'}"
+        help_ = f"{meant(name, names)}known: {', '.join(names) or 'none'}"
         if now:
             help_ = f"it is called {now!r}"
         super().__init__(
@@ -157,8 +157,13 @@ class UnknownNameError(InputError):
         )
 
 
-def _meant(name: str, known: Iterable[str]) -> str:
-    """A question for the nearest of the names that are known; empty if none is near."""
+def meant(name: str, known: Iterable[str]) -> str:
+    """A question for the nearest of the names that are known; empty if none is near.
+
+    Args:
+        name: A name that does not exist.
+        known: Names that do.
+    """
     # Rarely needed, and slow to import.
     from difflib import get_close_matches
 

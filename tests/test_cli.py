@@ -370,10 +370,10 @@ def test_files_of_a_comparison(tmp_path: Path, capsys: pytest.CaptureFixture[str
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (["simulte", "e62"], "did you mean simulate? There are simulate, view"),
+        (["simulte", "e62"], "did you mean 'simulate'? There are simulate, view"),
         (["xyz"], "no command 'xyz'; There are simulate"),
-        (["simulate", "e62", "--spped", "600"], "--spped 600; did you mean --speed? -h lists"),
-        (["simulate", "e62", "--spped=600"], "did you mean --speed?"),
+        (["simulate", "e62", "--spped", "600"], "--spped 600; did you mean '--speed'? -h lists"),
+        (["simulate", "e62", "--spped=600"], "did you mean '--speed'?"),
         (["check", "e62", "e63", "e64"], "unrecognized arguments: e63 e64; -h lists the options"),
     ],
 )

@@ -12,8 +12,7 @@ import shutil
 import sys
 import textwrap
 import warnings
-from collections.abc import Iterable, Mapping, Sequence
-from difflib import get_close_matches
+from collections.abc import Mapping, Sequence
 from importlib import import_module
 from typing import NamedTuple
 
@@ -25,7 +24,7 @@ if "numpy" not in sys.modules:
 os.environ["MPLBACKEND"] = "agg"
 
 from .. import __version__
-from ..errors import InputError, NipperError, one_line
+from ..errors import InputError, NipperError, meant, one_line
 from ..given import read_number, read_whole
 from .surroundings import interrupts, open_streams
 
@@ -133,8 +132,7 @@ def _options(words: list[str], named: str | None, commands: Commands) -> argpars
     """The arguments of a command; an option or a command that does not exist names the nearest."""
     parser = _parser(named, commands)
     if words and named is None and not words[0].startswith("-"):
-        meant = _meant(words[0], commands.places)
-        there = f"{meant}There are {', '.join(commands.places)}"
+        there = f"{meant(words[0], commands.places)}There are {', '.join(commands.places)}"
         parser.error(f"there is no command {words[0]!r}; {there}")
     options, left = parser.parse_known_args(words)
     if left:
@@ -142,15 +140,9 @@ def _options(words: list[str], named: str | None, commands: Commands) -> argpars
         place, _ = commands.places[options.command]
         import_module(place, __package__).add_arguments(of_command)
         known = re.findall(r"--[a-z][a-z-]*", of_command.format_usage())
-        meant = _meant(left[0].partition("=")[0], known)
-        of_command.error(f"unrecognized arguments: {' '.join(left)}; {meant}-h lists the options")
+        near = meant(left[0].partition("=")[0], known)
+        of_command.error(f"unrecognized arguments: {' '.join(left)}; {near}-h lists the options")
     return options
-
-
-def _meant(word: str, known: Iterable[str]) -> str:
-    """A question for the nearest of the words that are known; empty if none is near."""
-    near = get_close_matches(word, known, 1)
-    return f"did you mean {near[0]}? " if near else ""
 
 
 def _unwritten(error: OSError) -> int:

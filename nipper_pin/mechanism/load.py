@@ -7,16 +7,15 @@ a load itself, so importing the package alone does not import them.
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from pathlib import Path
 
 import numpy as np
 
 from ..errors import AssemblyError, InputError, ModelError
-from ..texts import MOST_TEXT, read_text
 from .mechanism import Mechanism
-from .model_files import find_files
+from .model_files import find_files, read_model_text
 
 
 def load(model: str | Path = "e62", overrides: Mapping[str, object] | None = None) -> Mechanism:
@@ -48,14 +47,17 @@ def load(model: str | Path = "e62", overrides: Mapping[str, object] | None = Non
     folder, name = found.folder, found.name
     urdf_file, toml_file = f"{name}.urdf", f"{name}.toml"
     try:
-        data = read_toml(_read(found.toml), toml_file)
+        data = read_toml(read_model_text(found.toml), toml_file)
+        if found.urdf is not None and "drawing" in data:
+            allowed = f"one of them: {toml_file} draws a machine, {urdf_file} is another"
+            raise ModelError(file=toml_file, key="drawing", value=data["drawing"], allowed=allowed)
         if found.urdf is None:
             from .drawing.read import drawing_of
             from .drawing.tables import drawn_sources
 
             urdf, data = drawn_sources(drawing_of(data, name, toml_file))
         else:
-            urdf = as_unicode(_read(found.urdf, encoding_of))
+            urdf = as_unicode(read_model_text(found.urdf, encoding_of))
         if overrides:
             from .edit.overrides import apply_overrides, by_path, with_tables
 
@@ -182,14 +184,3 @@ def with_advice(error: AssemblyError, overrides: Mapping[str, object]) -> Assemb
     )
     evidence = error.evidence
     return AssemblyError(**{**evidence, "allowed": f"{evidence['allowed']}; {advice}"})
-
-
-def _read(path: Path, encoding: str | Callable[[bytes], str] = "utf-8-sig") -> str:
-    """Read a text file."""
-    try:
-        return read_text(path, MOST_TEXT, encoding)
-    except (OSError, UnicodeError, LookupError) as error:
-        allowed = "a readable UTF-8 file"
-        if not isinstance(encoding, str):
-            allowed = "a readable file in the encoding that its first line declares, or in UTF-8"
-        raise ModelError(file=path.name, key="text", value=str(error), allowed=allowed) from error

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -111,40 +111,45 @@ def _in_folder(folder: Path, name: str) -> ModelFiles:
     urdf, toml = folder / f"{name}.urdf", folder / f"{name}.toml"
     for path in (urdf, toml):
         _need_file(path)
-    drawn = toml if toml.is_file() else None
-    if drawn is None and len(there := [*folder.glob("*.toml")]) == 1:
-        drawn = there[0]
-    if drawn is not None and _draws(drawn):
-        return _drawing(name, drawn)
     if urdf.is_file() and toml.is_file():
         return ModelFiles(name, urdf, toml)
+    documents = [toml] if toml.is_file() else [*folder.glob("*.toml")]
+    if len(documents) == 1 and not any(folder.glob("*.urdf")) and _draws(documents[0]):
+        return ModelFiles(name, None, documents[0])
     return ModelFiles(name, _only(folder, ".urdf", name), _only(folder, ".toml", name))
 
 
 def _with_toml(toml: Path) -> ModelFiles:
-    """The model of a TOML file: its URDF has its name, or is the only one beside it."""
-    if _draws(toml):
-        return _drawing(toml.stem, toml)
+    """The model of a TOML file: its URDF has its name, or is the only one; a drawing needs none."""
     urdf = toml.with_suffix(".urdf")
     _need_file(urdf)
-    if not urdf.is_file():
-        urdf = _only(toml.parent, ".urdf", toml.stem)
-    return ModelFiles(toml.stem, urdf, toml)
+    if urdf.is_file():
+        return ModelFiles(toml.stem, urdf, toml)
+    drawn = _draws(toml)
+    return ModelFiles(toml.stem, None if drawn else _only(toml.parent, ".urdf", toml.stem), toml)
 
 
-def _drawing(name: str, toml: Path) -> ModelFiles:
-    """The model that a file draws; a URDF of its name would be another one."""
-    if (urdf := toml.with_suffix(".urdf")).exists():
-        allowed = f"one of them: {toml.name} draws a machine (drawing = 1), {urdf.name} is another"
-        raise ModelError(file=str(toml.parent), key="model", value=urdf.name, allowed=allowed)
-    return ModelFiles(name, None, toml)
+def read_model_text(path: Path, encoding: str | Callable[[bytes], str] = "utf-8-sig") -> str:
+    """The text of a file of a model.
+
+    Raises:
+        ModelError: It cannot be read.
+        InputError: It is too large.
+    """
+    try:
+        return read_text(path, MOST_TEXT, encoding)
+    except (OSError, UnicodeError, LookupError) as error:
+        allowed = "a readable UTF-8 file"
+        if not isinstance(encoding, str):
+            allowed = "a readable file in the encoding that its first line declares, or in UTF-8"
+        raise ModelError(file=path.name, key="text", value=str(error), allowed=allowed) from error
 
 
 def _draws(toml: Path) -> bool:
     """Whether a TOML file draws its machine, by the key ``drawing`` above its first table."""
     try:
-        text = read_text(toml, MOST_TEXT)
-    except (OSError, UnicodeError):
+        text = read_model_text(toml)
+    except ModelError:
         # What reads the file says what is wrong with it.
         return False
     return re.search(r"^\s*drawing\s*=", text.split("\n[")[0], re.MULTILINE) is not None

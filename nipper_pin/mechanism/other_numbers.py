@@ -99,10 +99,11 @@ def _entries_of_forces(
 
     found = []
     for path in paths:
-        section, name, key = (*steps_of(path), "", "", "")[:3]
-        entries = mechanism.description.get(section)
-        if key not in _OF_FORCES.get(section, ()) or path.count(".") != 2:
+        steps = steps_of(path)
+        if len(steps) != 3 or steps[2] not in _OF_FORCES.get(steps[0], ()):
             return None
+        section, name, _ = steps
+        entries = mechanism.description.get(section)
         if not (isinstance(entries, Mapping) and name in entries):
             return None
         # Which of the stops that close together leads them depends on their restitutions.

@@ -166,7 +166,9 @@ def test_a_urdf_beside_it_is_another_machine(tmp_path: Path) -> None:
     (tmp_path / "a.toml").write_text(TEXT, encoding="utf-8")
     (tmp_path / "a.urdf").write_text(drawn_sources(PRESS)[0], encoding="utf-8")
     for model in (tmp_path / "a.toml", tmp_path):
-        with pytest.raises(ModelError, match=r"a\.toml draws a machine \(drawing = 1\)"):
+        with pytest.raises(
+            ModelError, match=r"drawing = 1 .*: a\.toml draws a machine, a\.urdf is another"
+        ):
             load(model)
 
 

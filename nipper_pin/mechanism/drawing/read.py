@@ -18,10 +18,10 @@ from pathlib import Path
 from typing import Any, Literal
 
 from ...errors import InputError, ModelError
-from ...texts import MOST_TEXT, read_text
 from ..files.describe import converted, refuse_unusable
 from ..files.description import Name, NotNegative, PlanePoint, Positive, TomlTable
 from ..files.toml_text import read_toml
+from ..model_files import read_model_text
 from .parts import Body, Drawing, Part, Pin, Place, Slide, Slot
 from .places import between, meet, on_line, place, polar
 
@@ -178,12 +178,7 @@ def read_drawing(file: str | Path) -> Drawing:
         InputError: A point cannot be found as it is given.
     """
     path = Path(file)
-    try:
-        text = read_text(path, MOST_TEXT, "utf-8-sig")
-    except (OSError, UnicodeError) as error:
-        allowed = "a readable UTF-8 file"
-        raise ModelError(file=path.name, key="text", value=str(error), allowed=allowed) from error
-    return drawing_of(read_toml(text, path.name), path.stem, path.name)
+    return drawing_of(read_toml(read_model_text(path), path.name), path.stem, path.name)
 
 
 def drawing_of(document: Mapping[str, Any], name: str, file: str) -> Drawing:

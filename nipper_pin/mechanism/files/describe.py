@@ -6,13 +6,12 @@ import types
 import typing
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from difflib import get_close_matches
 from functools import cache
 from typing import Annotated, Any, Literal, TypeVar
 
 import msgspec
 
-from ...errors import ModelError
+from ...errors import ModelError, meant
 from .description import (
     LARGEST,
     ClosureDescription,
@@ -236,10 +235,9 @@ def _with_law(register: Register[Any], entry: object, prefix: str, file: str) ->
     kind = register.kind(name)
     if kind is None:
         known = register.names()
-        near = get_close_matches(name, known, 1) if isinstance(name, str) else []
         lacking = "" if "law" in entry else "a required key is missing; "
-        hint = f"; did you mean {near[0]!r}?" if near else ""
-        allowed = f"{lacking}one of {', '.join(known)}{hint}"
+        near = meant(name, known) if isinstance(name, str) else ""
+        allowed = f"{lacking}{near}one of {', '.join(known)}"
         raise ModelError(file=file, key=f"{prefix}.law", value=name, allowed=allowed)
     return converted(entry, kind, prefix, file)
 
