@@ -56,6 +56,7 @@ CALLS = {
     "compare": "nipper_pin.cli.compare.compare",
     "live": "nipper_pin.view.live.serve.serve_live",
     "new": "nipper_pin.mechanism.skeleton.write_skeleton",
+    "export": "nipper_pin.mechanism.export.export",
     "check": "nipper_pin.study.check.check_model",
     "paper": "benchmarks.paper.study.paper_study",
     "speed-limit": "nipper_pin.study.speed_limit.speed_limit",
@@ -182,10 +183,15 @@ CHECK = {
 NEW = {
     "MODEL": Entry("press", {"write_skeleton.folder": "press"}, without="other"),
     "--list": Entry("--list", {"write_skeleton.folder": GONE}, without="other"),
-    "--from": Entry("--from toggle_press", {"write_drawing.folder": "press",
-                                            "write_drawing.drawing.name": "toggle_press"},
-                    "press", ("write_drawing.drawing.", "write_skeleton."),
-                    (CALLS["new"], "nipper_pin.mechanism.drawing.write_drawing")),
+    "--from": Entry("--from toggle_press", {"write_drawing_file.target": "press"}, "press",
+                    ("write_drawing_file.text", "write_skeleton."),
+                    (CALLS["new"], "nipper_pin.mechanism.skeleton.write_drawing_file")),
+}  # fmt: skip
+EXPORT = {
+    "MODEL": Entry("e62_identified mine", {"export.mechanism.name": "e62_identified"},
+                   moves=("export.mechanism.",), without="e62 mine"),
+    "FOLDER": Entry("e62 mine", {"export.folder": "mine"}, without="e62 other"),
+    "--set": of_a_model("export.mechanism", base="e62 mine")["--set"],
 }  # fmt: skip
 PAPER = {
     "MODEL": another_model("paper_study", "e62_identified"),
@@ -262,8 +268,9 @@ TABLE = {
     f"{command} {option}": entry
     for command, entries in {
         "simulate": SIMULATE, "view": VIEW, "compare": COMPARE, "live": LIVE, "new": NEW,
-        "check": CHECK, "paper": PAPER, "speed-limit": SPEED_LIMIT, "identify": IDENTIFY,
-        "optimise": OPTIMISE, "sweep": SWEEP, "plot": PLOT, "stress": STRESS, "run": BENCHMARK,
+        "export": EXPORT, "check": CHECK, "paper": PAPER, "speed-limit": SPEED_LIMIT,
+        "identify": IDENTIFY, "optimise": OPTIMISE, "sweep": SWEEP, "plot": PLOT,
+        "stress": STRESS, "run": BENCHMARK,
     }.items()
     for option, entry in entries.items()
 }  # fmt: skip

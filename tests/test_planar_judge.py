@@ -22,7 +22,7 @@ from small_machines import SLED, hinge, link, machine, slide
 from benchmarks.stress.linkages import write_linkage
 from nipper_pin import Case, Event, Mechanism, Solution
 from nipper_pin.cli import main
-from nipper_pin.mechanism.gallery import GALLERY
+from nipper_pin.mechanism.gallery import GALLERY, file_of
 
 MODELS = Path(__file__).parents[1] / "models"
 SHUT_FIRST = [
@@ -138,7 +138,7 @@ def test_the_gallery(tmp_path: Path, name: str, drive: str) -> None:
     Inertial drives of a part, which take a minute each; judge_linkages.py runs all.
     """
     folder = tmp_path / name
-    assert main(["new", "--from", name, str(folder)]) == 0
+    assert main(["export", str(file_of(name)), str(folder)]) == 0
     speed = tomllib.loads((folder / f"{name}.toml").read_text())["cylinder"]["rated_speed_rpm"]
     agree(compare(folder, speed, drive), 1 if drive == "inertial" else 2)
 

@@ -54,6 +54,7 @@ COMMANDS = {
     "compare_saved": ((80,), "compare saved.npz --set-b speed=620"),
     "new": ((60,), "new a_press"),
     "new_of_the_gallery": ((80,), "new --from toggle_press another"),
+    "export": ((60,), "export sieve a_sieve"),
     "gallery": (ALL, "new --list"),
     "sweep": ((60,), "sweep sweep.toml --out results --workers 1"),
     "fit": ((60,), "identify camera.toml --starts 1 --profiles 1 --workers 1"),

@@ -54,6 +54,7 @@ _PLACES = {
     "compare": (".compare", "two machines, settings or saved runs side by side"),
     "live": (".live", "a page with sliders whose numbers and picture follow them"),
     "new": (".new", "write a commented model to start from"),
+    "export": (".export", "write a model, or a drawing, as a folder of URDF and TOML"),
     "check": (".check", "report what a model is, and what is wrong with it"),
     "speed-limit": (".speed_limit", "how fast a machine can run: where it settles, turns repeat"),
     "identify": (".identify", "find numbers of a model from published ratios or measured rebounds"),

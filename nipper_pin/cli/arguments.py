@@ -28,14 +28,7 @@ def add_model(parser: argparse.ArgumentParser, *, json_output: bool = True) -> N
         metavar="MODEL",
         help=f"name of a model that comes with the package, or a folder (default {MODEL})",
     )
-    parser.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="PATH=VALUE",
-        help="change a number of the model by its path or shortcut, for example "
-        "stops.steeve.restitution=0.1 or preload=9.25; may be repeated",
-    )
+    add_set(parser)
     parser.add_argument("--restitution", type=float, metavar="E", help=RESTITUTION)
     parser.add_argument(
         "--stiffness",
@@ -51,6 +44,18 @@ def add_model(parser: argparse.ArgumentParser, *, json_output: bool = True) -> N
     )
     if json_output:
         parser.add_argument("--json", metavar="FILE", help="write the result as JSON; - for stdout")
+
+
+def add_set(parser: argparse.ArgumentParser) -> None:
+    """Define the argument that changes numbers of a model."""
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="PATH=VALUE",
+        help="change a number of the model by its path or shortcut, for example "
+        "stops.steeve.restitution=0.1 or preload=9.25; may be repeated",
+    )
 
 
 def rpm(text: str) -> float:

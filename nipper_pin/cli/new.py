@@ -10,6 +10,9 @@ from pathlib import Path
 from ..errors import InputError
 from .arguments import refuse_beside
 
+SCHEMA = ("model.schema.json", "what editors complete the TOML by")
+"""A file beside a model, and what it is for."""
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Define the arguments of the command."""
@@ -36,12 +39,10 @@ def _run(options: argparse.Namespace) -> None:
     elif options.folder is None:
         message = "name the folder to write, as in nipper-pin new my_press"
         raise InputError(message)
-    elif options.folder.endswith(".toml"):
-        _drawing(options.start, options.folder)
-    elif options.start is None:
+    elif options.start is None and not options.folder.endswith(".toml"):
         _skeleton(options.folder)
     else:
-        _from_gallery(options.start, options.folder)
+        _drawing(options.start, options.folder)
 
 
 def _list() -> None:
@@ -65,9 +66,9 @@ def _skeleton(model: str) -> None:
     files = (
         (f"{folder.name}.urdf", "links, joints, masses, shapes"),
         (f"{folder.name}.toml", "drive, spring, stops, closures, phases"),
-        ("model.schema.json", "what editors complete the TOML by"),
+        SCHEMA,
     )
-    _written(head, files, model, "Then replace its parts by yours, and check after each.")
+    written(head, files, model, "Then replace its parts by yours, and check after each.")
 
 
 def _drawing(name: str | None, model: str) -> None:
@@ -76,19 +77,10 @@ def _drawing(name: str | None, model: str) -> None:
 
     write_drawing_file(model, file_of(name).read_text(encoding="utf-8") if name else "")
     head = f"{model}: {name or 'a press, every line explained'}, drawn in millimetres"
-    _written(head, (), model, "Change its points, bodies and joints, and check after each.")
+    written(head, (), model, "Change its points, bodies and joints, and check after each.")
 
 
-def _from_gallery(name: str, model: str) -> None:
-    from ..mechanism.drawing import write_drawing
-    from ..mechanism.gallery import drawn
-
-    drawing = drawn(name)
-    write_drawing(drawing, model)
-    _written(f"{model}: {drawing.title}", (), model, drawing.known or drawing.invented)
-
-
-def _written(head: str, files: Sequence[tuple[str, str]], model: str, remark: str) -> None:
+def written(head: str, files: Sequence[tuple[str, str]], model: str, remark: str = "") -> None:
     """Tell what was written, and what to run next."""
     from ..view.console import paste, say, show_table, unbroken_console
 
@@ -96,7 +88,8 @@ def _written(head: str, files: Sequence[tuple[str, str]], model: str, remark: st
     say(console, head)
     if files:
         show_table(console, ("file", "what it holds"), files, text=(0, 1))
-    say(console, remark)
+    if remark:
+        say(console, remark)
     say(console, "It runs as it stands:")
     for words in (
         ("check", model),

@@ -7,7 +7,7 @@ import shlex
 from typing import TYPE_CHECKING
 
 from ..extras import require
-from .arguments import check_outputs, load_mechanism, rpm, write_json
+from .arguments import add_set, check_outputs, load_mechanism, rpm, write_json
 
 if TYPE_CHECKING:
     from ..study.speed_limit import SpeedLimit
@@ -25,13 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="MODEL",
         help="a model's name, or a folder (default e62)",
     )
-    parser.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="PATH=VALUE",
-        help="change a number of the model; may be repeated",
-    )
+    add_set(parser)
     parser.add_argument(
         "--from", dest="low", type=rpm, metavar="RPM", help="least speed; half the rated"
     )

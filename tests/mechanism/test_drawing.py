@@ -33,7 +33,7 @@ from nipper_pin.mechanism.drawing import (
     direction,
     distance,
     drawn_mechanism,
-    drawn_texts,
+    drawn_sources,
     flap,
     meet,
     on_line,
@@ -95,13 +95,11 @@ PRESS = Drawing(
 def test_files_of_drawings(words: Words) -> None:
     """Units by the kind of each joint; what is not given is not written; places of what is seen.
 
-    Without stops, springs and dampers there are no tables of them. A title is no markup.
+    Without stops, springs and dampers there are no tables of them.
     """
-    files = {**drawn_texts(YOKE), **drawn_texts(BARE), **drawn_texts(CLOSED)}
-    shown = ("yoke.urdf", "yoke.toml", "bare.toml", "c.toml")
-    words("\n".join(f"--- {name}\n{files[name]}" for name in shown))
-    read = {key: value for key, value in tomllib.loads(files["yoke.toml"]).items() if value}
-    assert read == drawn_mechanism(YOKE).description
+    texts = {drawing.name: drawn_sources(drawing) for drawing in (YOKE, BARE, CLOSED)}
+    shown = [f"--- {name}.toml\n{toml(document)}" for name, (_, document) in texts.items()]
+    words("\n".join([f"--- yoke.urdf\n{texts['yoke'][0]}", *shown]))
 
 
 def test_a_written_drawing_is_read_back(tmp_path: Path) -> None:
@@ -288,6 +286,6 @@ def _numpy(value: Any) -> Any:
 def test_numbers_of_numpy_are_written_as_plain_ones(name: str) -> None:
     """Every value type of a drawing: the texts are those of the same drawing in plain numbers."""
     drawing = drawn(name)
-    texts = drawn_texts(_numpy(drawing))
-    assert texts == drawn_texts(drawing)
-    assert not any("np." in text for text in texts.values())
+    (urdf, document), plain = drawn_sources(_numpy(drawing)), drawn_sources(drawing)
+    assert (urdf, toml(document)) == (plain[0], toml(plain[1]))
+    assert "np." not in urdf + toml(document)

@@ -9,6 +9,7 @@ import pytest
 
 from nipper_pin import Case, Outcome, Window, check, load, simulate
 from nipper_pin.cli import main
+from nipper_pin.mechanism import number_of
 from nipper_pin.mechanism.drawing import drawn_mechanism, write_drawing
 from nipper_pin.mechanism.gallery import GALLERY, drawn
 from nipper_pin.study.next_steps import next_steps
@@ -59,15 +60,34 @@ def test_the_drawing_of_the_page_runs(tmp_path: Path) -> None:
     assert {stop for event in solution.events for stop in event.stops} == {"height", "rod"}
 
 
-def test_the_command_writes_a_machine(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(tmp_path)
+@pytest.mark.usefixtures("here")
+def test_commands_write_a_machine(capsys: pytest.CaptureFixture[str]) -> None:
+    """As the drawing, and as URDF and TOML, with another number if one is asked for."""
     assert main(["new", "--from", "watt_1", "mine"]) == 0
-    assert load(tmp_path / "mine").description == drawn_mechanism(drawn("watt_1")).description
+    assert main(["export", "mine", "whole"]) == 0
+    machine = drawn_mechanism(drawn("watt_1"))
+    for folder, files in (
+        ("mine", {"mine.toml"}),
+        ("whole", {"whole.toml", "whole.urdf", "model.schema.json"}),
+    ):
+        assert {item.name for item in Path(folder).iterdir()} == files
+        assert load(folder).description == machine.description
+        assert load(folder).model.inertias.tolist() == machine.model.inertias.tolist()
+    assert main(["export", "mine", "heavier", "--set", "links.coupler.mass_kg=0.4"]) == 0
+    assert number_of(load("heavier"), "links.coupler.mass_kg") == 0.4
     assert main(["new", "--from", "wat_1", "other"]) == 2
     assert "no machine of the gallery named 'wat_1'" in capsys.readouterr().err
-    assert not (tmp_path / "other").exists()
+    assert not Path("other").exists()
+
+
+@pytest.mark.usefixtures("here")
+def test_meshes_go_with_an_exported_model() -> None:
+    """All of them, for a run of the copy; what the comments told of other numbers does not."""
+    assert main(["export", "e62", "mine", "--set", "preload=9.5"]) == 0
+    meshes = {path.name for path in Path("mine", "meshes").iterdir()}
+    assert meshes == {path.name for path in Path(load("e62").mesh_folder, "meshes").iterdir()}
+    assert load("mine").springs[0].preload == 0.0095
+    assert "<!--" not in Path("mine", "mine.urdf").read_text(encoding="utf-8")
 
 
 @pytest.mark.campaign

@@ -21,7 +21,7 @@ from .parts import (
 from .places import between, direction, distance, meet, on_line, polar
 from .read import drawing_of, read_drawing
 from .tables import drawn_sources
-from .write import drawn_mechanism, drawn_texts, write_drawing
+from .write import drawn_mechanism, write_drawing
 
 __all__ = [
     "FRAME",
@@ -45,7 +45,6 @@ __all__ = [
     "drawing_of",
     "drawn_mechanism",
     "drawn_sources",
-    "drawn_texts",
     "flap",
     "meet",
     "on_line",

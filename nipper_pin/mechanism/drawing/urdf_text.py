@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from math import atan2
-from xml.sax.saxutils import escape, quoteattr
+from xml.sax.saxutils import quoteattr
 
 from ...errors import InputError
 from ...units import M_PER_MM
@@ -108,15 +108,9 @@ def urdf_text(tree: Tree, name: str) -> str:
         InputError: A point or a mass is missing.
     """
     drawing = tree.drawing
-    # Two strokes would end the comment.
-    title = escape(drawing.title).replace("--", "- -")
     lines = [
         '<?xml version="1.0"?>',
         f"<robot name={quoteattr(name)}>",
-        f"  <!-- {title}, drawn in its touch configuration; m, kg, rad.",
-        "       Points (x, z) in mm:",
-        *(f"         {key}  {x:.6g}  {z:.6g}" for key, (x, z) in drawing.points.items()),
-        "  -->",
         f'  <link name="{FRAME}">',
         *frame_visuals(tree),
         "  </link>",

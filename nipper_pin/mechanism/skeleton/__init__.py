@@ -29,27 +29,32 @@ def write_skeleton(folder: Path) -> Path:
     return target
 
 
-def write_drawing_file(file: str | Path, text: str = "") -> Path:
-    """Write a drawing to start from, in a TOML file of its own.
+def write_drawing_file(target: str | Path, text: str = "") -> Path:
+    """Write a drawing to start from: one TOML file, alone or in a folder of its name.
 
     Args:
-        file: File to write; its name becomes the machine's.
+        target: ``NAME.toml``, or a folder to write; its name becomes the machine's.
         text: The drawing; by default a commented one.
 
     Returns:
-        The file, resolved.
+        The file or folder, resolved.
 
     Raises:
-        InputError: The name cannot be a model's, or the file is there or cannot be written.
+        InputError: The name cannot be a model's, or it is there or cannot be written.
     """
-    target = check_model_folder(Path(file).with_suffix("")).with_suffix(".toml")
-    if target.exists():
-        message = f"{target} is there already; name a new file"
-        raise InputError(message, file=str(target))
     text = text or Path(__file__).with_name("drawing.toml").read_text(encoding="utf-8")
-    with complete_file(target) as partial:
+    if Path(target).suffix != ".toml":
+        folder = check_model_folder(target)
+        with new_folder(folder) as partial:
+            (partial / f"{folder.name}.toml").write_text(text, encoding="utf-8")
+        return folder
+    file = check_model_folder(Path(target).with_suffix("")).with_suffix(".toml")
+    if file.exists():
+        message = f"{file} is there already; name a new file"
+        raise InputError(message, file=str(file))
+    with complete_file(file) as partial:
         partial.write_text(text, encoding="utf-8")
-    return target
+    return file
 
 
 def skeleton(name: str) -> dict[str, str]:

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import copy
-import shutil
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
 from ...mechanism import Mechanism, load
-from ...mechanism.files import parse_xml, path_inside, toml
-from ...mechanism.model_files import new_folder
+from ...mechanism.export import write_texts
 from ...texts import followed
 from .fitting.fit import Fit
 from .fitting.goodness import Goodness
@@ -29,7 +27,6 @@ def write_model(fit: Fit, judged: Goodness, folder: str | Path) -> Mechanism:
         InputError: The folder cannot be written, or holds something else; then nothing is written.
     """
     target = followed(folder)
-    name = target.name
     problem = fit.objective.problem
     sources = with_values(problem.sources, fit.values)
     document: dict[str, Any] = {**sources.document}
@@ -41,17 +38,8 @@ def write_model(fit: Fit, judged: Goodness, folder: str | Path) -> Mechanism:
         "AN ESTIMATE: fitted to the targets, which does not validate it. Never the maker's data.",
         judged.sentence(),
     ]
-    text = "".join(f"# {line}\n" for line in heading) + "\n" + toml(document)
-    with new_folder(target) as partial:
-        root = _renamed(sources.urdf, name, heading)
-        if _moves_pins(fit):
-            _show_collision_shapes(root)
-        _copy_meshes(root, Path(sources.folder), partial)
-        urdf = '<?xml version="1.0"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
-        (partial / f"{name}.urdf").write_text(urdf, encoding="utf-8")
-        (partial / f"{name}.toml").write_text(text, encoding="utf-8")
-        # What cannot be read back does not take its place.
-        load(partial)
+    change = _show_collision_shapes if _moves_pins(fit) else None
+    write_texts(target, sources.urdf, document, Path(sources.folder), heading, change)
     return load(target)
 
 
@@ -77,22 +65,6 @@ def _moves_pins(fit: Fit) -> bool:
     return any(item.path.startswith("points.") for item in fit.objective.problem.parameters)
 
 
-def _renamed(text: str, name: str, heading: list[str]) -> ElementTree.Element:
-    """The URDF under its new name, its comments replaced."""
-    root = parse_xml(text, f"{name}.urdf")
-    root.set("name", name)
-    # The comments of the original model describe other numbers.
-    comments = [item for item in root.iter() if not isinstance(item.tag, str)]
-    for parent in list(root.iter()):
-        for item in comments:
-            if item in list(parent):
-                parent.remove(item)
-    note = ElementTree.Comment("\n  " + "\n  ".join(heading) + "\n")
-    note.tail = "\n"
-    root.insert(0, note)
-    return root
-
-
 def _show_collision_shapes(root: ElementTree.Element) -> None:
     """Let moved links show their plain bodies: meshes were drawn for the old places of the pins."""
     for link in root.findall("link"):
@@ -106,13 +78,3 @@ def _show_collision_shapes(root: ElementTree.Element) -> None:
             picture = copy.deepcopy(shape)
             picture.tag = "visual"
             link.append(picture)
-
-
-def _copy_meshes(root: ElementTree.Element, old: Path, new: Path) -> None:
-    for mesh in root.iter("mesh"):
-        file = path_inside(mesh.get("filename", ""), "mesh", f"{new.name}.urdf")
-        if not (old / file).is_file():
-            # A mesh that is only drawn may be missing.
-            continue
-        (new / file).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(old / file, new / file)

@@ -1,0 +1,33 @@
+"""``nipper-pin export``."""
+
+from __future__ import annotations
+
+import argparse
+
+from .arguments import add_set, load_mechanism
+from .new import SCHEMA, written
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Define the arguments of the command."""
+    parser.add_argument(
+        "model", metavar="MODEL", help="a model's name, a folder, or the TOML file of a drawing"
+    )
+    parser.add_argument(
+        "folder", metavar="FOLDER", help="folder to write; its name becomes the model's"
+    )
+    add_set(parser)
+    parser.set_defaults(run=_run)
+
+
+def _run(options: argparse.Namespace) -> None:
+    from ..mechanism.export import export
+
+    mechanism = load_mechanism(options)
+    folder = export(mechanism, options.folder)
+    files = (
+        (f"{folder.name}.urdf", "links, joints, masses, shapes"),
+        (f"{folder.name}.toml", "drives, springs, stops, closures, phases"),
+        SCHEMA,
+    )
+    written(f"{folder}: {mechanism.title}", files, options.folder)
