@@ -16,11 +16,10 @@ from .load import (
     load,
     need_as_written,
     need_mechanism,
-    number_of,
 )
 from .mechanism import Mechanism, Shared
 from .model_files import find_model, known_models, model_folder
-from .other_numbers import changed, retuned
+from .other_numbers import changed, layout_of, number_of, numbers_of, retuned
 from .parts import Closure, Contact, Drive, Joint, Phase, Simultaneous, Spring, Start, Stop
 from .shapes import collision_model
 
@@ -52,11 +51,13 @@ __all__ = [
     "joint_axis",
     "joint_placements",
     "known_models",
+    "layout_of",
     "load",
     "model_folder",
     "need_as_written",
     "need_mechanism",
     "number_of",
+    "numbers_of",
     "own_frame",
     "rad_s_from_rpm",
     "retuned",

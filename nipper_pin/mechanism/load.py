@@ -74,28 +74,6 @@ def load(model: str | Path = "e62", overrides: Mapping[str, object] | None = Non
         raise found.named(error) from error
 
 
-def number_of(mechanism: Mechanism, path: str) -> float:
-    """A number of a mechanism by its path, in the unit of its file.
-
-    Args:
-        path: The path, as overrides take it.
-
-    Raises:
-        UnknownNameError: The path leads nowhere.
-        ModelError: There is no number.
-    """
-    from .edit.dimensions import HEADS, read_dimension
-    from .edit.layout import read_layout
-    from .edit.toml_paths import number_at
-    from .files.urdf import parse_xml
-
-    if path.partition(".")[0] not in HEADS:
-        return number_at(mechanism.description, path, f"{mechanism.name}.toml")
-    file = f"{mechanism.name}.urdf"
-    layout = read_layout(parse_xml(mechanism.urdf, file), mechanism.description, file)
-    return read_dimension(layout, path, file)
-
-
 def need_mechanism(value: object, call: str) -> None:
     """Refuse what is no mechanism, above all a model's name.
 

@@ -1,17 +1,23 @@
-"""A mechanism with other numbers: what they do not touch is kept, with all that was built of it."""
+"""Numbers of a mechanism by path: read, and changed.
+
+What other numbers do not touch is kept, with all that was built of it.
+"""
 
 from __future__ import annotations
 
 import copy
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..errors import AssemblyError
 from .elements import Damper, Strut
 from .load import from_sources, with_advice
 from .mechanism import Mechanism
 from .parts import Spring, Stop
+
+if TYPE_CHECKING:
+    from .edit import Layout
 
 # Numbers on which neither the tree nor its closures and places of stops depend.
 _OF_FORCES = {
@@ -26,6 +32,43 @@ _OF_FORCES = {
     "stops": ("restitution",),
 }
 _FIELDS: dict[type, str] = {Spring: "springs", Damper: "dampers", Strut: "struts", Stop: "stops"}
+
+
+def number_of(mechanism: Mechanism, path: str) -> float:
+    """A number of a mechanism by its path; see :func:`numbers_of`."""
+    return numbers_of(mechanism, [path])[0]
+
+
+def numbers_of(mechanism: Mechanism, paths: Iterable[str]) -> tuple[float, ...]:
+    """Numbers of a mechanism by their paths, in the units of its files.
+
+    Args:
+        paths: The paths, as overrides take them.
+
+    Raises:
+        UnknownNameError: A path leads nowhere.
+        ModelError: There is no number.
+    """
+    from .edit import HEADS, number_at, read_dimension
+
+    layout = None
+    found = []
+    for path in paths:
+        if path.partition(".")[0] in HEADS:
+            layout = layout or layout_of(mechanism)
+            found.append(read_dimension(layout, path, f"{mechanism.name}.urdf"))
+        else:
+            found.append(number_at(mechanism.description, path, f"{mechanism.name}.toml"))
+    return tuple(found)
+
+
+def layout_of(mechanism: Mechanism) -> Layout:
+    """Where links and points of a mechanism stand at touch."""
+    from .edit import read_layout
+    from .files import parse_xml
+
+    file = f"{mechanism.name}.urdf"
+    return read_layout(parse_xml(mechanism.urdf, file), mechanism.description, file)
 
 
 def changed(mechanism: Mechanism, values: Mapping[str, object]) -> Mechanism:

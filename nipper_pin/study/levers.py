@@ -11,10 +11,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from ..errors import InputError, SimulationError
-from ..mechanism import Mechanism, changed
+from ..mechanism import Mechanism, changed, layout_of
 from ..terms import named, parameter_shown
 from ..tolerances.study import NO_EFFECT, STUDY_TOLERANCE
-from .identify.problem.geometry import Sources, layout
 from .identify.problem.targets import Condition, transition_quantities
 from .identify.problem.working_cycle import working_cycle
 from .sensitivity import SPEED, Sensitivities, Sensitivity
@@ -150,7 +149,7 @@ def _by_strength(mechanism: Mechanism, found: Sensitivities) -> Iterator[Sensiti
     on which the rest of the comber stands; and how the mass of a link is spread, which no single
     measure of a part sets.
     """
-    places = layout(Sources.of(mechanism))
+    places = layout_of(mechanism)
     for row in found.ranked("rebound_amplitude_1"):
         table, _, rest = row.path.partition(".")
         if row.path == SPEED or table == "cylinder" or row.doubtful or abs(row.per[0]) < NO_EFFECT:

@@ -21,11 +21,9 @@ from ..arrays import FloatArray
 from ..errors import SimulationError
 from ..given import MOST_WORKERS, number, whole
 from ..hybrid import FASTEST_RPM, Case, Window, simulate
-from ..mechanism import Mechanism, rad_s_from_rpm
+from ..mechanism import Mechanism, changed, layout_of, numbers_of, rad_s_from_rpm
 from ..reduced import build, transition
 from ..tolerances.study import DOUBTFUL, SMALL_EFFECT, STUDY_TOLERANCE
-from .identify.problem.geometry import Sources, layout
-from .identify.problem.parameters import read_values, with_values
 from .identify.problem.targets import Condition, transition_quantities
 from .identify.problem.working_cycle import middle_half, working_cycle
 from .processes import mapped
@@ -142,11 +140,10 @@ class Sensitivities:
 
 def every_path(mechanism: Mechanism) -> tuple[str, ...]:
     """Paths of all numbers of a model that bounces and lip forces can depend on."""
-    sources = Sources.of(mechanism)
-    found = layout(sources)
+    found = layout_of(mechanism)
     paths = [SPEED]
     for table in ("cylinder", "drives", "springs", "dampers", "forces", "stops"):
-        paths.extend(_numbers(sources.document.get(table), table))
+        paths.extend(_numbers(mechanism.description.get(table), table))
     driven = {mechanism.joints[drive.index].name for drive in mechanism.drives}
     for name, pin in found.meeting.items():
         # A closure is one pin with two names; the second one is used.
@@ -193,11 +190,10 @@ def sensitivities(
     speed_rpm = number("speed_rpm", speed_rpm, 0.0, FASTEST_RPM, open_low=True)
     whole("workers", workers, 1, MOST_WORKERS)
     chosen = every_path(mechanism) if paths is None else tuple(paths)
-    sources = Sources.of(mechanism)
     inner = [path for path in chosen if path != SPEED]
-    values = dict(zip(inner, read_values(sources, inner), strict=True))
+    values = dict(zip(inner, numbers_of(mechanism, inner), strict=True))
     values[SPEED] = speed_rpm
-    ((premise, here),) = mapped(partial(_baseline, sources), [speed_rpm], 1)
+    ((premise, here),) = mapped(partial(_baseline, mechanism), [speed_rpm], 1)
     if not (here > 0.0).all():
         none = [name for name, value in zip(QUANTITIES, here, strict=True) if not value > 0.0]
         message = (
@@ -205,7 +201,7 @@ def sensitivities(
             "exist, so that nothing changes it by a percentage; change the model or the speed"
         )
         raise SimulationError(message, quantities=none)
-    find = partial(_row, sources, speed_rpm, here, premise is False)
+    find = partial(_row, mechanism, speed_rpm, here, premise is False)
     rows = []
     for row in mapped(find, [(path, values[path]) for path in chosen], workers):
         rows.append(row)
@@ -223,15 +219,14 @@ def sensitivities(
     )
 
 
-def _baseline(sources: Sources, speed_rpm: float) -> tuple[bool | None, FloatArray]:
+def _baseline(mechanism: Mechanism, speed_rpm: float) -> tuple[bool | None, FloatArray]:
     """Whether the premise of a transition holds, and the quantities."""
-    mechanism = sources.build()
     premise = simulate(mechanism, Case(speed_rpm=speed_rpm)).premise_holds
     return premise, _direct(mechanism, speed_rpm, true=premise is False)
 
 
 def _row(
-    sources: Sources,
+    mechanism: Mechanism,
     speed_rpm: float,
     here: FloatArray,
     true: bool,
@@ -244,8 +239,8 @@ def _row(
 
     def at(find: Callable[[Mechanism, float], FloatArray], x: float) -> FloatArray:
         if path == SPEED:
-            return find(sources.build(), x)
-        return find(with_values(sources, {path: x}).build(), speed_rpm)
+            return find(mechanism, x)
+        return find(changed(mechanism, {path: x}), speed_rpm)
 
     scale = 100.0 * step.amount / here
     return Sensitivity(

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import NoReturn, TypeVar
 
 import msgspec
 
-from ..errors import InputError, ModelError
-from ..mechanism import Mechanism, find_model, load
+from ..errors import InputError, ModelError, SimulationError
+from ..mechanism import Mechanism, changed, find_model, load, numbers_of
 from ..mechanism.files import Refusal, first_refusal, may_be_table, need_plain_text, read_toml
 from ..mechanism.files.describe import allowed_values
 from ..texts import MOST_TEXT, read_text
@@ -119,3 +119,28 @@ def refuse(file: str, key: str, value: object, allowed: str) -> NoReturn:
         ModelError: Always.
     """
     raise ModelError(file=file, key=key, value=value, allowed=allowed)
+
+
+def check_paths(paths: Iterable[str], mechanism: Mechanism) -> None:
+    """Write a model's own numbers back: paths that lead nowhere or contradict one another fail.
+
+    Raises:
+        UnknownNameError: A path leads nowhere.
+        ModelError: There is no number, or paths contradict one another.
+    """
+    asked = tuple(paths)
+    changed(mechanism, dict(zip(asked, numbers_of(mechanism, asked), strict=True)))
+
+
+def no_machine(tried: str, own: str) -> SimulationError:
+    """The error of numbers none of which makes a machine that can be simulated.
+
+    Args:
+        tried: What was tried, in words.
+        own: Why the model's own numbers make none, wherever its bounds are; empty if they do.
+    """
+    found = f"none of {tried} is a machine that can be simulated"
+    if own:
+        message = f"{found}, nor is the model as it is: {own}; change that first"
+        return SimulationError(message, why=own)
+    return SimulationError(f"{found}; the model as it is can: put its numbers within the bounds")

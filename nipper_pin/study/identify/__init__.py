@@ -6,9 +6,7 @@ from .fitting.goodness import Goodness, Verdict, goodness
 from .fitting.objective import Objective
 from .fitting.profiles import Profile, profile
 from .fitting.search import identify
-from .problem.geometry import Sources
 from .problem.measured import read_measured
-from .problem.parameters import read_values, with_values
 from .problem.problem import Limits, Parameter, Problem, read_problem
 from .problem.targets import QUANTITIES, Condition, Target, predict
 from .problem.working_cycle import WorkingCycle, working_cycle
@@ -27,7 +25,6 @@ __all__ = [
     "Parameter",
     "Problem",
     "Profile",
-    "Sources",
     "Target",
     "Verdict",
     "WorkingCycle",
@@ -38,9 +35,7 @@ __all__ = [
     "profile",
     "read_measured",
     "read_problem",
-    "read_values",
     "record",
-    "with_values",
     "working_cycle",
     "write_model",
 ]

@@ -26,7 +26,7 @@ def record(
     problem = fit.objective.problem
     return {
         "title": problem.title,
-        "model": problem.sources.name,
+        "model": problem.mechanism.name,
         "caution": WORD,
         "seed": fit.seed,
         "cost": fit.best.cost,

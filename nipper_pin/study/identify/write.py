@@ -8,12 +8,11 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-from ...mechanism import Mechanism, load
+from ...mechanism import Mechanism, changed, load
 from ...mechanism.export import write_texts
 from ...texts import followed
 from .fitting.fit import Fit
 from .fitting.goodness import Goodness
-from .problem.parameters import with_values
 
 
 def write_model(fit: Fit, judged: Goodness, folder: str | Path) -> Mechanism:
@@ -28,18 +27,18 @@ def write_model(fit: Fit, judged: Goodness, folder: str | Path) -> Mechanism:
     """
     target = followed(folder)
     problem = fit.objective.problem
-    sources = with_values(problem.sources, fit.values)
-    document: dict[str, Any] = {**sources.document}
+    found = changed(problem.mechanism, fit.values)
+    document: dict[str, Any] = {**found.description}
     document["title"] = f"{problem.title} (identified: an estimate, not the maker's data)"
     document["provenance"] = _provenance(fit, document.get("provenance", {}))
     heading = [
         f"Identified by nipper-pin identify: {problem.title}",
-        f"from the model {problem.sources.name}, {len(fit.descents)} starts, seed {fit.seed}.",
+        f"from the model {problem.mechanism.name}, {len(fit.descents)} starts, seed {fit.seed}.",
         "AN ESTIMATE: fitted to the targets, which does not validate it. Never the maker's data.",
         judged.sentence(),
     ]
     change = _show_collision_shapes if _moves_pins(fit) else None
-    write_texts(target, sources.urdf, document, Path(sources.folder), heading, change)
+    write_texts(target, found.urdf, document, Path(found.mesh_folder), heading, change)
     return load(target)
 
 

@@ -14,12 +14,11 @@ import numpy as np
 from ...arrays import FloatArray
 from ...errors import NipperError, SimulationError
 from ...hybrid.result.turns import is_of_drive
-from ...mechanism import Mechanism, changed
+from ...mechanism import Mechanism, changed, from_sources, model_folder
 from ..cases import Cases, cases_of
 from ..transitions import FAILED, TURN, TransitionTable, table_of
 from ..turns import Settings, TurnTable, turns_of
 from .axes import restitution_path
-from .changes import machine_of
 from .job import NO_MODEL, Job, TurnJob, read_job
 from .quantities import quantity
 from .results.chunk_file import encode
@@ -233,4 +232,5 @@ def _job(text: bytes) -> Job:
 @lru_cache(maxsize=4)
 def _machine(text: bytes) -> Mechanism:
     """The mechanism of a sweep before its numbers are changed, built once a process."""
-    return machine_of(_job(text))
+    job = _job(text)
+    return from_sources(job.name, job.urdf, job.document, model_folder(job.name, job.folder))

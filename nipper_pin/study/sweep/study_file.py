@@ -15,14 +15,12 @@ from msgspec import Meta
 
 from ...dynamics import DriveMode
 from ...errors import InputError, NipperError
-from ...mechanism import Mechanism, from_sources
-from ...mechanism.edit import apply_overrides
+from ...mechanism import Mechanism, changed
 from ...mechanism.files import Positive, parse_xml
 from ...texts import MOST_TEXT, read_text
-from ..toml_files import Table, at_key, base_mechanism, read_table, refuse
+from ..toml_files import Table, at_key, base_mechanism, check_paths, read_table, refuse
 from ..turns import MOST_TURNS, TURNS
 from .axes import SPEED, Axis, Target, find_target
-from .changes import check_paths
 from .job import COLUMNS, TURN_COLUMNS, Job, TurnJob, versions
 from .quantities import check_quantities, default
 from .samples import MOST_SAMPLES, Layout, Method, Samples
@@ -227,11 +225,8 @@ def check_bounds(
     if target.kind in ("speed", "model"):
         return
     for value in bounds:
-        document, urdf = apply_overrides(
-            mechanism.description, mechanism.urdf, {target.path: value}, file, file
-        )
         try:
-            from_sources(mechanism.name, urdf, document, mechanism.mesh_folder)
+            changed(mechanism, {target.path: value})
         except NipperError as error:
             refuse(file, key, value, error.message)
 

@@ -100,7 +100,7 @@ def _terms(problem: Problem) -> Iterator[tuple[Target, Shown]]:
             yield target, Shown(words=target.name)
             continue
         if not gap:
-            mechanism = problem.sources.build()
+            mechanism = problem.mechanism
             gap = coordinate_unit(mechanism, mechanism.stop(mechanism.transition_stop).index)
         term = named(target.quantity, gap)
         # A target that was given no name has that of its quantity in files.

@@ -17,7 +17,6 @@ from nipper_pin.study.identify import (
     Objective,
     Parameter,
     Problem,
-    Sources,
     Target,
 )
 
@@ -78,7 +77,7 @@ def problem(
     names = quantities or ("duration_s",) * len(wanted)
     return Problem(
         title="a line",
-        sources=Sources.of(_e62()),
+        mechanism=_e62(),
         parameters=tuple(
             Parameter(path=path, low=low, high=high, start=start, why=f"because of {path}")
             for path, (low, high), start in zip(PATHS, RANGES, STARTS, strict=True)

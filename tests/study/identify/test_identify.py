@@ -18,18 +18,16 @@ from rich.console import Console
 
 from nipper_pin import Case, InputError, Mechanism, SimulationError, Window, check, load, simulate
 from nipper_pin.cli import main
+from nipper_pin.mechanism import changed, numbers_of
 from nipper_pin.study.identify import (
     Condition,
     Objective,
     Parameter,
-    Sources,
     Target,
     determinability,
     identify,
     predict,
     read_problem,
-    read_values,
-    with_values,
     write_model,
 )
 from nipper_pin.study.identify.fitting.fit import descend
@@ -150,10 +148,10 @@ def test_moved_points_give_the_machine_of_the_planar_reference(e62: Mechanism) -
         "points.eccentric_pin.angle_deg": 190.0, "links.top_nipper.com_x_mm": -28.0,
         "links.top_nipper.gyration_mm": 29.0, MASS: 1.3,
     }  # fmt: skip
-    sources = with_values(Sources.of(e62), new)
+    machine = changed(e62, new)
     # Written and read: decimal places in frames of links, hence round-off of 200 mm.
-    assert read_values(sources, tuple(new)) == pytest.approx(tuple(new.values()), rel=1e-13)
-    hit = simulate(sources.build(), Case(speed_rpm=650.0)).collisions[0]
+    assert numbers_of(machine, new) == pytest.approx(tuple(new.values()), rel=1e-13)
+    hit = simulate(machine, Case(speed_rpm=650.0)).collisions[0]
     with mpmath.workdps(24):
         angle = mpmath.mpf(190) * mpmath.pi / 180
         changes = {
@@ -166,9 +164,9 @@ def test_moved_points_give_the_machine_of_the_planar_reference(e62: Mechanism) -
             "com4_x_mm": "-28", "mass4_kg": "1.3",
             "inertia4_kg_m2": str(mpmath.mpf("1.3") * mpmath.mpf("0.029") ** 2),
         }  # fmt: skip
-        machine = Machine(mpmath.mp, changes)
+        reference = Machine(mpmath.mp, changes)
         settings = Settings(order=16, tolerance="1e-17", shortest="1e-12")
-        wanted = transition(machine, settings).collisions[0]
+        wanted = transition(reference, settings).collisions[0]
     assert hit.approach_rate == pytest.approx(float(wanted.approach_rate), rel=1e-11)
     assert hit.rebound_amplitude == pytest.approx(float(wanted.rebound_amplitude), rel=1e-10)
     assert hit.rebound_time == pytest.approx(float(wanted.rebound_time), rel=1e-10)
@@ -199,7 +197,7 @@ def test_published_ratios_of_the_identified_model() -> None:
     assert report.interferences == ()
     for item, value in zip(
         problem.parameters,
-        read_values(Sources.of(model), [x.path for x in problem.parameters]),
+        numbers_of(model, [x.path for x in problem.parameters]),
         strict=True,
     ):
         # Files hold decimal places in frames of links: round-off of the bounds themselves.
@@ -229,7 +227,7 @@ def test_best_point_of_the_built_in_problem_is_stationary() -> None:
     problem = read_problem()
     objective = Objective(problem)
     paths = [item.path for item in problem.parameters]
-    numbers = np.array(read_values(Sources.of(load("e62_identified")), paths))
+    numbers = np.array(numbers_of(load("e62_identified"), paths))
     z = np.clip((numbers - objective.low) / objective.width, 0.0, 1.0)
     before = 0.5 * float(np.sum(objective.residuals(z) ** 2))
     after = descend(objective, z, max_steps=4)

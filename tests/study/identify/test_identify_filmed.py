@@ -177,7 +177,7 @@ def test_the_file_of_an_identification(tmp_path: Path, e62: Mechanism, words: Wo
     said = []
     for text, tolerance in ((FIT, 1e-4), (plain, 1e-8)):
         found = read_problem(written(tmp_path, text))
-        record = {key: value for key, value in asdict(found).items() if key != "sources"}
+        record = {key: value for key, value in asdict(found).items() if key != "mechanism"}
         assert record.pop("tolerance") == tolerance
         sigmas = [target.sigma for target in found.targets]
         assert sigmas == [0.005, 0.125, 1e-5, 2e-5][: len(sigmas)]
@@ -187,7 +187,7 @@ def test_the_file_of_an_identification(tmp_path: Path, e62: Mechanism, words: Wo
         said.append(json.dumps(record, indent=1))
     words("\n".join(said) + "\n")
     stiff = Condition(650.0, 0.2, 9500.0)
-    machine = with_settings(found.sources.build(), stiff)
+    machine = with_settings(found.mechanism, stiff)
     assert machine.stop("jaw").restitution == 0.2
     assert machine.stop("steeve").restitution == 0.25
     assert machine.springs[0].stiffness == 9500.0

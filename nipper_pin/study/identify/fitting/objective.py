@@ -8,8 +8,7 @@ import numpy as np
 
 from ....arrays import FloatArray
 from ....errors import NipperError
-from ....mechanism import Mechanism
-from ..problem.parameters import with_values
+from ....mechanism import Mechanism, changed
 from ..problem.problem import Limits, Problem
 from ..problem.targets import predict, with_settings
 from ..problem.working_cycle import SAMPLES, WorkingCycle, working_cycle
@@ -65,7 +64,7 @@ class Objective:
         Raises:
             InputError: They make none.
         """
-        return with_values(self.problem.sources, self.values(z)).build()
+        return changed(self.problem.mechanism, self.values(z))
 
     def predicted(self, z: FloatArray) -> FloatArray:
         """Values of all targets, shape (targets,).

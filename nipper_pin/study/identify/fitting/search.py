@@ -13,7 +13,7 @@ from scipy.stats import qmc
 from ....arrays import FloatArray
 from ....given import MOST_SEED, MOST_STARTS, MOST_WORKERS, whole
 from ...processes import mapped
-from ..problem.parameters import no_machine
+from ...toml_files import no_machine
 from ..problem.problem import Problem
 from ..problem.targets import premises
 from .fit import Descent, Fit, descend

@@ -13,14 +13,12 @@ from msgspec import Meta
 
 from ....errors import InputError, ModelError
 from ....hybrid.result.quantities import refuse_unknown
-from ....mechanism import Mechanism
+from ....mechanism import Mechanism, numbers_of
 from ....mechanism.files import Positive, Restitution
 from ....tolerances.reduced import FINEST_TOLERANCE
 from ....tolerances.study import COARSEST_FIT
-from ...toml_files import Bounds, Table, base_mechanism, read_table, refuse
-from .geometry import Sources
+from ...toml_files import Bounds, Table, base_mechanism, check_paths, read_table, refuse
 from .measured import read_measured
-from .parameters import read_values, with_values
 from .targets import QUANTITIES, Condition, Target, conditions, stiffness_name
 from .working_cycle import unfit
 
@@ -144,7 +142,7 @@ class Problem:
     """An identification problem.
 
     Attributes:
-        sources: Texts of the model that it starts from.
+        mechanism: The model that it starts from.
         parameters: Free numbers.
         targets: Numbers to come out.
         limits: Limits of the working cycle, or None.
@@ -157,7 +155,7 @@ class Problem:
     """
 
     title: str
-    sources: Sources = field(repr=False)
+    mechanism: Mechanism = field(repr=False)
     parameters: tuple[Parameter, ...]
     targets: tuple[Target, ...]
     limits: Limits | None = None
@@ -182,7 +180,6 @@ def read_problem(path: str | Path | None = None) -> Problem:
     file = BUILT_IN if path is None else Path(path)
     table = read_table(file, _ProblemTable)
     mechanism = base_mechanism(table.model, table.set, file)
-    sources = Sources.of(mechanism)
     stiffness = stiffness_name(mechanism)
     targets = tuple(_target(item, stiffness, file.name) for item in table.targets)
     if table.measured is not None:
@@ -194,8 +191,8 @@ def read_problem(path: str | Path | None = None) -> Problem:
     _check_fit(mechanism, targets, limits, file.name)
     return Problem(
         title=table.title,
-        sources=sources,
-        parameters=_parameters(_by_path(table, mechanism, file.name), sources, file.name),
+        mechanism=mechanism,
+        parameters=_parameters(_by_path(table, mechanism, file.name), mechanism, file.name),
         targets=targets,
         limits=limits,
         prior_weight=table.prior_weight,
@@ -276,12 +273,12 @@ def _by_path(table: _ProblemTable, mechanism: Mechanism, file: str) -> dict[str,
 
 
 def _parameters(
-    table: dict[str, _ParameterTable], sources: Sources, file: str
+    table: dict[str, _ParameterTable], mechanism: Mechanism, file: str
 ) -> tuple[Parameter, ...]:
     if not table:
         message = f"{file}: nothing is free; give [parameters.NAME] with low and high"
         raise InputError(message, file=file)
-    starts = read_values(sources, tuple(table))
+    starts = numbers_of(mechanism, table)
     for (path, item), start in zip(table.items(), starts, strict=True):
         if not item.low < item.high or not math.isfinite(item.high - item.low):
             allowed = "low below high, both finite"
@@ -291,18 +288,11 @@ def _parameters(
             allowed = f"bounds around the model's own value {start:.9g}"
             value = [item.low, item.high]
             raise ModelError(file=file, key=f"parameters.{path}", value=value, allowed=allowed)
-    _check_together(table, starts, sources)
+    check_paths(table, mechanism)
     return tuple(
         Parameter(path=path, low=item.low, high=item.high, start=start, why=item.why)
         for (path, item), start in zip(table.items(), starts, strict=True)
     )
-
-
-def _check_together(
-    table: dict[str, _ParameterTable], starts: Sequence[float], sources: Sources
-) -> None:
-    """Write the model's own values back: paths that contradict one another are found here."""
-    with_values(sources, dict(zip(table, starts, strict=True)))
 
 
 def _limits(item: _LimitsTable | None, stiffness: str, file: str) -> Limits | None:

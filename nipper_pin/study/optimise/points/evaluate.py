@@ -10,9 +10,8 @@ import numpy as np
 
 from ....arrays import FloatArray
 from ....errors import NipperError, SimulationError
-from ....mechanism import Mechanism, retuned
+from ....mechanism import Mechanism, changed, retuned
 from ....tolerances.study import QUANTITY_ROUND_OFF
-from ...identify.problem.parameters import with_values
 from ...identify.problem.working_cycle import WorkingCycle, working_cycle
 from ..problem.problem import Problem, read_text
 from ..problem.quantities import QUANTITIES, cycle_values, lowest, thinned
@@ -110,7 +109,7 @@ class Evaluator:
             self._built.move_to_end(key)
         else:
             values = {item.target.path: numbers[item.name] for item in self._moving}
-            self._built[key] = with_values(self.problem.sources, values).build()
+            self._built[key] = changed(self.problem.mechanism, values)
             if len(self._built) > _MACHINES:
                 self._built.popitem(last=False)
         base = self._built[key]

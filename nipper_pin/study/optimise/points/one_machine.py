@@ -30,6 +30,6 @@ def sampled_once(
     if not installed("numba"):
         return None, "the reduced engine needs numba, which is not installed"
     try:
-        return sample(problem.sources.build()), "one machine: its tables are sampled once"
+        return sample(problem.mechanism), "one machine: its tables are sampled once"
     except NipperError as error:
         return None, error.message

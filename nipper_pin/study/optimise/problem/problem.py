@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Literal
 
 import msgspec
 import numpy as np
 
 from ....arrays import FloatArray
+from ....mechanism import Mechanism, from_sources
 from ....tolerances.study import ACTIVE_LIMIT
-from ...identify.problem.geometry import Sources
 from ...sweep.axes import SPEED, Target
 
 
@@ -84,7 +85,10 @@ class Problem:
         title: What it is about.
         model: Name or folder of the model, as ``load`` takes it.
         changes: What is fixed, by path: overrides of the model.
-        sources: The model's texts with these changes.
+        name: Name of the machine.
+        urdf: Its URDF text with these changes, without visuals.
+        document: Its TOML document likewise.
+        folder: Folder that its meshes start from.
         parameters: Free numbers.
         aims: One, or two for a Pareto front.
         limits: What has to hold.
@@ -96,7 +100,10 @@ class Problem:
     title: str
     model: str
     changes: Mapping[str, object]
-    sources: Sources = field(repr=False)
+    name: str
+    urdf: str = field(repr=False)
+    document: Mapping[str, object] = field(repr=False)
+    folder: str
     speed_rpm: float
     parameters: tuple[Parameter, ...]
     aims: tuple[Aim, ...]
@@ -104,6 +111,11 @@ class Problem:
     units: Mapping[str, str]
     rest_rate: float | None
     tolerance: float
+
+    @cached_property
+    def mechanism(self) -> Mechanism:
+        """The machine with what is fixed."""
+        return from_sources(self.name, self.urdf, self.document, self.folder)
 
     @property
     def low(self) -> FloatArray:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -12,16 +11,22 @@ import msgspec
 from msgspec import Meta
 
 from ....hybrid.result.quantities import refuse_unknown
-from ....mechanism import Mechanism
+from ....mechanism import Mechanism, number_of
 from ....mechanism.files import Positive
 from ....tolerances.reduced import FINEST_TOLERANCE
 from ....tolerances.study import COARSEST_DESIGN
-from ...identify.problem.geometry import Sources
-from ...identify.problem.parameters import read_values
 from ...sweep.axes import SPEED, find_target
-from ...sweep.changes import check_paths
 from ...sweep.study_file import check_bounds, without_visuals
-from ...toml_files import Bounds, Table, at_key, base_mechanism, model_beside, read_table, refuse
+from ...toml_files import (
+    Bounds,
+    Table,
+    at_key,
+    base_mechanism,
+    check_paths,
+    model_beside,
+    read_table,
+    refuse,
+)
 from .problem import Aim, Limit, Parameter, Problem
 from .quantities import INDICES, QUANTITIES, check_fit, units
 
@@ -75,14 +80,16 @@ def read_problem(path: str | Path) -> Problem:
     check_fit([item.quantity for item in aims], mechanism, f"{file.name}: minimise, maximise")
     check_fit(table.limits, mechanism, f"{file.name}: limits")
     speed = table.case.speed_rpm or mechanism.cylinder.rated_speed_rpm
-    sources = Sources.of(mechanism)
     return Problem(
         title=table.title or mechanism.title,
         model=str(model_beside(table.model, file.parent)),
         changes={mechanism.shortcuts.get(key, key): value for key, value in table.set.items()},
-        sources=replace(sources, urdf=without_visuals(mechanism)),
+        name=mechanism.name,
+        urdf=without_visuals(mechanism),
+        document=mechanism.description,
+        folder=mechanism.mesh_folder,
         speed_rpm=speed,
-        parameters=_parameters(table, mechanism, sources, speed, file.name),
+        parameters=_parameters(table, mechanism, speed, file.name),
         aims=aims,
         limits=limits,
         units=units([item.quantity for item in aims] + list(table.limits), mechanism),
@@ -145,7 +152,7 @@ def _limits(table: _FileTable, file: str) -> tuple[Limit, ...]:
 
 
 def _parameters(
-    table: _FileTable, mechanism: Mechanism, sources: Sources, speed: float, file: str
+    table: _FileTable, mechanism: Mechanism, speed: float, file: str
 ) -> tuple[Parameter, ...]:
     if not table.parameters:
         refuse(file, "parameters", [], "at least one [parameters.NAME]")
@@ -159,7 +166,7 @@ def _parameters(
             target = find_target(name, mechanism)
             if target.kind == "model":
                 check_paths([target.path], mechanism)
-            start = speed if target.path == SPEED else read_values(sources, [target.path])[0]
+            start = speed if target.path == SPEED else number_of(mechanism, target.path)
         if target.path in taken:
             refuse(file, key, name, f"a path that {taken[target.path]} does not give already")
         taken[target.path] = key

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from ...identify.problem.parameters import no_machine
+from ...toml_files import no_machine
 from ..points import Evaluator
 from ..problem.problem import Aim, Problem
 from ..work import Work
