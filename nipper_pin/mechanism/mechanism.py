@@ -68,11 +68,13 @@ class Mechanism:
         gravity_m_s2: Gravity along -z, as far as it acts in the plane.
         shortcuts: Short command-line names to value paths, for example "stiffness".
         provenance: Where the numbers come from, by path prefix.
-        urdf: The URDF text.
+        urdf_as_read: The URDF text, but for ``masses``.
+        masses: Masses of links that are not those of that text [kg].
         description: The TOML document as plain data, overrides applied.
         mesh_folder: Folder that relative mesh paths of the URDF start from.
         side_view: How the URDF was turned into the side view; empty where it stands in it.
         model: Pinocchio model of the tree; read only.
+        inertias: Inertia of each link that has one of its own, in its frame.
     """
 
     name: str
@@ -96,11 +98,13 @@ class Mechanism:
     gravity_m_s2: float
     shortcuts: Mapping[str, str]
     provenance: Mapping[str, str]
-    urdf: str
+    urdf_as_read: str
+    masses: Mapping[str, float]
     description: Mapping[str, object]
     mesh_folder: str
     side_view: str
     model: pin.Model = field(repr=False, compare=False)
+    inertias: Mapping[str, pin.Inertia] = field(repr=False, compare=False)
 
     def __repr__(self) -> str:
         """One line."""
@@ -125,6 +129,17 @@ class Mechanism:
         joints = [(item.name, item.kind, item.parent, item.child) for item in self.joints]
         title = f"{self.name}: {self.title}" if self.title else self.name
         return html(title, facts, ("joint", "kind", "parent", "child"), joints)
+
+    @cached_property
+    def urdf(self) -> str:
+        """The URDF text."""
+        if not self.masses:
+            return self.urdf_as_read
+        from .edit import apply_overrides
+
+        masses = {f"links.{link}.mass_kg": mass for link, mass in self.masses.items()}
+        files = f"{self.name}.toml", f"{self.name}.urdf"
+        return apply_overrides(self.description, self.urdf_as_read, masses, *files)[1]
 
     @cached_property
     def shared(self) -> Shared:

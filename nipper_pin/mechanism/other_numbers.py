@@ -10,6 +10,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+import pinocchio as pin
+
 from ..errors import AssemblyError
 from .elements import Damper, Strut
 from .load import from_sources, with_advice
@@ -31,6 +33,7 @@ _OF_FORCES = {
     "dampers": ("damping_N_s_per_m", "damping_N_m_s_per_rad"),
     "stops": ("restitution",),
 }
+_BODY = pin.FrameType.BODY
 _FIELDS: dict[type, str] = {Spring: "springs", Damper: "dampers", Strut: "struts", Stop: "stops"}
 
 
@@ -74,8 +77,9 @@ def layout_of(mechanism: Mechanism) -> Layout:
 def changed(mechanism: Mechanism, values: Mapping[str, object]) -> Mechanism:
     """The mechanism with other numbers; itself is left as it is.
 
-    Numbers of springs and dampers and restitutions take some 0.03 ms, and runs with them share what
-    is built for the tree. With others the mechanism is built again from its own texts.
+    Numbers of springs and dampers, restitutions and masses take some 0.03 ms; but for masses, runs
+    with them share what is built for the tree. With others the mechanism is built again from its
+    own texts.
 
     Args:
         mechanism: The mechanism; one of a saved run needs no model folder for it.
@@ -94,9 +98,12 @@ def changed(mechanism: Mechanism, values: Mapping[str, object]) -> Mechanism:
     name, data = mechanism.name, mechanism.description
     toml_file, urdf_file = f"{name}.toml", f"{name}.urdf"
     paths = by_path(values, data, toml_file)
-    entries = _entries_of_forces(mechanism, paths)
+    masses = _masses(mechanism, paths)
+    others = {path: value for path, value in paths.items() if path not in masses}
+    entries = _entries_of_forces(mechanism, others)
     if entries is not None:
-        return _with_forces(mechanism, paths, entries)
+        made = _with_forces(mechanism, others, entries)
+        return _with_masses(made, dict(masses.values())) if masses else made
     try:
         document, urdf = apply_overrides(data, mechanism.urdf, paths, toml_file, urdf_file)
         return from_sources(name, urdf, document, mechanism.mesh_folder)
@@ -183,6 +190,43 @@ def _with_forces(
         known = parts.get(field, getattr(mechanism, field))
         parts[field] = tuple(new if _is_one(item, new) else item for item in known)
     return _sharing(mechanism, description=document, **parts)
+
+
+def _masses(mechanism: Mechanism, paths: Mapping[str, object]) -> dict[str, tuple[str, float]]:
+    """Links and their masses [kg] by the paths that give such; what cannot be one is left out."""
+    from .edit.overrides import LARGEST
+    from .edit.toml_paths import number_from
+
+    found = {}
+    for path, value in paths.items():
+        head, _, rest = path.partition(".")
+        link, _, key = rest.rpartition(".")
+        if (head, key) == ("links", "mass_kg") and link in mechanism.inertias:
+            mass = number_from(value, path, f"{mechanism.name}.urdf")
+            if 0.0 < mass <= LARGEST:
+                found[path] = link, mass
+    return found
+
+
+def _with_masses(mechanism: Mechanism, masses: Mapping[str, float]) -> Mechanism:
+    """The mechanism with other masses of links, their centres and inertias as they were."""
+    model, inertias = mechanism.model.copy(), dict(mechanism.inertias)
+    for link, mass in masses.items():
+        before = inertias[link]
+        inertias[link] = pin.Inertia(mass, before.lever, before.inertia)
+    places = [item for item in model.frames if item.name in inertias and item.type == _BODY]
+    # Links that are fixed to one another are one body, added up as where the tree is built.
+    for body in {item.parentJoint for item in places if item.name in masses}:
+        whole = pin.Inertia.Zero()
+        for place in places:
+            if place.parentJoint == body:
+                whole += place.placement.act(inertias[place.name])
+        model.inertias[body] = whole
+    made = copy.copy(mechanism)
+    for known in ("urdf", "shared"):
+        vars(made).pop(known, None)
+    vars(made).update(model=model, inertias=inertias, masses={**mechanism.masses, **masses})
+    return made
 
 
 def _is_one(item: Any, new: Any) -> bool:

@@ -25,7 +25,7 @@ from nipper_pin import (
     load,
     simulate,
 )
-from nipper_pin.mechanism import known_models, need_as_written
+from nipper_pin.mechanism import known_models, need_as_written, numbers_of
 from nipper_pin.mechanism.drives import Table
 from nipper_pin.mechanism.edit import apply_overrides, number_at, read_dimension, read_layout
 from nipper_pin.mechanism.edit.overrides import by_path, with_tables
@@ -220,28 +220,45 @@ def test_every_mass_and_dimension(texts: tuple[dict[str, Any], str]) -> None:
             assert read_dimension(after, path, "model.urdf") == pytest.approx(value, rel=1e-12)
 
 
-@pytest.mark.parametrize("name", sorted({*MODELS} - SPATIAL))
-def test_numbers_of_forces_and_impacts(name: str) -> None:
-    """Each by itself, and all at once: a machine as its texts make it, on the tree of the other."""
-    own = load(MODELS[name])
+# A mass on a frame that is fixed beside its link.
+WELDED = Path(__file__).parents[1] / "strangers" / "tiny_frame_mass"
+
+
+@pytest.mark.parametrize(
+    "place",
+    [*(MODELS[name] for name in sorted({*MODELS} - SPATIAL)), WELDED],
+    ids=lambda place: Path(place).name,
+)
+def test_numbers_of_forces_impacts_and_masses(place: str | Path) -> None:
+    """Each by itself, all at once, and one after another: machines as their texts make them."""
+    own = load(place)
+    assert "<robot" in own.urdf
     found = dict(document_numbers(own.description))
     wanted = {
         path: 0.5 * value
         for path, value in found.items()
         if path.split(".")[0] in ("springs", "dampers") or path.endswith(".restitution")
     }
+    masses = {f"links.{link}.mass_kg": 1.1 * one.mass for link, one in own.inertias.items()}
+    wanted |= masses
     rows = [path for path in wanted if "[" in path]
     for values in [{path: value} for path, value in wanted.items() if path not in rows] + [wanted]:
         other = changed(own, values)
         need_as_written(other)
-        assert all(number_at(other.description, path, name) == values[path] for path in values)
-        if not {*values} & {*rows} and not any(stop.leader for stop in own.stops):
+        assert numbers_of(other, values) == tuple(values.values())
+        if not {*values} & {*rows, *masses} and not any(stop.leader for stop in own.stops):
             assert other.model is own.model
+    for path, value in masses.items():
+        other = changed(other, {path: 1.2 * value})
+    need_as_written(other)
     need_as_written(own)
     assert dict(document_numbers(own.description)) == found
 
 
-@pytest.mark.parametrize("path", ["springs.steeve.stiffness_N_per_m", "stops.jaw.restitution"])
+@pytest.mark.parametrize(
+    "path",
+    ["springs.steeve.stiffness_N_per_m", "stops.jaw.restitution", "links.top_nipper.mass_kg"],
+)
 @pytest.mark.parametrize("value", [-1.0, math.inf, 1e16, "x", True, [1.0], None])
 def test_changed_numbers_are_refused_as_those_of_a_file(
     e62: Mechanism, path: str, value: Any
@@ -254,7 +271,8 @@ def test_changed_numbers_are_refused_as_those_of_a_file(
 
 
 @pytest.mark.parametrize(
-    "path", ["springs.stev.preload_length_mm", "springs.steeve.preload_deg", "stops.jaw.e",
+    "path", ["links.nobody.mass_kg", "links.mass_kg", "springs.stev.preload_length_mm",
+             "springs.steeve.preload_deg", "stops.jaw.e",
              "springs.steeve", "springs"],
 )  # fmt: skip
 def test_paths_that_lead_nowhere(e62: Mechanism, path: str) -> None:
@@ -268,7 +286,12 @@ def test_paths_that_lead_nowhere(e62: Mechanism, path: str) -> None:
 def test_runs_of_a_changed_machine(e62: Mechanism) -> None:
     """On the tree of one that has run already: bit for bit those of a machine loaded so."""
     simulate(e62, Case(speed_rpm=650.0))
-    values = {"stiffness": 11000.0, "preload": 9.0, "restitution": 0.1}
+    values = {
+        "stiffness": 11000.0,
+        "preload": 9.0,
+        "restitution": 0.1,
+        "links.top_nipper.mass_kg": 1.3,
+    }
     one, other = changed(e62, values), load("e62", values)
     for case in (Case(speed_rpm=650.0), Case(speed_rpm=500.0, window=Window.CYCLE)):
         events, expected = (simulate(machine, case).events for machine in (one, other))

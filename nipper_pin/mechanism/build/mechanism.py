@@ -96,11 +96,13 @@ def build_mechanism(
         gravity_m_s2=description.gravity_m_s2 * tree.urdf.plane.steepness,
         shortcuts=dict(description.shortcuts),
         provenance=dict(description.provenance),
-        urdf=urdf_text,
+        urdf_as_read=urdf_text,
+        masses={},
         description=dict(data),
         mesh_folder=str(mesh_folder),
         side_view=side_view_text(tree.urdf),
         model=tree.model,
+        inertias=_inertias(tree.urdf, closures),
     )
 
 
@@ -117,6 +119,16 @@ def _tree(name: str, urdf_text: str, description: Description, mesh_folder: Path
         geometry = collision_geometry(model, urdf, urdf_file)
     joints, placements = tree_joints(model, urdf), joint_placements(model)
     return Tree(model, joints, placements, urdf, geometry, file, urdf_file)
+
+
+def _inertias(urdf: Urdf, closures: Sequence[Closure]) -> dict[str, pin.Inertia]:
+    """Inertias of the links of the file; the blocks of slots are none of them."""
+    blocks = {block_of(item.name) for item in closures if item.slot_frame}
+    return {
+        name: link.inertia
+        for name, link in urdf.links.items()
+        if link.inertia is not None and name not in blocks
+    }
 
 
 def _joint(name: str, joints: Mapping[str, Joint], where: str) -> Joint:

@@ -17,7 +17,7 @@ from .toml_paths import UNWRITTEN, number_at, number_from, replace_value
 from .urdf_paths import steps_of
 
 # Squares and products of larger numbers overflow before they can be checked.
-_LARGEST = 1e12
+LARGEST = 1e12
 
 
 def by_path(
@@ -106,8 +106,8 @@ def apply_overrides(
         if steps[:1] and steps[0] in HEADS:
             dimensions[path] = number = number_from(value, path, urdf_file)
             # Also false for NaN.
-            if not abs(number) <= _LARGEST:
-                allowed = f"a finite number of the size of a machine's, at most {_LARGEST:g}"
+            if not abs(number) <= LARGEST:
+                allowed = f"a finite number of the size of a machine's, at most {LARGEST:g}"
                 raise ModelError(file=urdf_file, key=path, value=value, allowed=allowed)
         else:
             replace_value(changed, path, value, file)
