@@ -45,6 +45,8 @@ if TYPE_CHECKING:
     from .hybrid.result.json_document import record
     from .hybrid.result.trajectory import Impulses, Motion, Reactions
     from .mechanism import Mechanism, changed, load
+    from .mechanism.drawing import Drawing
+    from .mechanism.export import export
     from .study.compare import Comparison, compare
     from .study.entry_points import check, identify, optimise, sweep
     from .study.sweep import read_sweep
@@ -64,6 +66,8 @@ else:
         "hybrid.files.npz": ("load_case", "load_solution", "save", "save_case"),
         "hybrid.result.trajectory": ("Impulses", "Motion", "Reactions"),
         "mechanism": ("Mechanism", "changed", "load"),
+        "mechanism.drawing": ("Drawing",),
+        "mechanism.export": ("export",),
         "study.compare": ("Comparison", "compare"),
         "study.entry_points": ("check", "identify", "optimise", "sweep"),
         "study.sweep": ("read_sweep",),
@@ -91,6 +95,7 @@ __all__ = [
     "Collision",
     "Comparison",
     "ConvergenceError",
+    "Drawing",
     "DriveMode",
     "ElementError",
     "Event",
@@ -119,6 +124,7 @@ __all__ = [
     "changed",
     "check",
     "compare",
+    "export",
     "identify",
     "load",
     "load_case",

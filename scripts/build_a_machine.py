@@ -8,33 +8,33 @@ Run: python scripts/build_a_machine.py [FOLDER]
 """
 
 import sys
+import tomllib
 
 import nipper_pin as nip
-from nipper_pin.mechanism.drawing import (
-    Body,
-    Drawing,
-    Drive,
-    Slide,
-    Stop,
-    drawn_mechanism,
-    write_drawing,
-)
 
-SHAKER = Drawing(
+# As in a file, for which nip.Drawing.load("shaker.toml") or nip.load("shaker.toml") stands.
+SHAKER = nip.Drawing(
+    tomllib.loads("""
+        title = "loose box on a shaking table"
+        speed_rpm = 600.0
+        start_deg = -90.0
+        closed = ["gap"]
+        joints = [
+            # Height of the table over the frame, and gap of the box over the table.
+            { slide = "height", parent = "frame", child = "table", at = "T", along = [0, 1] },
+            { slide = "gap", parent = "table", child = "box", at = "B", along = [0, 1] },
+        ]
+        points = { T = [0.0, 0.0], B = [0.0, 30.0] }
+        [bodies]
+        table = { points = "T", mass_kg = 5.0 }
+        box = { points = "B", mass_kg = 0.5 }
+        [drives]
+        height = { joint = "height", law = "fourier", sine_mm = [4.0] }
+        [stops]
+        gap = { joint = "gap", restitution = 0.3 }
+    """),
     "shaker",
-    "loose box on a shaking table",
-    {"T": (0.0, 0.0), "B": (0.0, 30.0)},
-    (
-        Body("table", "T", mass_kg=5.0),
-        Body("box", "B", mass_kg=0.5),
-        # Height of the table over the frame, and gap of the box over the table.
-        Slide("height", "frame", "table", at="T", along=(0.0, 1.0)),
-        Slide("gap", "table", "box", at="B", along=(0.0, 1.0)),
-        Drive("height", "fourier", {"sine_mm": [4.0]}),
-        Stop("gap", restitution=0.3),
-    ),
-    touch_deg=0.0, start_deg=-90.0, speed_rpm=600.0, closed=("gap",),
-)  # fmt: skip
+)
 
 
 def main(folder: str | None = None) -> nip.Solution:
@@ -44,9 +44,9 @@ def main(folder: str | None = None) -> nip.Solution:
         folder: Where to write the model for the command, as a folder that does not exist yet.
     """
     if folder is not None:
-        print(f"written for the command: {write_drawing(SHAKER, folder)}")
+        print(f"written for the command: {SHAKER.save(folder)}")
     case = nip.Case(speed_rpm=600.0, window=nip.Window.CYCLE, cycles=2)
-    solution = nip.simulate(drawn_mechanism(SHAKER), case)
+    solution = nip.simulate(SHAKER.mechanism(), case)
     for phase in solution.phases:
         lies = "lies on the table" if "gap" in phase.closed else "flies"
         print(f"{1e3 * phase.t_start:9.5f} to {1e3 * phase.t_end:9.5f} ms: the box {lies}")

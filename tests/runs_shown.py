@@ -12,7 +12,6 @@ from small_machines import SHAFT, frame, hinge, link, machine, slide
 
 from nipper_pin import Case, Mechanism, Solution, Window, load, simulate
 from nipper_pin.mechanism import from_sources
-from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.gallery import GALLERY, drawn
 
 
@@ -74,7 +73,7 @@ def slotted() -> Mechanism:
 def machine_called(name: str) -> Mechanism:
     """A model of the package, one of the gallery, or the E62 with springs between two points."""
     if name in GALLERY:
-        return drawn_mechanism(drawn(name))
+        return drawn(name).mechanism()
     return with_elements() if name == "elements" else load(name)
 
 

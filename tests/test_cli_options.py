@@ -183,9 +183,9 @@ CHECK = {
 NEW = {
     "MODEL": Entry("press", {"write_skeleton.folder": "press"}, without="other"),
     "--list": Entry("--list", {"write_skeleton.folder": GONE}, without="other"),
-    "--from": Entry("--from toggle_press", {"write_drawing_file.target": "press"}, "press",
-                    ("write_drawing_file.text", "write_skeleton."),
-                    (CALLS["new"], "nipper_pin.mechanism.skeleton.write_drawing_file")),
+    "--from": Entry("--from toggle_press", {"new_model.target": "press"}, "press",
+                    ("new_model.text", "write_skeleton."),
+                    (CALLS["new"], "nipper_pin.mechanism.model_files.new_model")),
 }  # fmt: skip
 EXPORT = {
     "MODEL": Entry("e62_identified mine", {"export.mechanism.name": "e62_identified"},

@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib.metadata
 import math
 import sys
-from dataclasses import replace
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import Any
@@ -18,18 +17,6 @@ from nipper_pin import InputError, ModelError
 from nipper_pin.cli import main
 from nipper_pin.hybrid.error_estimate.saltation import impact_map
 from nipper_pin.mechanism import changed, from_sources
-from nipper_pin.mechanism.drawing import (
-    Body,
-    Drawing,
-    Drive,
-    Force,
-    Slide,
-    Start,
-    Stop,
-    drawn_mechanism,
-    drawn_sources,
-    write_drawing,
-)
 from nipper_pin.mechanism.files import register as registers
 from nipper_pin.mechanism.files.register import DRIVES, FORCES, RESTITUTIONS, STOPS
 from nipper_pin.mechanism.restitution import Falling
@@ -94,7 +81,7 @@ def test_a_restitution_law(monkeypatch: pytest.MonkeyPatch, tolerance: float) ->
     page = ran("a_restitution_law", monkeypatch)
     resolution = nip.Resolution(tolerance=tolerance)
     case = nip.Case(speed_rpm=60.0, window=nip.Window.CYCLE, resolution=resolution)
-    solution = nip.simulate(drawn_mechanism(page.FALL), case)
+    solution = nip.simulate(page.FALL.mechanism(), case)
     e_0, v_1 = 0.8, 0.5
     rates = [math.sqrt(2.0 * GRAVITY * 0.02)]
     times = [rates[0] / GRAVITY]
@@ -155,7 +142,7 @@ def test_a_stop(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_stop_on_a_screw(monkeypatch: pytest.MonkeyPatch) -> None:
     """At zero_mm + pitch_mm * turns of a slide; a hinge is refused."""
     page = ran("a_stop", monkeypatch)
-    urdf, data = drawn_sources(page.FALL)
+    urdf, data = page.FALL.sources()
     data["stops"]["height"]["adjusted"] = {
         "law": "screw", "pitch_mm": 1.5, "turns": 4.0, "zero_mm": 1.0,
     }  # fmt: skip
@@ -187,9 +174,8 @@ def test_commands_print_what_is_added(
 ) -> None:
     """`check` and `simulate` name force elements with law and joint, and a law of a stop."""
     page = ran("a_restitution_law", monkeypatch)
-    parts = (*page.FALL.parts, Force("gap", "orifice", {"c_N_s2_per_m2": 0.125}))
-    folder = tmp_path / "fall"
-    write_drawing(replace(page.FALL, parts=parts), folder)
+    forces = {"gap": {"joint": "gap", "law": "orifice", "c_N_s2_per_m2": 0.125}}
+    folder = nip.Drawing({**page.FALL.tables, "forces": forces}).save(tmp_path / "fall")
     for command in (["check", str(folder)], ["simulate", str(folder), "--window", "cycle"]):
         assert main([*command]) == 0
         text = capsys.readouterr().out
@@ -200,7 +186,7 @@ def test_commands_print_what_is_added(
 def test_added_laws_are_checked_like_built_in_ones(monkeypatch: pytest.MonkeyPatch) -> None:
     """Misspelt keys, other joints and unknown laws are refused with what is known."""
     page = ran("a_force_element", monkeypatch)
-    urdf, data = drawn_sources(page.BUFFER)
+    urdf, data = page.BUFFER.sources()
     force = data["forces"]["gap"]
     for change, words in (
         ({"k_N_per_mm": 1.0}, r"forces.gap.k_N_per_mm.*known here: h_N_per_m3, joint, k_N_per_m"),
@@ -217,7 +203,7 @@ def test_an_installed_extension_is_imported_when_its_law_is_met(
 ) -> None:
     """Once, and only for a law that is not known; one that fails names itself."""
     page = ran("a_force_element", monkeypatch)
-    urdf, data = drawn_sources(page.BUFFER)
+    urdf, data = page.BUFFER.sources()
     loaded: list[str] = []
 
     def load() -> None:
@@ -230,7 +216,7 @@ def test_an_installed_extension_is_imported_when_its_law_is_met(
     points = [SimpleNamespace(name="my_laws", value="my_laws", load=load)]
     monkeypatch.setattr(importlib.metadata, "entry_points", lambda **_: points)
     registers._import_extensions.cache_clear()
-    drawn_mechanism(page.BUFFER)
+    page.BUFFER.mechanism()
     assert loaded == []
     data["forces"]["gap"]["law"] = "late"
     machine = from_sources("buffer", urdf, data, ".")
@@ -255,20 +241,24 @@ def test_orifices_slow_a_box_down(parts: tuple[float, ...]) -> None:
     Heat and kinetic energy together stay what they were.
     """
     c, m, rate, way = sum(parts), 0.5, 2.0, 0.05
-    drawing = Drawing(
-        "dashpot", "a box slowed down by an orifice", {"O": (-100.0, 0.0), "B": (0.0, 0.0)},
-        (
-            Body("shaft", "O", mass_kg=1.0), Body("box", "B", mass_kg=m),
-            Slide("turning", "frame", "shaft", at="O", along=(0.0, 1.0)),
-            Drive("turning", "fourier", {"mean_mm": 0.0}),
-            Slide("gap", "frame", "box", at="B", along=(1.0, 0.0)),
-            *(Force("gap", "orifice", {"c_N_s2_per_m2": part}) for part in parts),
-            Start("gap", at=1e3 * way, rate=-1e3 * rate), Stop("gap", restitution=0.0),
-        ),
-        touch_deg=0.0, start_deg=0.0, speed_rpm=600.0,
-    )  # fmt: skip
+    forces = {
+        f"hole_{number}": {"joint": "gap", "law": "orifice", "c_N_s2_per_m2": part}
+        for number, part in enumerate(parts)
+    }
+    drawing = nip.Drawing({
+        "title": "a box slowed down by an orifice", "speed_rpm": 600.0, "forces": forces,
+        "points": {"O": [-100.0, 0.0], "B": [0.0, 0.0]},
+        "bodies": {"shaft": {"points": "O", "mass_kg": 1.0}, "box": {"points": "B", "mass_kg": m}},
+        "joints": [
+            {"slide": "turning", "parent": "frame", "child": "shaft", "at": "O", "along": [0, 1]},
+            {"slide": "gap", "parent": "frame", "child": "box", "at": "B", "along": [1, 0]},
+        ],
+        "drives": {"turning": {"joint": "turning", "law": "fourier", "mean_mm": 0.0}},
+        "initial": {"gap": {"at_mm": 1e3 * way, "rate_mm_per_s": -1e3 * rate}},
+        "stops": {"gap": {"joint": "gap", "restitution": 0.0}},
+    })  # fmt: skip
     case = nip.Case(speed_rpm=600.0, window=nip.Window.CYCLE, cycles=2)
-    solution = nip.simulate(drawn_mechanism(drawing), case)
+    solution = nip.simulate(drawing.mechanism(), case)
     struck = solution.collisions[0]
     assert struck.approach_rate == pytest.approx(-rate * math.exp(-c * way / m), rel=1e-11)
     assert struck.t == pytest.approx(m / (c * rate) * (math.exp(c * way / m) - 1.0), rel=1e-11)

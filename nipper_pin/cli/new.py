@@ -50,7 +50,7 @@ def _list() -> None:
     from ..view.console import paste, say, show_table, unbroken_console
 
     console = unbroken_console()
-    rows = [(name, drawn(name).title) for name in GALLERY]
+    rows = [(name, str(drawn(name).tables["title"])) for name in GALLERY]
     show_table(console, ("machine", "what it is"), rows, text=(0, 1))
     say(console, f"Found: {len(rows)} machines to start from.")
     paste(console, f"Next: nipper-pin new my_machine --from {rows[0][0]}")
@@ -73,9 +73,10 @@ def _skeleton(model: str) -> None:
 
 def _drawing(name: str | None, model: str) -> None:
     from ..mechanism.gallery import file_of
-    from ..mechanism.skeleton import write_drawing_file
+    from ..mechanism.model_files import new_model
+    from ..mechanism.skeleton import drawing_text
 
-    write_drawing_file(model, file_of(name).read_text(encoding="utf-8") if name else "")
+    new_model(model, file_of(name).read_text(encoding="utf-8") if name else drawing_text())
     head = f"{model}: {name or 'a press, every line explained'}, drawn in millimetres"
     written(head, (), model, "Change its points, bodies and joints, and check after each.")
 

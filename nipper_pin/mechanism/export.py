@@ -19,6 +19,7 @@ def export(mechanism: Mechanism, folder: str | Path) -> Path:
     """Write a mechanism, its changed numbers among it, as a folder that every command takes.
 
     Args:
+        mechanism: The mechanism.
         folder: Folder to write; its name becomes the model's. It may exist if it is empty.
 
     Returns:

@@ -52,10 +52,9 @@ def load(model: str | Path = "e62", overrides: Mapping[str, object] | None = Non
             allowed = f"one of them: {toml_file} draws a machine, {urdf_file} is another"
             raise ModelError(file=toml_file, key="drawing", value=data["drawing"], allowed=allowed)
         if found.urdf is None:
-            from .drawing.read import drawing_of
-            from .drawing.tables import drawn_sources
+            from .drawing.document import drawn_sources
 
-            urdf, data = drawn_sources(drawing_of(data, name, toml_file))
+            urdf, data = drawn_sources(data, name)
         else:
             urdf = as_unicode(read_model_text(found.urdf, encoding_of))
         if overrides:

@@ -258,6 +258,34 @@ def new_folder(folder: str | Path) -> Iterator[Path]:
         yield partial
 
 
+def new_model(target: str | Path, text: str) -> Path:
+    """Write a model of one TOML file, alone or in a folder of its name.
+
+    Args:
+        target: ``NAME.toml``, or a folder to write; its name becomes the model's.
+
+    Returns:
+        The file or folder, resolved.
+
+    Raises:
+        InputError: The name cannot be a model's, or it is there or cannot be written.
+    """
+    from ..outputs import complete_file
+
+    if Path(target).suffix != ".toml":
+        folder = check_model_folder(target)
+        with new_folder(folder) as partial:
+            (partial / f"{folder.name}.toml").write_text(text, encoding="utf-8")
+        return folder
+    file = check_model_folder(Path(target).with_suffix("")).with_suffix(".toml")
+    if file.exists():
+        message = f"{file} is there already; name a new file"
+        raise InputError(message, file=str(file))
+    with complete_file(file) as partial:
+        partial.write_text(text, encoding="utf-8")
+    return file
+
+
 def _unwritable(target: Path, error: OSError) -> InputError:
     message = f"{target} cannot be written: {error.strerror}; name another folder"
     return InputError(message, folder=str(target))

@@ -15,7 +15,6 @@ import numpy as np
 
 import nipper_pin as nip
 from nipper_pin.arrays import FloatArray
-from nipper_pin.mechanism.drawing import Body, Drawing, Drive, Slide, Stop, drawn_mechanism
 from nipper_pin.mechanism.drives import AnyTable, register_drive
 
 
@@ -52,17 +51,31 @@ class JerkDrive(AnyTable, frozen=True, kw_only=True, tag="jerk"):
 
 # a = 24 lift / T^2 is 3 g at 600 r/min.
 LIFT_MM = 3.0 * 9.81 * 0.1**2 / 24.0 * 1e3
-SHAKER = Drawing(
-    "shaker", "loose box on a cam", {"T": (0.0, 0.0), "B": (0.0, 30.0)},
-    (
-        Body("table", "T", mass_kg=5.0), Body("box", "B", mass_kg=0.5),
-        Slide("height", "frame", "table", at="T", along=(0.0, 1.0)),
-        Slide("gap", "table", "box", at="B", along=(0.0, 1.0)),
-        Drive("height", "jerk", {"lift_mm": LIFT_MM}),
-        Stop("gap", restitution=0.0),
-    ),
-    touch_deg=0.0, start_deg=0.0, speed_rpm=600.0, closed=("gap",),
+SHAKER = nip.Drawing(
+    {
+        "title": "loose box on a cam",
+        "speed_rpm": 600.0,
+        "closed": ["gap"],
+        "points": {"T": [0.0, 0.0], "B": [0.0, 30.0]},
+        "bodies": {
+            "table": {"points": "T", "mass_kg": 5.0},
+            "box": {"points": "B", "mass_kg": 0.5},
+        },
+        "joints": [
+            {
+                "slide": "height",
+                "parent": "frame",
+                "child": "table",
+                "at": "T",
+                "along": [0.0, 1.0],
+            },
+            {"slide": "gap", "parent": "table", "child": "box", "at": "B", "along": [0.0, 1.0]},
+        ],
+        "drives": {"height": {"joint": "height", "law": "jerk", "lift_mm": LIFT_MM}},
+        "stops": {"gap": {"joint": "gap", "restitution": 0.0}},
+    },
+    "shaker",
 )
 case = nip.Case(speed_rpm=600.0, window=nip.Window.CYCLE, cycles=2)
-solution = nip.simulate(drawn_mechanism(SHAKER), case)
+solution = nip.simulate(SHAKER.mechanism(), case)
 print(solution.collisions[0].t, solution.collisions[0].approach_rate)

@@ -13,16 +13,6 @@ import numpy as np
 
 import nipper_pin as nip
 from nipper_pin.arrays import FloatArray
-from nipper_pin.mechanism.drawing import (
-    Body,
-    Drawing,
-    Drive,
-    Force,
-    Slide,
-    Start,
-    Stop,
-    drawn_mechanism,
-)
 from nipper_pin.mechanism.forces import ForceTable, register_force
 
 
@@ -63,18 +53,34 @@ class RubberForce(ForceTable, frozen=True, kw_only=True, tag="rubber"):
         return Rubber(k=self.k_N_per_m, h=self.h_N_per_m3)
 
 
-BUFFER = Drawing(
-    "buffer", "a box drawn to a wall by rubber", {"O": (-100.0, 0.0), "B": (0.0, 0.0)},
-    (
-        Body("shaft", "O", mass_kg=1.0), Body("box", "B", mass_kg=0.5),
-        Slide("turning", "frame", "shaft", at="O", along=(0.0, 1.0)),
-        Drive("turning", "fourier", {"mean_mm": 0.0}),
-        Slide("gap", "frame", "box", at="B", along=(1.0, 0.0)),
-        Force("gap", "rubber", {"k_N_per_m": 800.0, "h_N_per_m3": 2e6}),
-        Start("gap", at=20.0), Stop("gap", restitution=0.5),
-    ),
-    touch_deg=0.0, start_deg=0.0, speed_rpm=600.0,
+BUFFER = nip.Drawing(
+    {
+        "title": "a box drawn to a wall by rubber",
+        "speed_rpm": 600.0,
+        "points": {"O": [-100.0, 0.0], "B": [0.0, 0.0]},
+        "bodies": {
+            "shaft": {"points": "O", "mass_kg": 1.0},
+            "box": {"points": "B", "mass_kg": 0.5},
+        },
+        "joints": [
+            {
+                "slide": "turning",
+                "parent": "frame",
+                "child": "shaft",
+                "at": "O",
+                "along": [0.0, 1.0],
+            },
+            {"slide": "gap", "parent": "frame", "child": "box", "at": "B", "along": [1.0, 0.0]},
+        ],
+        "drives": {"turning": {"joint": "turning", "law": "fourier", "mean_mm": 0.0}},
+        "forces": {
+            "gap": {"joint": "gap", "law": "rubber", "k_N_per_m": 800.0, "h_N_per_m3": 2e6},
+        },
+        "initial": {"gap": {"at_mm": 20.0}},
+        "stops": {"gap": {"joint": "gap", "restitution": 0.5}},
+    },
+    "buffer",
 )
 case = nip.Case(speed_rpm=600.0, window=nip.Window.CYCLE, cycles=2)
-solution = nip.simulate(drawn_mechanism(BUFFER), case)
+solution = nip.simulate(BUFFER.mechanism(), case)
 print(solution.collisions[0].approach_rate)

@@ -9,7 +9,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import nipper_pin as nip
-from nipper_pin.mechanism.drawing import Body, Drawing, Drive, Slide, Start, Stop, drawn_mechanism
 from nipper_pin.mechanism.restitution import RestitutionTable, register_restitution
 
 
@@ -40,19 +39,38 @@ class SofteningRestitution(RestitutionTable, frozen=True, kw_only=True, tag="sof
         return Softening(v_1=self.v_1_m_per_s)
 
 
-FALL = Drawing(
-    "fall", "a box falls on a table", {"O": (-100.0, 0.0), "B": (0.0, 0.0)},
-    (
-        Body("shaft", "O", mass_kg=1.0), Body("box", "B", mass_kg=0.5),
-        Slide("turning", "frame", "shaft", at="O", along=(1.0, 0.0)),
-        Drive("turning", "fourier", {"mean_mm": 0.0}),
-        Slide("gap", "frame", "box", at="B", along=(0.0, 1.0)),
-        Start("gap", at=20.0),
-        Stop("gap", restitution=0.8, law={"law": "softening", "v_1_m_per_s": 0.5}),
-    ),
-    touch_deg=0.0, start_deg=0.0, speed_rpm=60.0,
+FALL = nip.Drawing(
+    {
+        "title": "a box falls on a table",
+        "speed_rpm": 60.0,
+        "points": {"O": [-100.0, 0.0], "B": [0.0, 0.0]},
+        "bodies": {
+            "shaft": {"points": "O", "mass_kg": 1.0},
+            "box": {"points": "B", "mass_kg": 0.5},
+        },
+        "joints": [
+            {
+                "slide": "turning",
+                "parent": "frame",
+                "child": "shaft",
+                "at": "O",
+                "along": [1.0, 0.0],
+            },
+            {"slide": "gap", "parent": "frame", "child": "box", "at": "B", "along": [0.0, 1.0]},
+        ],
+        "drives": {"turning": {"joint": "turning", "law": "fourier", "mean_mm": 0.0}},
+        "initial": {"gap": {"at_mm": 20.0}},
+        "stops": {
+            "gap": {
+                "joint": "gap",
+                "restitution": 0.8,
+                "restitution_law": {"law": "softening", "v_1_m_per_s": 0.5},
+            },
+        },
+    },
+    "fall",
 )
 case = nip.Case(speed_rpm=60.0, window=nip.Window.CYCLE)
-solution = nip.simulate(drawn_mechanism(FALL), case)
+solution = nip.simulate(FALL.mechanism(), case)
 for hit in solution.collisions[:3]:
     print(hit.t, hit.approach_rate, hit.separation_rate)

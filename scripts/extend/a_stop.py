@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 
 import nipper_pin as nip
-from nipper_pin.mechanism.drawing import Body, Drawing, Drive, Slide, Start, Stop, drawn_mechanism
 from nipper_pin.mechanism.stops import StopTable, register_stop
 
 
@@ -25,19 +24,36 @@ class EccentricStop(StopTable, frozen=True, kw_only=True, tag="eccentric"):
         return 1e-3 * self.eccentricity_mm * (1.0 - math.cos(math.radians(self.angle_deg)))
 
 
-FALL = Drawing(
-    "fall", "a box falls on an adjusted stop", {"O": (-100.0, 0.0), "B": (0.0, 0.0)},
-    (
-        Body("shaft", "O", mass_kg=1.0), Body("box", "B", mass_kg=0.5),
-        Slide("turning", "frame", "shaft", at="O", along=(1.0, 0.0)),
-        Drive("turning", "fourier", {"mean_mm": 0.0}),
-        Slide("height", "frame", "box", at="B", along=(0.0, 1.0)),
-        Start("height", at=20.0),
-        Stop("height", restitution=0.5, adjusted={
-            "law": "eccentric", "eccentricity_mm": 5.0, "angle_deg": 120.0,
-        }),
-    ),
-    touch_deg=0.0, start_deg=0.0, speed_rpm=60.0,
+FALL = nip.Drawing(
+    {
+        "title": "a box falls on an adjusted stop",
+        "speed_rpm": 60.0,
+        "points": {"O": [-100.0, 0.0], "B": [0.0, 0.0]},
+        "bodies": {
+            "shaft": {"points": "O", "mass_kg": 1.0},
+            "box": {"points": "B", "mass_kg": 0.5},
+        },
+        "joints": [
+            {
+                "slide": "turning",
+                "parent": "frame",
+                "child": "shaft",
+                "at": "O",
+                "along": [1.0, 0.0],
+            },
+            {"slide": "height", "parent": "frame", "child": "box", "at": "B", "along": [0.0, 1.0]},
+        ],
+        "drives": {"turning": {"joint": "turning", "law": "fourier", "mean_mm": 0.0}},
+        "initial": {"height": {"at_mm": 20.0}},
+        "stops": {
+            "height": {
+                "joint": "height",
+                "restitution": 0.5,
+                "adjusted": {"law": "eccentric", "eccentricity_mm": 5.0, "angle_deg": 120.0},
+            },
+        },
+    },
+    "fall",
 )
-solution = nip.simulate(drawn_mechanism(FALL), nip.Case(speed_rpm=60.0, window=nip.Window.CYCLE))
+solution = nip.simulate(FALL.mechanism(), nip.Case(speed_rpm=60.0, window=nip.Window.CYCLE))
 print(solution.collisions[0].t, solution.collisions[0].approach_rate)

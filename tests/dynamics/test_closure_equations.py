@@ -12,7 +12,6 @@ from benchmarks.stress.space import trial
 from nipper_pin import DriveMode, Mechanism
 from nipper_pin.dynamics import Multibody, System
 from nipper_pin.dynamics.multibody import Loops
-from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.gallery import GALLERY, drawn
 from nipper_pin.tolerances.mechanics import EPS
 
@@ -152,7 +151,7 @@ def _agree(mechanism: Mechanism) -> None:
 
 @pytest.mark.parametrize("name", GALLERY)
 def test_of_the_machines_of_the_gallery(name: str) -> None:
-    mechanism = drawn_mechanism(drawn(name))
+    mechanism = drawn(name).mechanism()
     if mechanism.closures:
         _agree(mechanism)
 

@@ -11,7 +11,6 @@ from scipy.optimize import minimize_scalar
 
 from nipper_pin import Case, Mechanism, Solution, simulate
 from nipper_pin.hybrid.result.turns import Turn, of_turn, read_of, reported_turn, turn_names
-from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.gallery import drawn
 
 # The judge interpolates between nodes and solves by least squares.
@@ -196,7 +195,7 @@ def test_every_quantity_by_another_path(name: str, e62: Mechanism) -> None:
     """A nipper, one that alternates, a claw that loses, a lip, a press with two free stops."""
     speed, cycles, level = RUNS[name]
     word = name.split()[0]
-    mechanism = {"e62": e62, "press": press()}.get(word) or drawn_mechanism(drawn(word))
+    mechanism = {"e62": e62, "press": press()}.get(word) or drawn(word).mechanism()
     run = turns(mechanism, speed, cycles)
     turn = reported_turn(run, level)
     if word != name:

@@ -1,12 +1,11 @@
-"""Drawings of machines: points, bodies and joints that become a model."""
+"""Drawings of machines: points, bodies and joints that become a model, or are refused."""
 
 from __future__ import annotations
 
-import dataclasses
 import math
+import shutil
 import tomllib
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,32 +14,10 @@ import pinocchio as pin
 import pytest
 from snapshots import Words
 
-from nipper_pin import InputError, load
-from nipper_pin.mechanism.drawing import (
-    Body,
-    Damper,
-    Drawing,
-    Drive,
-    Force,
-    Pin,
-    Slide,
-    Slot,
-    Spring,
-    Start,
-    Stop,
-    Tie,
-    between,
-    direction,
-    distance,
-    drawn_mechanism,
-    drawn_sources,
-    flap,
-    meet,
-    on_line,
-    polar,
-    telescope,
-    write_drawing,
-)
+from nipper_pin import Case, Drawing, InputError, ModelError, Outcome, export, load, simulate
+from nipper_pin.cli import main
+from nipper_pin.mechanism.drawing import between, direction, distance, meet, on_line, polar
+from nipper_pin.mechanism.drawing.layout import BodyTable
 from nipper_pin.mechanism.drawing.places import place, vector
 from nipper_pin.mechanism.drawing.urdf_text import mass_of
 from nipper_pin.mechanism.files import toml
@@ -51,65 +28,89 @@ POINTS = {
     "O": (10.0, 5.0), "A": (30.0, 5.0), "Y": (10.0, 40.0), "F": (0.0, -50.0), "R": (90.0, 0.0),
 }  # fmt: skip
 # Every kind of part.
-PARTS = (
-    Body("crank", "O A", 2.0),
-    Body("yoke", "Y", mass_kg=1.5, radius_mm=20.0),
-    Body("lever", "A O F F", mass_kg=0.9),
-    Body("ram", "R", mass_kg=4.0, inertia_kg_m2=0.03, centre_mm=(95.0, 2.0)),
-    Pin("O", "frame", "crank"),
-    Slide("lift", "frame", "yoke", "Y", "O Y"),
-    Slide("feed", "frame", "ram", "R", (3.0, 4.0)),
-    Slot("slot", "yoke", "crank", "A", "O A", 0.05),
-    Pin("A", "crank", "lever"),
-    Tie("coil", ("yoke Y", "frame F"), 100.0, 40.0),
-    Damper("lift", 3.0),
-    Damper("A", 0.1),
-    Spring("A", 2.0, 30.0),
-    Spring("lift", 500.0, 4.0),
-    Stop("A", "upper", 45.0, 0.3, name="open"),
-    Stop("A", "lower", -40.0, 0.1, name="shut"),
-    Stop("lift", "lower", -60.0),
-    Drive("O", inertia=0.2, frequency_hz=30.0, damping_ratio=0.5),
-    Drive("feed", "screw", {"lead_mm_per_turn": 7.0}, 8.0, 20.0, 0.4),
-)
-YOKE = Drawing(
-    "yoke", "a <yoke>", POINTS, PARTS, 12.0, -40.0, 60.0, clockwise=True, struck="shut",
-    gravity_m_s2=3.0, known="a book", invented="made up",
-)  # fmt: skip
-BARE = Drawing("bare", "bare", POINTS, (Body("crank", "O A"), Pin("O", "frame", "crank"),
-                                        Drive("O")), 0.0, 0.0, 60.0)  # fmt: skip
-CLOSED = Drawing("c", "c", POINTS, (*PARTS[:17], PARTS[18]), 0.0, 0.0, 60.0, closed=("lift",))
+TEXT = """
+drawing = 1
+title = "a <yoke>"
+speed_rpm = 60.0
+direction = "clockwise"
+touch_deg = 12.0
+start_deg = -40.0
+transition_stop = "shut"
+gravity_m_s2 = 3.0
+known = "a book"
+invented = "made up"
+joints = [
+  { pin = "O", parent = "frame", child = "crank" },
+  { slide = "lift", parent = "frame", child = "yoke", at = "Y", along = "O Y" },
+  { slide = "feed", parent = "frame", child = "ram", at = "R", along = [3.0, 4.0] },
+  { slot = "slot", parent = "yoke", child = "crank", at = "A", along = "O A", block_mass_kg = 0.05 },
+  { pin = "A", parent = "crank", child = "lever" },
+]
 
-PRESS_PARTS = (
-    Body("crank", "O A"), Body("ram", "B", mass_kg=1.5), Pin("O", "frame", "crank"),
-    Pin("A", "crank", "rod_1"), *telescope("rod", "A B", 20000.0, 10.0),
-    Slide("height", "frame", "ram", "B", (0.0, 1.0)), Pin("B", "rod_2", "ram"), Drive("O"),
-    Stop("height"),
-)  # fmt: skip
-PRESS = Drawing(
-    "press", "a press", {"O": (0.0, 0.0), "A": (-15.0, -20.0), "B": (0.0, -132.0)}, PRESS_PARTS,
-    -126.87, -270.0, 120.0, closed=("rod",),
+[points]
+O = [10.0, 5.0]
+A = { beside = "O", right_mm = 20.0, up_mm = 0.0 }
+Y = [10.0, 40.0]
+F = [0.0, -50.0]
+R = [90.0, 0.0]
+
+[bodies]
+crank = { points = "O A", density_kg_m = 2.0 }
+yoke = { points = "Y", mass_kg = 1.5, radius_mm = 20.0 }
+lever = { points = "A O F F", mass_kg = 0.9 }
+ram = { points = "R", mass_kg = 4.0, inertia_kg_m2 = 0.03, centre_mm = [95.0, 2.0] }
+
+[drives]
+O = { joint = "O", law = "constant_speed", ratio = 1.0, reflected_inertia_kg_m2 = 0.2, shaft_frequency_hz = 30.0, shaft_damping_ratio = 0.5 }
+feed = { joint = "feed", law = "screw", lead_mm_per_turn = 7.0, reflected_mass_kg = 8.0, shaft_frequency_hz = 20.0, shaft_damping_ratio = 0.4 }
+
+[springs]
+coil = { ends = ["yoke Y", "frame F"], stiffness_N_per_m = 100.0, free_length_mm = 40.0 }
+A = { joint = "A", stiffness_N_m_per_rad = 2.0, preload_deg = 30.0 }
+lift = { joint = "lift", stiffness_N_per_m = 500.0, preload_length_mm = 4.0 }
+
+[dampers]
+lift = { joint = "lift", damping_N_s_per_m = 3.0 }
+A = { joint = "A", damping_N_m_s_per_rad = 0.1 }
+
+[stops]
+open = { joint = "A", restitution = 0.3, side = "upper", at_deg = 45.0 }
+shut = { joint = "A", restitution = 0.1, at_deg = -40.0 }
+lift = { joint = "lift", restitution = 0.2, at_mm = -60.0 }
+"""  # noqa: E501
+
+
+YOKE = Drawing(tomllib.loads(TEXT), "yoke")
+CRANK = {
+    "title": "bare", "speed_rpm": 60.0, "points": POINTS, "bodies": {"crank": {"points": "O A"}},
+    "joints": [{"pin": "O", "parent": "frame", "child": "crank"}],
+    "drives": {"O": {"joint": "O", "law": "constant_speed", "ratio": 1.0}},
+}  # fmt: skip
+BARE = Drawing(CRANK, "bare")
+CLOSED = Drawing(
+    {**CRANK, "closed": ["low"], "transition_stop": "high", "stops": {
+        "low": {"joint": "O", "restitution": 0.2},
+        "high": {"joint": "O", "side": "upper", "at_deg": 45.0, "restitution": 0.2},
+    }}, "c",
 )  # fmt: skip
 
 
 def test_files_of_drawings(words: Words) -> None:
-    """Units by the kind of each joint; what is not given is not written; places of what is seen.
-
-    Without stops, springs and dampers there are no tables of them.
-    """
-    texts = {drawing.name: drawn_sources(drawing) for drawing in (YOKE, BARE, CLOSED)}
+    """What is not given is not written; places of what is seen; names of frames and closures."""
+    texts = {drawing.name: drawing.sources() for drawing in (YOKE, BARE, CLOSED)}
     shown = [f"--- {name}.toml\n{toml(document)}" for name, (_, document) in texts.items()]
     words("\n".join([f"--- yoke.urdf\n{texts['yoke'][0]}", *shown]))
 
 
 def test_a_written_drawing_is_read_back(tmp_path: Path) -> None:
-    folder = write_drawing(PRESS, tmp_path / "mine")
-    mechanism = load(folder)
-    assert (mechanism.name, mechanism.title) == ("mine", "a press")
-    assert mechanism.description == drawn_mechanism(PRESS).description
-    assert sorted(item.name for item in folder.iterdir()) == [
-        "mine.toml", "mine.urdf", "model.schema.json",
-    ]  # fmt: skip
+    """As the drawing, alone and in a folder, and as URDF and TOML."""
+    alone, folder = YOKE.save(tmp_path / "mine.toml"), YOKE.save(tmp_path / "yours")
+    assert Drawing.load(alone) == Drawing(YOKE.tables, "mine")
+    whole = export(YOKE.mechanism(), tmp_path / "whole")
+    for name, model in (("mine", alone), ("yours", folder), ("whole", whole)):
+        assert (load(model).name, load(model).title) == (name, "a <yoke>")
+        assert load(model).description == YOKE.mechanism().description
+    assert YOKE.points == POINTS
 
 
 def test_points_that_circles_and_lines_give() -> None:
@@ -131,19 +132,19 @@ def test_points_that_circles_and_lines_give() -> None:
 def test_mass_of_rods_and_discs() -> None:
     """A right angle of two rods, by hand; a disc; numbers that are given."""
     points = {"A": (0.0, 0.0), "B": (300.0, 0.0), "C": (300.0, 300.0)}
-    bent = mass_of(Body("bent", "A B C", 2.0), points)
+    bent = mass_of(BodyTable(points="A B C", density_kg_m=2.0), points)
     assert bent.mass == pytest.approx(1.2)
     assert bent.centre == pytest.approx((225.0, 75.0))
     # Two rods of 0.6 kg and 0.3 m, each centre 0.075 sqrt(2) m from that of both.
     assert bent.inertia == pytest.approx(2.0 * 0.6 * (0.09 / 12.0 + 2.0 * 0.075**2))
-    disc = mass_of(Body("disc", "A", mass_kg=2.0, radius_mm=100.0), points)
+    disc = mass_of(BodyTable(points="A", mass_kg=2.0, radius_mm=100.0), points)
     assert (disc.mass, disc.centre) == (2.0, (0.0, 0.0))
     assert disc.inertia == pytest.approx(0.5 * 2.0 * 0.01)
 
 
 def test_every_number_of_the_urdf() -> None:
     """Places of joints and frames, axes, masses, centres and inertias, by Pinocchio."""
-    mechanism = drawn_mechanism(YOKE)
+    mechanism = YOKE.mechanism()
     model = mechanism.model
     data = model.createData()
     pin.framesForwardKinematics(model, data, np.zeros(model.nq))
@@ -189,70 +190,29 @@ def test_every_number_of_the_urdf() -> None:
         np.testing.assert_allclose(moved[[0, 2]], 1e-3 * np.array(along), rtol=0.0, atol=1e-12)
 
 
-def test_groups_of_parts() -> None:
-    """A rod that gets longer or shorter, and a lever between two stops to either side."""
-    shorter, longer = (telescope("rod", "A B", 2e4, 3.0, longer=how) for how in (False, True))
-    assert shorter[:2] == (Body("rod_1", "A A/B", 1.0), Body("rod_2", "A/B B", 1.0))
-    assert shorter[2] == Slide("rod", "rod_1", "rod_2", "A/B", "B A")
-    assert longer[2] == Slide("rod", "rod_1", "rod_2", "A/B", "A B")
-    assert shorter[3:] == longer[3:] == (Spring("rod", 2e4, 3.0), Stop("rod", restitution=0.2))
-    left, right = (flap("lid", "box", "A B", 2.0, 15.0, gap) for gap in (40.0, -40.0))
-    for parts, sense, sides in ((left, 1.0, ("lower", "upper")), (right, -1.0, ("upper", "lower"))):
-        assert parts == (
-            Body("lid", "A B", 0.5), Pin("A", "box", "lid", "lid"),
-            Spring("lid", 2.0, sense * 15.0), Stop("lid", sides[0], 0.0, 0.4),
-            Stop("lid", sides[1], sense * 40.0, 0.4, "lid_open"),
-        )  # fmt: skip
-    assert telescope("r", "A B", 1.0, 1.0, density_kg_m=3.0, restitution=0.5)[1].density_kg_m == 3.0  # type: ignore[union-attr]
-
-
 def test_several_elements_on_one_joint() -> None:
-    """All of them are in the model, in its sketch too; one element has the name of its joint."""
-    law = {"c_N_s2_per_m2": 2.0}
-    more = (
-        Spring("rod", 5000.0, -3.0), Spring("rod", 1000.0), Damper("rod", 2.0), Damper("rod", 3.0),
-        Force("rod", "orifice", law), Force("rod", "orifice", law),
-        Tie("rod", ("ram B", "frame O"), 10.0, 9.0),
-    )  # fmt: skip
-    mechanism = drawn_mechanism(replace(PRESS, parts=(*PRESS_PARTS, *more)))
-    found = {item.name: (item.stiffness, item.preload) for item in mechanism.springs}
-    assert found == {"rod": (20000.0, 0.01), "rod_2": (5000.0, -0.003), "rod_3": (1000.0, 0.0)}
-    assert [item.name for item in mechanism.struts] == ["rod_4"]
-    assert [(item.name, item.damping) for item in mechanism.dampers] == [("rod", 2.0), ("rod_2", 3)]
-    assert [item.name for item in mechanism.forces] == ["rod", "rod_2"]
+    """All of them are in the model, in its sketch too."""
+    tables = tomllib.loads(TEXT)
+    tables["springs"]["lift_2"] = {**tables["springs"]["lift"], "preload_length_mm": -3.0}
+    mechanism = Drawing(tables).mechanism()
+    assert [item.name for item in mechanism.springs] == ["A", "lift", "lift_2"]
+    assert [item.name for item in mechanism.struts] == ["coil"]
     nodes = {node.name: node.spring for node in sketch(mechanism).nodes}
-    assert nodes["rod"] == "rod, rod_2, rod_3"
+    assert nodes["lift"] == "lift, lift_2"
 
 
-def test_what_cannot_be_drawn_is_refused(words: Words) -> None:
-    points = {"A": (0.0, 2.0), "B": (4.0, 6.0)}
+def test_what_cannot_be_found(words: Words) -> None:
+    points = {"A": (0.0, 2.0), "Bc": (4.0, 6.0)}
     refused = {
         "circles apart": lambda: meet((0.0, 0.0), 1.0, (5.0, 0.0), 1.0, left=True),
         "line apart": lambda: on_line((0.0, 3.0), 1.0, (0.0, 0.0), (1.0, 0.0), ahead=True),
         **{f"point {name!r}": lambda name=name: place(points, name)
-           for name in ("C", "A/C", "A/B/A", "")},
-        "body of one point": lambda: mass_of(Body("bare", "A"), points),
-        "stop that is none": lambda: drawn_mechanism(replace(PRESS, closed=("anvil",))),
+           for name in ("Bd", "A/C", "A/Bc/A", "")},
     }  # fmt: skip
-    more = {
-        "two stops": (Stop("height", "upper", 5.0),),
-        "two drives": (Drive("O"),),
-        "two starts": (Start("height", 1.0), Start("height", 2.0)),
-        "loose body": (Body("loose", "O B"),),
-        "no body": (Pin("A", "crank", "nobody"),),
-        "no point": (Pin("Z", "frame", "ram"),),
-        "two bodies": (Body("ram", "O B"),),
-        "two joints": (Slide("height", "frame", "ram", "B", (0.0, 1.0)),),
-        "slide that closes": (Slide("other", "frame", "ram", "B", (0.0, 1.0)),),
-        "stop of a pin that closes": (Stop("B"),),
-    }
-    for name, parts in more.items():
-        drawing = replace(PRESS, parts=(*PRESS_PARTS, *parts))
-        refused[name] = lambda drawing=drawing: drawn_mechanism(drawing)
     text = ""
-    for name, draw in refused.items():
+    for name, find in refused.items():
         with pytest.raises(InputError) as caught:
-            draw()
+            find()
         text += f"{name}\n    {caught.value.message}\n"
     words(text)
 
@@ -268,15 +228,12 @@ def test_any_plain_document_reads_back() -> None:
 
 def _numpy(value: Any) -> Any:
     """The same data with numbers and places of numpy."""
-    if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        names = [item.name for item in dataclasses.fields(value)]
-        return replace(value, **{name: _numpy(getattr(value, name)) for name in names})
     if isinstance(value, Mapping):
         return {key: _numpy(item) for key, item in value.items()}
-    if isinstance(value, tuple) and value and all(isinstance(item, float) for item in value):
+    if isinstance(value, list) and value and all(isinstance(item, float) for item in value):
         return np.array(value)
-    if isinstance(value, tuple | list):
-        return type(value)(_numpy(item) for item in value)
+    if isinstance(value, list):
+        return [_numpy(item) for item in value]
     kinds: dict[type, Any] = {bool: np.bool_, int: np.int64, float: np.float64, str: np.str_}
     return kinds[type(value)](value) if type(value) in kinds else value
 
@@ -285,7 +242,159 @@ def _numpy(value: Any) -> Any:
 @pytest.mark.parametrize("name", sorted(GALLERY))
 def test_numbers_of_numpy_are_written_as_plain_ones(name: str) -> None:
     """Every value type of a drawing: the texts are those of the same drawing in plain numbers."""
-    drawing = drawn(name)
-    (urdf, document), plain = drawn_sources(_numpy(drawing)), drawn_sources(drawing)
-    assert (urdf, toml(document)) == (plain[0], toml(plain[1]))
-    assert "np." not in urdf + toml(document)
+    plain = drawn(name)
+    drawing = Drawing(_numpy(plain.tables), name)
+    texts = [
+        (toml(each.tables), urdf, toml(document))
+        for each in (drawing, plain)
+        for urdf, document in [each.sources()]
+    ]
+    assert texts[0] == texts[1]
+    assert not any("np." in text for text in texts[0])
+
+
+@pytest.mark.parametrize(
+    ("point", "at"),
+    [
+        ('{ centre = "A", radius_mm = 2.0, angle_deg = 90.0 }', (0.0, 2.0)),
+        ('{ meet = ["A", "B"], radii_mm = [3.0, 4.0], side = "left" }', (1.8, 2.4)),
+        ('{ meet = ["A", "B"], radii_mm = [3.0, 4.0], side = "right" }', (1.8, -2.4)),
+        ('{ between = ["A", "B"], share = 0.4 }', (2.0, 0.0)),
+        ('{ between = ["A", "C"], share = 0.5, left_mm = 2.0 }', (-2.0, 1.5)),
+        ('{ beside = "A/B", right_mm = 0.5, up_mm = -1.0 }', (3.0, -1.0)),
+        ('{ centre = "C", radius_mm = 5.0, line = "B", along = [2.0, 0.0], side = "ahead" }',
+         (4.0, 0.0)),
+        ('{ centre = "C", radius_mm = 5.0, line = [9.0, 0.0], along = [1.0, 0.0], '
+         'side = "behind" }', (-4.0, 0.0)),
+    ],
+)  # fmt: skip
+def test_ways_to_find_a_point(point: str, at: tuple[float, float]) -> None:
+    """By hand; a point may stand above those that it is found from."""
+    text = TEXT.replace("[points]", f"[points]\nP = {point}\nA = [0, 0]\nB = [5, 0]\nC = [0, 3]")
+    text = text.replace('A = { beside = "O", right_mm = 20.0, up_mm = 0.0 }\n', "")
+    found = Drawing(tomllib.loads(text)).points
+    assert found["P"] == pytest.approx(at, abs=1e-14)
+    assert [*found][:4] == ["P", "A", "B", "C"]
+
+
+WRONG = {
+    "no such layout": ("drawing = 1", "drawing = 2"),
+    "no title": ('title = "a <yoke>"\n', ""),
+    "no number": ("speed_rpm = 60.0", "speed_rpm = inf"),
+    "two ways": ("right_mm = 20.0", "right_mm = 20.0, radius_mm = 1.0"),
+    "half a way": (", up_mm = 0.0", ""),
+    "no such key": ("right_mm", "rigth_mm"),
+    "no such point": ('beside = "O"', 'beside = "Q"'),
+    "found from itself": ('beside = "O"', 'beside = "A/O"'),
+    "nowhere": ('beside = "O", right_mm = 20.0, up_mm = 0.0',
+                'meet = ["O", "Y"], radii_mm = [9.0, 9.0], side = "left"'),
+    "the other kind of side": ('beside = "O", right_mm = 20.0, up_mm = 0.0',
+                               'meet = ["O", "Y"], radii_mm = [30.0, 30.0], side = "ahead"'),
+    "no words": ("Y = [10.0", '"Y Y" = [10.0'),
+    "two strokes": ("Y = [10.0", '"Y--Y" = [10.0'),
+    "no kind of joint": ('pin = "O"', 'hinge = "O"'),
+    "two kinds": ('slide = "lift"', 'slide = "lift", pin = "O"'),
+    "a slide without a direction": (', along = "O Y"', ""),
+    "no such body": ('child = "lever"', 'child = "laver"'),
+    "the frame": ("crank = { points", "frame = { points"),
+    "loose body": ("[drives]", 'loose = { points = "O A" }\n[drives]'),
+    "no mass": ("mass_kg = 1.5, ", ""),
+    "two joints": ('slide = "feed"', 'slide = "lift"'),
+    "a slide that closes": ("  { pin = \"A\"", "  { slide = \"s\", parent = \"frame\", "
+                            "child = \"ram\", at = \"R\", along = [1.0, 0.0] },\n  { pin = \"A\""),
+    "no direction": ('along = "O Y"', 'along = "Y"'),
+    "nowhere along": ("along = [3.0, 4.0]", "along = [0.0, 0.0]"),
+    "a stop that is none": ('transition_stop = "shut"', 'transition_stop = "shot"'),
+    "closed by none": ("drawing = 1", 'drawing = 1\nclosed = ["open", "lid"]'),
+    "a stop of a pin that closes": ('open = { joint = "A"', 'open = { joint = "B"'),
+    "an end that is none": ('ends = ["yoke Y", "frame F"]', 'ends = ["yok Y", "frame F"]'),
+    "no end": ('ends = ["yoke Y", "frame F"]', 'ends = ["yoke Y", "frame G"]'),
+    "no place of a body": ('points = "O A"', 'points = "O Q"'),
+    "no ends": ('ends = ["yoke Y", "frame F"]', 'ends = ["yoke"]'),
+    "another kind of spring": ("stiffness_N_m_per_rad = 2.0", "stiffness_N_per_m = 2.0"),
+    "closures of its own": ("[drives]", "[closures.pin]\nframe_a = 'a'\nframe_b = 'b'\n[drives]"),
+}  # fmt: skip
+
+
+def test_what_a_file_may_not_say(words: Words) -> None:
+    told = ""
+    for name, (old, new) in WRONG.items():
+        assert TEXT.count(old) >= 1, name
+        drawing = Drawing(tomllib.loads(TEXT.replace(old, new, 1)), "yoke")
+        with pytest.raises(InputError) as caught:
+            drawing.mechanism()
+        told += f"{name}\n    {caught.value.message}\n"
+    words(told)
+
+
+@pytest.mark.parametrize("place", ["machine.toml", "machine/machine.toml", "machine/other.toml"])
+def test_where_it_may_be(tmp_path: Path, place: str) -> None:
+    """By its own path, or by that of a folder; numbers have the paths of any model."""
+    file = tmp_path / place
+    file.parent.mkdir(exist_ok=True)
+    file.write_text(TEXT, encoding="utf-8")
+    model = file if file.parent == tmp_path else file.parent
+    mechanism = load(model, {"points.A.z_mm": 6.0, "springs.lift.stiffness_N_per_m": "600"})
+    assert (mechanism.name, mechanism.title) == ("machine", "a <yoke>")
+    assert [spring.stiffness for spring in mechanism.springs] == [2.0, 600.0]
+    assert load(model).description == YOKE.mechanism().description
+
+
+def test_odd_words_in_a_title_and_a_file_name(tmp_path: Path) -> None:
+    """The URDF that is made of them is well formed."""
+    file = tmp_path / 'a & "b" <c>.toml'
+    file.write_text(TEXT.replace("a <yoke>", "a -- <yoke> --"), encoding="utf-8")
+    assert load(file).name == 'a & "b" <c>'
+
+
+def test_more_than_the_most_is_refused() -> None:
+    points = "".join(f"P{number} = [0.0, 0.0]\n" for number in range(1000))
+    drawing = Drawing(tomllib.loads(TEXT.replace("[bodies]", f"{points}\n[bodies]")))
+    with pytest.raises(ModelError, match="points = '1005 entries' cannot be used: at most 1000"):
+        drawing.mechanism()
+
+
+def test_a_urdf_beside_it_is_another_machine(tmp_path: Path) -> None:
+    (tmp_path / "a.toml").write_text(TEXT, encoding="utf-8")
+    (tmp_path / "a.urdf").write_text(YOKE.sources()[0], encoding="utf-8")
+    for model in (tmp_path / "a.toml", tmp_path):
+        with pytest.raises(
+            ModelError, match=r"drawing = 1 .*: a\.toml draws a machine, a\.urdf is another"
+        ):
+            load(model)
+
+
+def test_files_that_are_none(tmp_path: Path) -> None:
+    for name, content in (("bytes", b"\xff\xfe"), ("toml", b"drawing = ")):
+        file = tmp_path / f"{name}.toml"
+        file.write_bytes(content)
+        with pytest.raises(ModelError):
+            Drawing.load(file)
+
+
+def test_new_drawings(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A commented press that bounces to rest, or a machine of the gallery; no file is replaced."""
+    monkeypatch.chdir(tmp_path)
+    assert main(["new", "mine.toml"]) == 0
+    assert simulate(load("mine.toml"), Case(speed_rpm=120.0)).outcome is Outcome.AT_REST
+    assert main(["new", "--from", "bell", "other.toml"]) == 0
+    assert load("other.toml").description == drawn("bell").mechanism().description
+    before = Path("mine.toml").read_text(encoding="utf-8")
+    capsys.readouterr()
+    for words in (["mine.toml"], ["e62.toml"], ["--from", "bel", "new.toml"]):
+        assert main(["new", *words]) == 2
+    said = capsys.readouterr().err
+    assert "mine.toml is there already" in said
+    assert "e62 is a model that comes with the package" in said
+    assert "no machine of the gallery named 'bel'" in said
+    assert Path("mine.toml").read_text(encoding="utf-8") == before
+    assert sorted(item.name for item in tmp_path.iterdir()) == ["mine.toml", "other.toml"]
+
+
+def test_commands_take_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = shutil.copy(GALLERY["crank_rocker"], tmp_path / "mine.toml")
+    assert main(["check", str(file)]) == 0
+    assert main(["simulate", str(file), "--out", str(tmp_path / "run")]) == 0
+    assert "mine" in capsys.readouterr().out

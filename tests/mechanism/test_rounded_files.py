@@ -19,7 +19,6 @@ import nipper_pin as nip
 from nipper_pin import Mechanism
 from nipper_pin.cli import main
 from nipper_pin.mechanism import changed, from_sources, known_models, own_frame
-from nipper_pin.mechanism.drawing import drawn_sources
 from nipper_pin.mechanism.gallery import GALLERY, drawn
 from nipper_pin.reduced import reduced_model, transition
 
@@ -53,7 +52,7 @@ def five_bar() -> tuple[str, dict[str, Any]]:
 def text_of(name: str) -> tuple[str, dict[str, Any]]:
     if name == "five_bar":
         return five_bar()
-    urdf, document = drawn_sources(drawn(name))
+    urdf, document = drawn(name).sources()
     return urdf, dict(document)
 
 

@@ -13,7 +13,6 @@ from held_turn import HeldTurn, quantities
 from scipy.optimize import minimize_scalar
 
 from nipper_pin import Case, EventKind, InputError, Mechanism, Solution, load, simulate
-from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.gallery import drawn
 from nipper_pin.reduced.kernels.turn_layout import Charts, TurnWork
 from nipper_pin.reduced.turns import TurnStatus, turn_quantities, turn_torques
@@ -109,7 +108,7 @@ def test_a_batch_is_its_cases(e62: Mechanism) -> None:
 @pytest.mark.parametrize("name", ["film_claw", "chebyshev"])
 def test_a_force_that_falls_to_zero_is_a_loss(name: str) -> None:
     """The claw is left by its stop before any other throws it open, as the direct engine says."""
-    mechanism = drawn_mechanism(drawn(name))
+    mechanism = drawn(name).mechanism()
     speed = mechanism.cylinder.rated_speed_rpm
     found = turn_quantities(mechanism, speed_rpm=speed)
     run = simulate(mechanism, Case(speed_rpm=speed, window="cycle"))
@@ -243,7 +242,7 @@ def test_torques_of_the_nipper(e62: Mechanism, speed: float, turns: int) -> None
 @pytest.mark.parametrize("name", ["ratchet_feed", "door_closer", "jaw_crusher"])
 def test_torques_of_machines_of_the_gallery(name: str) -> None:
     """Springs, a damper, stops on both sides."""
-    mechanism = drawn_mechanism(drawn(name))
+    mechanism = drawn(name).mechanism()
     judged(mechanism, mechanism.cylinder.rated_speed_rpm, 1)
 
 
@@ -299,7 +298,7 @@ def test_cases_that_cannot_be_followed_have_no_torque(
 @pytest.mark.campaign
 def test_torques_may_have_no_tables_as_wide_as_those_of_a_flight() -> None:
     """Such a case leaves the widest tables, and does not end the others."""
-    mechanism = drawn_mechanism(drawn("stephenson_1"))
+    mechanism = drawn("stephenson_1").mechanism()
     speeds = mechanism.cylinder.rated_speed_rpm * np.array([1.0, 12.0])
     found = turn_torques(mechanism, speed_rpm=speeds, restitution=0.9)
     assert found.status.tolist() == [TurnStatus.FOLLOWED, TurnStatus.LEFT_GAP]

@@ -24,7 +24,6 @@ from nipper_pin import (
     simulate,
 )
 from nipper_pin.mechanism import from_sources
-from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.gallery import GALLERY, drawn
 from nipper_pin.reduced.kernels.turn_layout import END_COLUMNS, EVENT_COLUMNS, HOLD_COLUMNS
 from nipper_pin.reduced.turns import ReducedTurns, TurnStatus, build_turns, turn_model, turns
@@ -132,7 +131,7 @@ def judged(mechanism: Mechanism, factor: float) -> bool:
 @pytest.mark.parametrize("name", FEW)
 def test_turns_of_machines_of_the_gallery(name: str) -> None:
     """At the rated speed, within both stated errors."""
-    assert judged(drawn_mechanism(drawn(name)), 1.0)
+    assert judged(drawn(name).mechanism(), 1.0)
 
 
 @pytest.mark.campaign
@@ -141,7 +140,7 @@ def test_no_machine_of_the_gallery_is_followed_wrongly() -> None:
     refused = []
     for name in GALLERY:
         # Its tables are those of all three speeds.
-        mechanism = drawn_mechanism(drawn(name))
+        mechanism = drawn(name).mechanism()
         refused += [(name, factor) for factor in (0.5, 1.0, 2.0) if not judged(mechanism, factor)]
     assert len(refused) <= REFUSED, refused
 
@@ -203,7 +202,7 @@ def test_arguments_and_machines_that_cannot_be_used(e62: Mechanism) -> None:
         with pytest.raises(InputError):
             turns(e62, **{"speed_rpm": 450.0, **keys})  # type: ignore[arg-type]
     with pytest.raises(InputError, match="and 2 are left"):
-        turns(drawn_mechanism(drawn("needle_bar")), speed_rpm=60.0)
+        turns(drawn("needle_bar").mechanism(), speed_rpm=60.0)
     with pytest.raises(SimulationError, match="max_collisions") as many:
         turns(e62, speed_rpm=450.0, max_collisions=3)
     assert many.value.evidence["status"] == TurnStatus.TOO_MANY_COLLISIONS.name

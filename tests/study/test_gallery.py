@@ -7,10 +7,9 @@ from xml.etree import ElementTree
 
 import pytest
 
-from nipper_pin import Case, Outcome, Window, check, load, simulate
+from nipper_pin import Case, Outcome, Window, check, export, load, simulate
 from nipper_pin.cli import main
 from nipper_pin.mechanism import number_of
-from nipper_pin.mechanism.drawing import drawn_mechanism, write_drawing
 from nipper_pin.mechanism.gallery import GALLERY, drawn
 from nipper_pin.study.next_steps import next_steps
 
@@ -21,13 +20,13 @@ RATTLING = ("sieve", "bell", "piano_key")
 def test_there_are_forty_and_all_have_their_names() -> None:
     assert len(GALLERY) >= 40
     assert all(drawn(name).name == name for name in GALLERY)
-    assert len({drawn(name).title for name in GALLERY}) == len(GALLERY)
+    assert len({drawn(name).tables["title"] for name in GALLERY}) == len(GALLERY)
 
 
 @pytest.mark.parametrize("name", GALLERY)
 def test_a_machine_is_complete_and_runs_a_turn(name: str) -> None:
     """Nothing is missing, a stop is struck and left again in the turn, and the run ends well."""
-    mechanism = drawn_mechanism(drawn(name))
+    mechanism = drawn(name).mechanism()
     report = check(mechanism, mechanism.cylinder.rated_speed_rpm)
     steps = next_steps(report, name)
     missing = [step for step in steps.missing if step.startswith("Missing")]
@@ -45,7 +44,7 @@ def test_the_pages_show_every_machine() -> None:
     for name in GALLERY:
         assert front.count(f"[{name}](gallery.md#{name})") == 1
         shown = f"### {name}\n\n![{name}](images/gallery/{name}.svg)\n\n"
-        title = drawn(name).title
+        title = drawn(name).tables["title"]
         assert f"{shown}{title[0].upper()}{title[1:]}." in text
         picture = ElementTree.parse(docs / "images" / "gallery" / f"{name}.svg")
         assert len(picture.findall(".//{*}path")) > 8
@@ -65,7 +64,7 @@ def test_commands_write_a_machine(capsys: pytest.CaptureFixture[str]) -> None:
     """As the drawing, and as URDF and TOML, with another number if one is asked for."""
     assert main(["new", "--from", "watt_1", "mine"]) == 0
     assert main(["export", "mine", "whole"]) == 0
-    machine = drawn_mechanism(drawn("watt_1"))
+    machine = drawn("watt_1").mechanism()
     for folder, files in (
         ("mine", {"mine.toml"}),
         ("whole", {"whole.toml", "whole.urdf", "model.schema.json"}),
@@ -97,7 +96,7 @@ def test_meshes_go_with_an_exported_model() -> None:
 def test_a_machine_runs_at_three_speeds(
     name: str, share: float, drive: str, tmp_path: Path
 ) -> None:
-    mechanism = load(write_drawing(drawn(name), tmp_path / name))
+    mechanism = load(export(drawn(name).mechanism(), tmp_path / name))
     speed = share * mechanism.cylinder.rated_speed_rpm
     solution = simulate(
         mechanism, Case(speed_rpm=speed, window=Window.CYCLE, cycles=2, drive=drive)

@@ -11,7 +11,6 @@ from snapshots import Words
 
 from nipper_pin import Case, EventKind, InputError, Mechanism, simulate, turn_table
 from nipper_pin.cli import main
-from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.gallery import drawn
 from nipper_pin.study.speed_limit import SpeedLimit, Verdict, speed_limit
 
@@ -85,7 +84,7 @@ def test_turns_that_differ_are_found(e62: Mechanism) -> None:
 
 def test_a_machine_that_rests_from_a_speed_on() -> None:
     """The reed of a loom rests above some 100 r/min only, as the direct engine says as well."""
-    machine = drawn_mechanism(drawn("loom_sley"))
+    machine = drawn("loom_sley").mechanism()
     found = speed_limit(machine, low_rpm=60.0, high_rpm=300.0, speeds=4, turns=TURNS)
     assert found.settles_rpm is None
     below, above = found.settled
@@ -135,7 +134,7 @@ def test_the_command_says_what_it_found(
 
 def test_a_stop_also_opens_where_its_force_is_lost() -> None:
     """No other stop throws it open: its force falls to zero, where the direct engine has it."""
-    machine = drawn_mechanism(drawn("chebyshev"))
+    machine = drawn("chebyshev").mechanism()
     found = speed_limit(machine, low_rpm=100.0, high_rpm=101.0, speeds=2, turns=30)
     run = simulate(machine, Case(speed_rpm=100.0, window="cycle", cycles=2))
     period, stop = run.shaft.period, machine.transition_stop
@@ -152,7 +151,7 @@ def test_ranges_and_machines_that_cannot_be_used(e62: Mechanism) -> None:
     for low, high, speeds in ((0.0, 1.0, 3), (5.0, 2.0, 3), (1.0, 2.0, 1), (1.0, np.inf, 3)):
         with pytest.raises(InputError, match="cannot be used"):
             speed_limit(e62, low_rpm=low, high_rpm=high, speeds=speeds)
-    machine = drawn_mechanism(drawn("needle_bar"))
+    machine = drawn("needle_bar").mechanism()
     # What to do is something that a user of this study can do.
     with pytest.raises(InputError, match=r"and 2 are left; .* \(simulate --window cycle --speed"):
         speed_limit(machine, low_rpm=10.0, high_rpm=20.0)

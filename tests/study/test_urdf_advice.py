@@ -16,7 +16,6 @@ from snapshots import Words
 from nipper_pin import Case, Mechanism, check, load, simulate
 from nipper_pin.cli import main
 from nipper_pin.mechanism import known_models
-from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.files import toml
 from nipper_pin.mechanism.gallery import GALLERY, drawn
 from nipper_pin.study.urdf_advice import UrdfAdvice
@@ -36,7 +35,7 @@ def advised(mechanism: Mechanism) -> UrdfAdvice:
 @pytest.mark.slow
 def test_good_models_get_no_advice() -> None:
     machines = [load(name) for name in known_models() if name != "benchmarks"]
-    for mechanism in (*machines, *(drawn_mechanism(drawn(name)) for name in GALLERY)):
+    for mechanism in (*machines, *(drawn(name).mechanism() for name in GALLERY)):
         assert advised(mechanism) == UrdfAdvice((), ""), mechanism.name
 
 

@@ -15,7 +15,6 @@ from side_by_side import copies, differences, pair
 from small_machines import link, machine, slide
 
 from nipper_pin import Case, EventKind, Mechanism, Solution, Window, load, simulate
-from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.gallery import GALLERY, drawn
 
 SETTINGS = (("held", 1.0), ("inertial", 1.0), ("held", 2.0))
@@ -42,7 +41,7 @@ def turn(mechanism: Mechanism, share: float = 1.0, **keys: object) -> Case:
 @pytest.mark.parametrize(("name", "drive", "share"), table())
 def test_a_machine_beside_its_mirror_image(name: str, drive: str, share: float) -> None:
     """Events of either half are those of the machine alone, each at the time that it has there."""
-    machine_alone = drawn_mechanism(drawn(name))
+    machine_alone = drawn(name).mechanism()
     case = turn(machine_alone, share, drive=drive)
     alone, both = simulate(machine_alone, case), simulate(pair(machine_alone), case)
     # At twice its speed the clapper of the bell is thrown past both stops.
@@ -56,7 +55,7 @@ def test_rows_of_each_half_are_those_of_the_machine_alone(name: str) -> None:
 
     A loss and a height go with the square of a rate, to twice its relative error.
     """
-    single = load(name) if name == "e62" else drawn_mechanism(drawn(name))
+    single = load(name) if name == "e62" else drawn(name).mechanism()
     together = copies(single, 2) if name == "e62" else pair(single)
     suffix = "_1" if name == "e62" else "_mirrored"
     alone, both = simulate(single, turn(single)), simulate(together, turn(single))
@@ -103,7 +102,7 @@ def ball(restitution: float) -> Mechanism:
 def test_machines_that_do_the_same(of: str, count: int) -> None:
     """Copies whose stops are struck, and come to rest, all in the same instants."""
     machines = {"ball": lambda: ball(0.4), "e62": load}
-    single = machines.get(of, lambda: drawn_mechanism(drawn(of)))()
+    single = machines.get(of, lambda: drawn(of).mechanism())()
     case = turn(single)
     alone, beside = simulate(single, case), simulate(copies(single, count), case)
     assert any(event.kind is EventKind.REST for event in alone.events)
@@ -113,7 +112,7 @@ def test_machines_that_do_the_same(of: str, count: int) -> None:
 
 def test_a_half_that_is_another_machine_is_seen() -> None:
     """A restitution that is off by a millionth, and only there."""
-    single = drawn_mechanism(drawn("bell"))
+    single = drawn("bell").mechanism()
     both, case = pair(single), turn(single)
     stops = tuple(
         replace(stop, restitution=stop.restitution * (1.0 + 1e-6))

@@ -16,7 +16,6 @@ from scaled_machines import scaled
 from small_machines import hinge, link, machine, slide
 
 from nipper_pin import AssemblyError, Case, Mechanism, Solution, load, simulate, transition_table
-from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.gallery import GALLERY, drawn
 
 # From 60 nm to 4 km for a machine of a metre.
@@ -60,7 +59,7 @@ def test_e62(power: int, window: str) -> None:
 @pytest.mark.parametrize("power", [-24, -12, 12])
 @pytest.mark.parametrize("name", sorted(GALLERY))
 def test_gallery(name: str, power: int) -> None:
-    alike(*both(drawn_mechanism(drawn(name)), power, "cycle"))
+    alike(*both(drawn(name).mechanism(), power, "cycle"))
 
 
 @pytest.mark.parametrize("power", SIZES)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
-from nipper_pin.mechanism.drawing import FRAME, Body, Part, Pin, Place, Slide, Slot
+from nipper_pin.mechanism.drawing import FRAME, Place
 
 from ..machines.draws import Generator, log, sign
 from .motion import (
@@ -37,7 +38,7 @@ class Growing:
     places: dict[str, Complex] = field(default_factory=dict)  # motion of every point [mm]
     on: dict[str, list[str]] = field(default_factory=dict)  # points of every body
     bodies: dict[str, float] = field(default_factory=dict)  # density [kg/m]; of blocks mass [kg]
-    joints: list[Pin | Slide | Slot] = field(default_factory=list)  # in the order of the tree
+    joints: list[dict[str, Any]] = field(default_factory=list)  # in the order of the tree
     outputs: list[Output] = field(default_factory=list)
     halved: set[str] = field(default_factory=set)  # rods that are two halves by now
 
@@ -45,12 +46,27 @@ class Growing:
         """Take up a body through points that have places."""
         self.poses[name], self.on[name], self.bodies[name] = pose, points.split(), mass
 
-    def body(self, name: str) -> Part:
-        """A body as a part of a drawing."""
+    def body(self, name: str) -> dict[str, Any]:
+        """A body as a drawing has it."""
         points = self.on[name]
         if len(set(points)) == 1:
-            return Body(name, points[0], mass_kg=self.bodies[name])
-        return Body(name, " ".join(points), self.bodies[name])
+            return {"points": points[0], "mass_kg": self.bodies[name]}
+        return {"points": " ".join(points), "density_kg_m": self.bodies[name]}
+
+    def tables(self, points: dict[str, Place]) -> dict[str, Any]:
+        """Points, bodies and joints as a drawing has them; rods that are halves are elsewhere."""
+        bodies = {name: self.body(name) for name in self.bodies if name not in self.halved}
+        return {"points": points, "bodies": bodies, "joints": list(map(self._halved, self.joints))}
+
+    def _halved(self, joint: dict[str, Any]) -> dict[str, Any]:
+        """A joint of a rod that is two halves now: on the half that has its point."""
+        point = joint.get("pin") or joint["at"]
+        halves = {
+            side: f"{joint[side]}_{2 if self.on[joint[side]][1] == point else 1}"
+            for side in ("parent", "child")
+            if joint[side] in self.halved
+        }
+        return {**joint, **halves}
 
     def moving(self, rng: Generator) -> tuple[str, str]:
         """A moving body and a point of it: one that it has, or a new one."""
@@ -71,13 +87,31 @@ class Growing:
         return name, point
 
 
+def pin(point: str, parent: str, child: str, name: str) -> dict[str, Any]:
+    """A hinge."""
+    return {"pin": point, "parent": parent, "child": child, "name": name}
+
+
+def slide(name: str, parent: str, child: str, at: str, along: Place | str) -> dict[str, Any]:
+    """A straight guide."""
+    return {"slide": name, "parent": parent, "child": child, "at": at, "along": along}
+
+
+def slot(
+    name: str, parent: str, child: str, at: str, along: Place | str, mass: float
+) -> dict[str, Any]:
+    """A pin of the child in a slot of the parent."""
+    return {"slot": name, "parent": parent, "child": child, "at": at, "along": along,
+            "block_mass_kg": mass}  # fmt: skip
+
+
 def crank(rng: Generator, least: float) -> Growing:
     """A driven crank about the origin."""
     radius = float(rng.uniform(10.0, 40.0))
     found = Growing(radius, radius * float(rng.uniform(2.0, 4.0)), least)
     found.places = {"O": still(0j), "A": radius * unit(ANGLES)}
     found.add("crank", "O A", Pose(found.places["O"], ANGLES), 1.0)
-    found.joints.append(Pin("O", FRAME, "crank"))
+    found.joints.append(pin("O", FRAME, "crank", "O"))
     return found
 
 
@@ -123,8 +157,8 @@ def _rrr(rng: Generator, linkage: Growing, number: str) -> None:
     linkage.add(rod, f"{a} {m}", Pose(end, heading(end, tip)), _density(rng))
     linkage.add(rocker, f"{q} {m}", Pose(pivot, turned), _density(rng))
     joint = f"turn{number}"
-    linkage.joints += [Pin(q, base, rocker, joint), Pin(a, driver, rod, f"{rod}_end"),
-                       Pin(m, rod, rocker, m)]  # fmt: skip
+    linkage.joints += [pin(q, base, rocker, joint), pin(a, driver, rod, f"{rod}_end"),
+                       pin(m, rod, rocker, m)]  # fmt: skip
     stands = linkage.poses[base].angle
     moved = Rod(rod, l_rod, end, lambda value: pivot + l_rocker * unit(stands + value))
     linkage.outputs.append(Output(joint, turned - stands, True, moved))
@@ -143,8 +177,8 @@ def _rrp(rng: Generator, linkage: Growing, number: str) -> None:
     linkage.places[m] = at + travel * unit(along)
     linkage.add(rod, f"{a} {m}", Pose(end, heading(end, linkage.places[m])), _density(rng))
     linkage.add(block, m, Pose(linkage.places[m], np.zeros(len(ANGLES))), log(rng, 0.1, 2.0))
-    linkage.joints += [Slide(joint, FRAME, block, m, _way(along)),
-                       Pin(a, driver, rod, f"{rod}_end"), Pin(m, rod, block, m)]  # fmt: skip
+    linkage.joints += [slide(joint, FRAME, block, m, _way(along)),
+                       pin(a, driver, rod, f"{rod}_end"), pin(m, rod, block, m)]  # fmt: skip
     moved = Rod(rod, length, end, lambda value: complex(at + value * unit(along)))
     linkage.outputs.append(Output(joint, travel, False, moved))
 
@@ -162,15 +196,15 @@ def _rpr(rng: Generator, linkage: Growing, number: str) -> None:
     reach = linkage.size * float(rng.uniform(0.5, 2.0)) * sign(rng)
     linkage.places[far] = pivot + reach * unit(turned)
     linkage.add(lever, f"{q} {far}", Pose(pivot, turned), _density(rng))
-    linkage.joints.append(Pin(q, FRAME, lever, joint))
+    linkage.joints.append(pin(q, FRAME, lever, joint))
     if rng.random() < 0.6:
         block = log(rng, 0.005, 0.2)
-        linkage.joints.append(Slot(f"slot{number}", lever, driver, a, f"{q} {a}", block))
+        linkage.joints.append(slot(f"slot{number}", lever, driver, a, f"{q} {a}", block))
     else:
         rod = f"rod{number}"
         linkage.add(rod, a, Pose(end, turned), log(rng, 0.05, 1.0))
-        linkage.joints += [Slide(f"slide{number}", lever, rod, a, f"{q} {a}"),
-                           Pin(a, driver, rod, f"{rod}_end")]  # fmt: skip
+        linkage.joints += [slide(f"slide{number}", lever, rod, a, f"{q} {a}"),
+                           pin(a, driver, rod, f"{rod}_end")]  # fmt: skip
     linkage.outputs.append(Output(joint, turned, True))
 
 
@@ -185,8 +219,8 @@ def _rpp(rng: Generator, linkage: Growing, number: str) -> None:
     linkage.places[y] = at + travel * unit(along)
     linkage.add(yoke, y, Pose(linkage.places[y], np.zeros(len(ANGLES))), log(rng, 0.1, 2.0))
     block = log(rng, 0.005, 0.2)
-    linkage.joints += [Slide(joint, FRAME, yoke, y, _way(along)),
-                       Slot(f"slot{number}", yoke, driver, a, _way(lean), block)]  # fmt: skip
+    linkage.joints += [slide(joint, FRAME, yoke, y, _way(along)),
+                       slot(f"slot{number}", yoke, driver, a, _way(lean), block)]  # fmt: skip
     linkage.outputs.append(Output(joint, travel, False))
 
 
@@ -207,9 +241,9 @@ def _prp(rng: Generator, linkage: Growing, number: str) -> None:
     # Drawn with the driver at the angle that the turn is begun at: the guide's way is its own.
     linkage.places[f"{m}_way"] = linkage.places[m] + linkage.size * unit(way)
     joint = f"slide{number}"
-    linkage.joints += [Slide(f"ride{number}", driver, first, m, f"{m} {m}_way"),
-                       Slide(joint, FRAME, second, m, _way(along)),
-                       Pin(m, first, second, m)]  # fmt: skip
+    linkage.joints += [slide(f"ride{number}", driver, first, m, f"{m} {m}_way"),
+                       slide(joint, FRAME, second, m, _way(along)),
+                       pin(m, first, second, m)]  # fmt: skip
     linkage.outputs.append(Output(joint, travel, False))
 
 

@@ -2,18 +2,50 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from nipper_pin.arrays import FloatArray
-from nipper_pin.mechanism.drawing import Body, Part, Place, Slide, Spring, Stop, flap, telescope
 
 from ..machines.draws import Generator, log, one_of, sign
-from .dyads import Growing
+from .dyads import Growing, pin, slide
 from .motion import ANGLES, Output, Rod, unit
 
 _SHARES = (0.03, 0.4)  # of the reach of a coordinate, from its end to where a stop is put
+
+
+Table = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Parts:
+    """Parts of a drawing that are added to a linkage, by the tables that they go to."""
+
+    bodies: dict[str, Table] = field(default_factory=dict)
+    joints: list[Table] = field(default_factory=list)
+    springs: dict[str, Table] = field(default_factory=dict)
+    dampers: dict[str, Table] = field(default_factory=dict)
+    stops: dict[str, Table] = field(default_factory=dict)
+
+    def spring(self, joint: str, stiffness: float, preload: float, *, hinge: bool) -> None:
+        """Add a spring on a joint; a second one is called ``NAME_2``."""
+        keys = ("stiffness_N_m_per_rad", "preload_deg") if hinge else (
+            "stiffness_N_per_m", "preload_length_mm")  # fmt: skip
+        name = joint if joint not in self.springs else f"{joint}_2"
+        self.springs[name] = {"joint": joint, keys[0]: stiffness, keys[1]: preload}
+
+    def stop(
+        self, joint: str, side: str, place: float, e_N: float, *, hinge: bool, name: str = ""
+    ) -> None:
+        """Add a stop on a joint; what is the default is not written."""
+        found: Table = {"joint": joint, "restitution": e_N}
+        if side != "lower":
+            found["side"] = side
+        if place:
+            found["at_deg" if hinge else "at_mm"] = place
+        self.stops[name or joint] = found
 
 
 @dataclass(frozen=True)
@@ -60,19 +92,24 @@ def struck(rng: Generator, output: Output, rod: Rod, step: int) -> Struck | None
     return Struck(output, lower, contact, worst > 0.0)
 
 
-def rod_parts(rng: Generator, linkage: Growing, stop: Struck | None, name: str, force: float
-              ) -> tuple[Part, ...]:  # fmt: skip
+def add_rod(
+    rng: Generator, linkage: Growing, stop: Struck | None, name: str, force: float, parts: Parts
+) -> None:
     """A rod as two halves on a spring with this preload [N]; a stop may make it give way."""
     preload = float(rng.uniform(5.0, 20.0))
-    points = " ".join(linkage.on[name][:2])
+    first, second = linkage.on[name][:2]
     longer = bool(rng.random() < 0.5) if stop is None else stop.longer
-    return telescope(
-        name, points, 1e3 * force / preload, preload, longer=longer,
-        density_kg_m=linkage.bodies[name], restitution=one_of(rng, 0.0, 0.2, rng.uniform(0.0, 0.6)),
-    )  # fmt: skip
+    restitution = one_of(rng, 0.0, 0.2, rng.uniform(0.0, 0.6))
+    half, density = f"{first}/{second}", linkage.bodies[name]
+    parts.bodies[f"{name}_1"] = {"points": f"{first} {half}", "density_kg_m": density}
+    parts.bodies[f"{name}_2"] = {"points": f"{half} {second}", "density_kg_m": density}
+    along = f"{first} {second}" if longer else f"{second} {first}"
+    parts.joints.append(slide(name, f"{name}_1", f"{name}_2", half, along))
+    parts.spring(name, 1e3 * force / preload, preload, hinge=False)
+    parts.stop(name, "lower", 0.0, restitution, hinge=False)
 
 
-def lever_parts(rng: Generator, linkage: Growing, name: str, pull: float) -> tuple[Part, ...]:
+def add_lever(rng: Generator, linkage: Growing, name: str, pull: float, parts: Parts) -> None:
     """A lever on one of the links, held by a spring against the first of two stops.
 
     It feels an acceleration ``pull`` [m/s2]; the linkage gets its end.
@@ -85,37 +122,37 @@ def lever_parts(rng: Generator, linkage: Growing, name: str, pull: float) -> tup
     # Moment of its weight in that field, about its hinge [N m].
     moment = 0.5e-6 * density * length**2 * pull
     preload = float(rng.uniform(0.5, 20.0))
-    stiffness = moment * float(rng.uniform(0.1, 1.5)) / np.radians(preload)
-    return flap(
-        name, parent, f"{point} {end}", float(stiffness), preload,
-        sign(rng) * float(rng.uniform(3.0, 40.0)), density_kg_m=density,
-        restitution=one_of(rng, 0.0, 0.3, rng.uniform(0.0, 0.7)),
-    )  # fmt: skip
+    stiffness = float(moment * float(rng.uniform(0.1, 1.5)) / np.radians(preload))
+    gap = sign(rng) * float(rng.uniform(3.0, 40.0))
+    restitution = one_of(rng, 0.0, 0.3, rng.uniform(0.0, 0.7))
+    near, far, sense = ("lower", "upper", 1.0) if gap > 0.0 else ("upper", "lower", -1.0)
+    parts.bodies[name] = {"points": f"{point} {end}", "density_kg_m": density}
+    parts.joints.append(pin(point, parent, name, name))
+    parts.spring(name, stiffness, sense * preload, hinge=True)
+    parts.stop(name, near, 0.0, restitution, hinge=True)
+    parts.stop(name, far, gap, restitution, hinge=True, name=f"{name}_open")
 
 
-def box_parts(
-    rng: Generator, linkage: Growing, name: str, pull: float
-) -> tuple[tuple[Part, ...], bool]:
+def add_box(rng: Generator, linkage: Growing, name: str, pull: float, parts: Parts) -> bool:
     """A box on a spring that slides on one of the links between two stops.
 
-    It feels an acceleration ``pull`` [m/s2]. Told is, too, if its first stop is closed as drawn.
+    It feels an acceleration ``pull`` [m/s2]. Told is if its first stop is closed as drawn.
     """
     parent, point = linkage.moving(rng)
     lean = float(rng.uniform(0.0, 2.0 * np.pi))
-    way: Place = float(np.cos(lean)), float(np.sin(lean))
+    way = float(np.cos(lean)), float(np.sin(lean))
     mass, gap = log(rng, 0.02, 1.0), log(rng, 2.0, 30.0)
     closed = bool(rng.random() < 0.6)
     below = 0.0 if closed else -gap * float(rng.uniform(0.2, 0.8))
     stiffness = 1e3 * mass * pull / gap * float(rng.uniform(0.1, 2.0))
     preload = gap * float(rng.uniform(0.1, 1.5)) if closed else 0.0
     restitution = one_of(rng, 0.0, 0.3, rng.uniform(0.0, 0.7))
-    return (
-        Body(name, point, mass_kg=mass),
-        Slide(name, parent, name, point, way),
-        Spring(name, stiffness, preload),
-        Stop(name, "lower", below, restitution),
-        Stop(name, "upper", below + gap, restitution, f"{name}_far"),
-    ), closed
+    parts.bodies[name] = {"points": point, "mass_kg": mass}
+    parts.joints.append(slide(name, parent, name, point, way))
+    parts.spring(name, stiffness, preload, hinge=False)
+    parts.stop(name, "lower", below, restitution, hinge=False)
+    parts.stop(name, "upper", below + gap, restitution, hinge=False, name=f"{name}_far")
+    return closed
 
 
 def open_at(stops: list[Struck]) -> int | None:

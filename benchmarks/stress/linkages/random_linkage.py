@@ -3,34 +3,20 @@
 from __future__ import annotations
 
 import copy
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from nipper_pin.mechanism.drawing import (
-    Body,
-    Damper,
-    Drawing,
-    Drive,
-    Part,
-    Pin,
-    Place,
-    Slide,
-    Slot,
-    Spring,
-    Stop,
-    Tie,
-    drawn_sources,
-    write_drawing,
-)
+from nipper_pin.mechanism.drawing import Drawing, Place
+from nipper_pin.mechanism.drawing.layout import BodyTable
 from nipper_pin.mechanism.drawing.urdf_text import mass_of
+from nipper_pin.mechanism.export import export
 
 from ..machines.draws import Draft, Generator, log, one_of, sign
 from ..machines.parts import Source
 from .dyads import KINDS, Growing, add_dyad, crank
-from .freedoms import Struck, box_parts, furthest, lever_parts, open_at, rod_parts, struck
+from .freedoms import Parts, Struck, add_box, add_lever, add_rod, furthest, open_at, struck
 from .motion import ANGLES, NoAssemblyError, still
 
 _TRIES = 60
@@ -39,7 +25,7 @@ _TRIES = 60
 def linkage(rng: Generator) -> Draft:
     """A random linkage, and a turn or two of it with held or inertial shafts."""
     drawing, case = _draft(rng)
-    urdf, description = drawn_sources(drawing)
+    urdf, description = drawing.sources()
     return Source(drawing.name, urdf, description, "."), case
 
 
@@ -50,16 +36,19 @@ def write_linkage(seed: int, number: int, folder: str | Path) -> dict[str, Any]:
         InputError: The folder cannot be written or is not empty.
     """
     drawing, case = _draft(np.random.default_rng([seed, number]))
-    write_drawing(drawing, folder)
+    export(drawing.mechanism(), folder)
     return case
 
 
 def _draft(rng: Generator) -> tuple[Drawing, dict[str, Any]]:
     drawing = random_linkage(rng)
     return drawing, {
-        "speed_rpm": drawing.speed_rpm, "window": "cycle", "cycles": int(rng.integers(1, 3)),
-        "drive": "inertial" if rng.random() < 0.4 else "held", "max_collisions": 200,
-    }  # fmt: skip
+        "speed_rpm": drawing.tables["speed_rpm"],
+        "window": "cycle",
+        "cycles": int(rng.integers(1, 3)),
+        "drive": "inertial" if rng.random() < 0.4 else "held",
+        "max_collisions": 200,
+    }
 
 
 def random_linkage(rng: Generator) -> Drawing:
@@ -83,29 +72,52 @@ def random_linkage(rng: Generator) -> Drawing:
     gravity = one_of(rng, 9.81, 9.81, 0.0)
     pull = gravity + 1e-3 * furthest(linkage) * (speed * np.pi / 30.0) ** 2
     force = _mass(linkage, touch) * pull
-    parts: list[Part] = []
+    parts = Parts()
     closed = [rod.name for _, rod in chosen]
     linkage.halved.update(closed)
     for name in tuple(closed):
         strong = force * float(rng.uniform(1.0, 5.0))
-        parts += rod_parts(rng, linkage, stops.get(name), name, strong)
+        add_rod(rng, linkage, stops.get(name), name, strong, parts)
     for number in range(freedoms - len(chosen)):
         if rng.random() < 0.5:
-            parts += lever_parts(rng, linkage, f"flap{number}", pull)
+            add_lever(rng, linkage, f"flap{number}", pull, parts)
             closed.append(f"flap{number}")
-        else:
-            box, shut = box_parts(rng, linkage, f"box{number}", pull)
-            parts += box
-            closed += [f"box{number}"] if shut else []
-    parts += _struck_stops(rng, list(stops.values()), touch)
-    parts += _elements(rng, linkage, touch, force)
+        elif add_box(rng, linkage, f"box{number}", pull, parts):
+            closed.append(f"box{number}")
+    _add_struck_stops(rng, list(stops.values()), touch, parts)
+    _add_elements(rng, linkage, touch, force, parts)
     # A shaft that is heavier than its machine by no more than some hundred times.
     inertia = _mass(linkage, touch) * (1e-3 * linkage.radius) ** 2 * log(rng, 3.0, 300.0)
-    parts.append(Drive("O", inertia=inertia, frequency_hz=log(rng, 10.0, 100.0)))
-    drawing = _drawing(linkage, parts, touch=touch, start=start, step=step, speed=speed)
-    struck_joint = first.output.joint if first else ""
-    return replace(drawing, gravity_m_s2=gravity, closed=tuple(closed),
-                   struck=struck_joint)  # fmt: skip
+    drive = {
+        "joint": "O", "law": "constant_speed", "ratio": 1.0, "reflected_inertia_kg_m2": inertia,
+        "shaft_frequency_hz": log(rng, 10.0, 100.0), "shaft_damping_ratio": 0.7,
+    }  # fmt: skip
+    tables = linkage.tables(_points(linkage, touch))
+    touch_deg, start_deg = (float(np.degrees(ANGLES[place])) for place in (touch, start))
+    # Turns begin before the drawing's place, as the crank turns.
+    while step * (start_deg - touch_deg) > 0.0:
+        start_deg -= 360.0 * step
+    return Drawing(
+        {
+            **tables,
+            "bodies": {**tables["bodies"], **parts.bodies},
+            "joints": [*tables["joints"], *parts.joints],
+            "title": "random linkage",
+            "invented": "random numbers",
+            "speed_rpm": speed,
+            "direction": "clockwise" if step < 0 else "counter-clockwise",
+            "touch_deg": touch_deg,
+            "start_deg": start_deg,
+            "gravity_m_s2": gravity,
+            "closed": closed,
+            "transition_stop": first.output.joint if first else "",
+            "drives": {"O": drive},
+            "springs": parts.springs,
+            "dampers": parts.dampers,
+            "stops": parts.stops,
+        },
+        "linkage",
+    )
 
 
 def _grown(rng: Generator) -> Growing:
@@ -126,8 +138,8 @@ def _grown(rng: Generator) -> Growing:
 def _mass(linkage: Growing, touch: int) -> float:
     """Mass of all bodies [kg]."""
     points = _points(linkage, touch)
-    bodies = [linkage.body(name) for name in linkage.bodies]
-    return sum(mass_of(body, points).mass for body in bodies if isinstance(body, Body))
+    bodies = [BodyTable(**linkage.body(name)) for name in linkage.bodies]
+    return sum(mass_of(body, points).mass for body in bodies)
 
 
 def _points(linkage: Growing, touch: int) -> dict[str, Place]:
@@ -136,29 +148,28 @@ def _points(linkage: Growing, touch: int) -> dict[str, Place]:
     }
 
 
-def _struck_stops(rng: Generator, stops: list[Struck], touch: int) -> list[Part]:
-    found: list[Part] = []
+def _add_struck_stops(rng: Generator, stops: list[Struck], touch: int, parts: Parts) -> None:
     for stop in stops:
         x, side = stop.output.coordinate, "lower" if stop.lower else "upper"
         away = float(x[stop.contact] - x[touch])
         place = float(np.degrees(away)) if stop.output.hinge else away
         e_N = one_of(rng, 0.0, 0.2, rng.uniform(0.0, 0.8))
-        found.append(Stop(stop.output.joint, side, place, e_N))
-    return found
+        parts.stop(stop.output.joint, side, place, e_N, hinge=stop.output.hinge)
 
 
-def _elements(rng: Generator, linkage: Growing, touch: int, force: float) -> list[Part]:
+def _add_elements(rng: Generator, linkage: Growing, touch: int, force: float, parts: Parts) -> None:
     """Add springs and dampers that the motion does not need."""
-    found: list[Part] = []
     arm = 1e-3 * linkage.size
     for output in linkage.outputs:
+        joint, hinge = output.joint, output.hinge
         if rng.random() < 0.25:
             k = force * float(rng.uniform(0.02, 0.5))
             preload = float(rng.normal(0.0, 10.0))
-            found.append(Spring(output.joint, k * arm if output.hinge else k / arm, preload))
+            parts.spring(joint, k * arm if hinge else k / arm, preload, hinge=hinge)
         if rng.random() < 0.15:
             c = force * log(rng, 1e-3, 3e-2)
-            found.append(Damper(output.joint, c * arm if output.hinge else c / arm))
+            key = "damping_N_m_s_per_rad" if hinge else "damping_N_s_per_m"
+            parts.dampers[joint] = {"joint": joint, key: c * arm if hinge else c / arm}
     if rng.random() < 0.25:
         body, point = linkage.moving(rng)
         away = linkage.size * float(rng.uniform(1.0, 2.0))
@@ -167,43 +178,8 @@ def _elements(rng: Generator, linkage: Growing, touch: int, force: float) -> lis
         if apart.min() > 0.2 * linkage.size:
             linkage.places["Z"] = still(anchor)
             free = float(apart[touch] * rng.uniform(0.4, 1.2))
-            found.append(Tie("coil", (f"{body} {point}", "frame Z"),
-                             force * float(rng.uniform(0.02, 0.3)) / arm, free))  # fmt: skip
-    return found
-
-
-def _drawing(
-    linkage: Growing, parts: list[Part], *, touch: int, start: int, step: int, speed: float
-) -> Drawing:
-    """The drawing, with no stop closed."""
-    bodies = [linkage.body(name) for name in linkage.bodies if name not in linkage.halved]
-    joints: list[Part] = [_halved(joint, linkage) for joint in linkage.joints]
-    touch_deg, start_deg = (float(np.degrees(ANGLES[place])) for place in (touch, start))
-    # Turns begin before the drawing's place, as the crank turns.
-    while step * (start_deg - touch_deg) > 0.0:
-        start_deg -= 360.0 * step
-    return Drawing(
-        "linkage",
-        "random linkage",
-        _points(linkage, touch),
-        (*bodies, *joints, *parts),
-        touch_deg=touch_deg,
-        start_deg=start_deg,
-        speed_rpm=speed,
-        clockwise=step < 0,
-        invented="random numbers",
-    )
-
-
-def _halved(joint: Pin | Slide | Slot, linkage: Growing) -> Part:
-    """A joint of a rod that is two halves now: on the half that has its point."""
-
-    def half(link: str, point: str) -> str:
-        if link not in linkage.halved:
-            return link
-        return f"{link}_2" if linkage.on[link][1] == point else f"{link}_1"
-
-    sides = ("slotted", "pinned") if isinstance(joint, Slot) else ("parent", "child")
-    point = joint.point if isinstance(joint, Pin) else joint.at
-    links: dict[str, Any] = {side: half(getattr(joint, side), point) for side in sides}
-    return replace(joint, **links)
+            parts.springs["coil"] = {
+                "ends": [f"{body} {point}", "frame Z"],
+                "stiffness_N_per_m": force * float(rng.uniform(0.02, 0.3)) / arm,
+                "free_length_mm": free,
+            }

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import atan2, cos, degrees, hypot, radians, sin, sqrt
 
-from ...errors import InputError
-from .parts import Place
+from ...errors import InputError, meant
+
+Place = tuple[float, float]
+"""(x, z) of a point, or a direction [mm]."""
 
 
 def polar(centre: Place, radius: float, angle_deg: float) -> Place:
@@ -109,7 +111,8 @@ def place(points: Mapping[str, Place], name: str) -> Place:
     """
     ends = [item for item in name.split("/") if item in points]
     if len(ends) != name.count("/") + 1 or len(ends) > 2:
-        message = f"the drawing has no point {name!r}; its points: {', '.join(points)}"
+        near = meant(name, points)
+        message = f"the drawing has no point {name!r}; {near}its points: {', '.join(points)}"
         raise InputError(message, point=name)
     return points[name] if name in points else between(points[ends[0]], points[ends[1]], 0.5)
 

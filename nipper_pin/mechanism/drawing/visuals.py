@@ -7,33 +7,33 @@ from itertools import pairwise
 from math import radians
 
 from ...units import M_PER_MM
-from .parts import FRAME, Body, Pin, Place, Slide
-from .places import direction, distance, place, vector
+from .layout import FRAME
+from .places import Place, direction, distance, place, vector
 from .tree import Tree
 
 _WIDTH = 0.028  # of a bar, by the size of the drawing
 _GROUND = (0.55, 0.57, 0.6)
 
 
-def body_visuals(tree: Tree, body: Body, number: int) -> list[str]:
+def body_visuals(tree: Tree, name: str, number: int) -> list[str]:
     """Bars of a body, in a separate layer; a block if it has one point."""
-    points, size = tree.drawing.points, _size(tree)
-    places = [place(points, name) for name in body.points.split()]
+    points, size = tree.drawn.points, _size(tree)
+    places = [place(points, name) for name in tree.drawn.table.bodies[name].points.split()]
     width, depth = _WIDTH * size, 0.6 * _WIDTH * size
     aside = -depth * (number + 1)
     if len(places) == 1:
         side = 2.4 * width
-        carrier = next(joint for joint in tree.carried.values() if joint.child == body.name)
-        turned = _angle(vector(points, carrier.along)) if isinstance(carrier, Slide) else 0.0
-        return [_box(tree, body.name, "block", places[0], (side, depth, side), turned, aside)]
+        carrier = next(joint for joint in tree.carried.values() if joint.child == name)
+        turned = _angle(vector(points, carrier.along)) if carrier.along else 0.0
+        return [_box(tree, name, "block", places[0], (side, depth, side), turned, aside)]
     bars = [
-        _box(tree, body.name, f"bar_{place}", ((a[0] + b[0]) / 2, (a[1] + b[1]) / 2),
+        _box(tree, name, f"bar_{place}", ((a[0] + b[0]) / 2, (a[1] + b[1]) / 2),
              (distance(a, b), depth, width), direction(a, b), aside)
         for place, (a, b) in enumerate(pairwise(places))
         if a != b
     ]  # fmt: skip
     pins = [
-        _disc(tree, body.name, f"eye_{place}", at, 0.75 * width, 1.05 * depth, aside)
+        _disc(tree, name, f"eye_{place}", at, 0.75 * width, 1.05 * depth, aside)
         for place, at in enumerate(dict.fromkeys(places))
     ]
     return bars + pins
@@ -45,24 +45,24 @@ def frame_visuals(tree: Tree) -> list[str]:
 
 
 def _ground(tree: Tree) -> Iterator[str]:
-    points, size = tree.drawing.points, _size(tree)
+    points, size = tree.drawn.points, _size(tree)
     width = _WIDTH * size
     depth = 0.6 * width
     for key, joint in {**tree.carried, **tree.cut}.items():
-        if isinstance(joint, Pin) and FRAME in (joint.parent, joint.child):
+        if joint.pin and FRAME in (joint.parent, joint.child):
             x, z = place(points, joint.point)
             foot = (2.2 * width, depth, 1.6 * width)
             yield _box(tree, FRAME, f"foot_{key}", (x, z - 0.8 * width), foot, 0.0, depth, _GROUND)
-        elif isinstance(joint, Slide) and joint.parent == FRAME:
-            angle = _angle(vector(points, joint.along))
+        elif joint.slide and joint.parent == FRAME:
+            angle = _angle(vector(points, joint.along or ""))
             rail = (0.35 * size, depth, 0.35 * width)
-            yield _box(tree, FRAME, f"rail_{key}", place(points, joint.at), rail, angle, depth,
+            yield _box(tree, FRAME, f"rail_{key}", place(points, joint.point), rail, angle, depth,
                        _GROUND)  # fmt: skip
 
 
 def _size(tree: Tree) -> float:
     """Larger extent of the points [mm]."""
-    points = list(tree.drawing.points.values())
+    points = list(tree.drawn.points.values())
     extents = [[point[axis] for point in points] for axis in (0, 1)]
     return max(max(extent) - min(extent) for extent in extents)
 

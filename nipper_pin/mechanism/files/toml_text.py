@@ -120,7 +120,7 @@ def _table(table: Mapping[str, Any], path: tuple[str, ...], lines: list[str]) ->
         heading = ".".join(map(_key, (*path, key)))
         if isinstance(value, Mapping):
             inner.append((key, f"[{heading}]", value))
-        elif isinstance(value, list) and value and isinstance(value[0], Mapping):
+        elif isinstance(value, list | tuple) and value and isinstance(value[0], Mapping):
             inner.extend((key, f"[[{heading}]]", item) for item in value)
         else:
             lines.append(f"{_key(key)} = {_value(value)}")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from ...errors import UnknownNameError
-from ..drawing import Drawing, read_drawing
+from ..drawing import Drawing
 
 GROUPS: dict[str, tuple[str, ...]] = {
     "Four-bars": ("crank_rocker", "double_crank", "double_rocker", "triple_rocker"),
@@ -61,7 +61,7 @@ def drawn(name: str) -> Drawing:
     Raises:
         UnknownNameError: There is no such machine.
     """
-    return read_drawing(file_of(name))
+    return Drawing.load(file_of(name))
 
 
 def file_of(name: str) -> Path:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ...errors import InputError
-from ...outputs import complete_file
 from ..files.schema import SCHEMA_FILE, schema_text
 from ..model_files import check_model_folder, new_folder
 
@@ -29,32 +27,9 @@ def write_skeleton(folder: Path) -> Path:
     return target
 
 
-def write_drawing_file(target: str | Path, text: str = "") -> Path:
-    """Write a drawing to start from: one TOML file, alone or in a folder of its name.
-
-    Args:
-        target: ``NAME.toml``, or a folder to write; its name becomes the machine's.
-        text: The drawing; by default a commented one.
-
-    Returns:
-        The file or folder, resolved.
-
-    Raises:
-        InputError: The name cannot be a model's, or it is there or cannot be written.
-    """
-    text = text or Path(__file__).with_name("drawing.toml").read_text(encoding="utf-8")
-    if Path(target).suffix != ".toml":
-        folder = check_model_folder(target)
-        with new_folder(folder) as partial:
-            (partial / f"{folder.name}.toml").write_text(text, encoding="utf-8")
-        return folder
-    file = check_model_folder(Path(target).with_suffix("")).with_suffix(".toml")
-    if file.exists():
-        message = f"{file} is there already; name a new file"
-        raise InputError(message, file=str(file))
-    with complete_file(file) as partial:
-        partial.write_text(text, encoding="utf-8")
-    return file
+def drawing_text() -> str:
+    """A commented drawing."""
+    return Path(__file__).with_name("drawing.toml").read_text(encoding="utf-8")
 
 
 def skeleton(name: str) -> dict[str, str]:

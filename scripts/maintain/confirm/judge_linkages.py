@@ -115,10 +115,10 @@ def _runs(options: argparse.Namespace, home: Path) -> Iterator[Run]:
         ),
     )
     if options.gallery:
-        from nipper_pin.mechanism.drawing import write_drawing
+        from nipper_pin import export
         from nipper_pin.mechanism.gallery import GALLERY, drawn
 
-        folders += [write_drawing(drawn(name), home / name) for name in GALLERY]
+        folders += [export(drawn(name).mechanism(), home / name) for name in GALLERY]
     for folder in folders:
         for speed in options.speed or [factor * _rated(folder) for factor in options.speed_factor]:
             for drive in options.drive:

@@ -19,7 +19,6 @@ from matplotlib.figure import Figure
 import nipper_pin as nip
 from nipper_pin.arrays import FloatArray
 from nipper_pin.errors import SimulationError
-from nipper_pin.mechanism.drawing import Drawing, drawn_mechanism
 from nipper_pin.mechanism.gallery import GALLERY, GROUPS, drawn
 from nipper_pin.units import M_PER_MM, MM_PER_M
 from nipper_pin.view.figure_file import save_figure
@@ -66,21 +65,21 @@ def pages() -> dict[str, str]:
 def _shown(name: str) -> str:
     """A machine on its page: heading, picture, and what is known of it."""
     drawing = drawn(name)
-    words = _sentence(drawing.known or "all numbers are inventions")
+    words = _sentence(drawing.tables.get("known") or "all numbers are inventions")
     return (
         f"### {drawing.name}\n\n"
         f"![{drawing.name}](images/gallery/{drawing.name}.svg)\n\n"
-        f"{_sentence(drawing.title)} {words}\n"
+        f"{_sentence(drawing.tables['title'])} {words}\n"
     )
 
 
-def picture(drawing: Drawing) -> Figure:
+def picture(drawing: nip.Drawing) -> Figure:
     """One machine in its touch configuration, and the path of its point."""
-    still = sketch(drawn_mechanism(drawing))
+    still = sketch(drawing.mechanism())
     path = np.zeros((0, 2))
-    if drawing.traced:
+    if traced := drawing.tables.get("traced"):
         path = _path(drawing)
-        name, point = drawing.traced.split()
+        name, point = traced.split()
         at = M_PER_MM * np.array([drawing.points[point]])
         reaching = [replace(link, points=np.concatenate([link.points, at]))
                     if link.name == name else link for link in still.links]  # fmt: skip
@@ -101,9 +100,9 @@ def picture(drawing: Drawing) -> Figure:
     return figure
 
 
-def _unstopped(drawing: Drawing) -> nip.Solution:
+def _unstopped(drawing: nip.Drawing) -> nip.Solution:
     """A slow turn in which nothing is struck and nothing gives way; a transition if that fails."""
-    stops = {name: drawing.tables["stops"][name] for name in drawing.closed}
+    stops = {name: drawing.tables["stops"][name] for name in drawing.tables["closed"]}
     joints = {stop["joint"] for stop in stops.values()}
     springs = {
         name: {
@@ -114,17 +113,17 @@ def _unstopped(drawing: Drawing) -> nip.Solution:
         }
         for name, spring in drawing.tables.get("springs", {}).items()
     }
-    tables = {**drawing.tables, "springs": springs, "stops": stops}
+    tables = {**drawing.tables, "springs": springs, "stops": stops, "transition_stop": ""}
     case = nip.Case(speed_rpm=_SLOW_RPM, window=nip.Window.CYCLE)
     try:
-        return nip.simulate(drawn_mechanism(replace(drawing, tables=tables, struck="")), case)
+        return nip.simulate(nip.Drawing(tables, drawing.name).mechanism(), case)
     except SimulationError:
-        return nip.simulate(drawn_mechanism(drawing), nip.Case(speed_rpm=drawing.speed_rpm))
+        return nip.simulate(drawing.mechanism(), nip.Case(speed_rpm=drawing.tables["speed_rpm"]))
 
 
-def _path(drawing: Drawing) -> FloatArray:
+def _path(drawing: nip.Drawing) -> FloatArray:
     """Places of a link's point over the turn, shape (frames, 2) [m]."""
-    link, point = drawing.traced.split()
+    link, point = drawing.tables["traced"].split()
     shown = film(_unstopped(drawing), Look(slow=1.0))
     solution = shown.solution
     joints = solution.mechanism.joints

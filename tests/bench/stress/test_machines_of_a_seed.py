@@ -19,8 +19,7 @@ from benchmarks.stress import FAMILIES, run_campaign, trial
 from benchmarks.stress.linkages import random_linkage, write_linkage
 from benchmarks.stress.linkages.dyads import KINDS, Growing, add_dyad, crank
 from benchmarks.stress.linkages.motion import ANGLES, NoAssemblyError
-from nipper_pin import Case, UnknownNameError, load, simulate
-from nipper_pin.mechanism.drawing import Drawing, Drive, drawn_mechanism
+from nipper_pin import Case, Drawing, UnknownNameError, load, simulate
 
 KEPT = Path(__file__).with_name("machines_of_a_seed.json")
 SEED, TRIALS = 421, 48
@@ -88,7 +87,7 @@ def test_every_linkage_is_a_model(linkages: list[Drawing]) -> None:
     """All load, which means that they close as drawn; free coordinates are one to three."""
     free = set()
     for drawing in linkages:
-        mechanism = drawn_mechanism(drawing)
+        mechanism = drawing.mechanism()
         free.add(mechanism.degrees_of_freedom - len(mechanism.drives))
     assert free == {1, 2, 3}
 
@@ -100,11 +99,11 @@ def test_a_dyad_moves_as_the_closed_form_says(kind: str) -> None:
     while found is None:
         found = _with_dyad(rng, kind)
     points = {name: (float(x[0].real), float(x[0].imag)) for name, x in found.places.items()}
+    drive = {"joint": "O", "law": "constant_speed", "ratio": 1.0}
     drawing = Drawing(
-        "dyad", "a dyad", points,
-        (*(found.body(name) for name in found.bodies), *found.joints, Drive("O")), 0.0, 0.0, 60.0,
-    )  # fmt: skip
-    solution = simulate(drawn_mechanism(drawing), Case(speed_rpm=60.0, window="cycle"))
+        {**found.tables(points), "title": "a dyad", "speed_rpm": 60.0, "drives": {"O": drive}}
+    )
+    solution = simulate(drawing.mechanism(), Case(speed_rpm=60.0, window="cycle"))
     times = ANGLES / (2.0 * np.pi)
     q = solution.trajectory.evaluate(times).q
     for output in found.outputs:

@@ -14,7 +14,6 @@ from designs import MASS
 from driven_machines import follower
 
 from nipper_pin import InputError, Mechanism, SimulationError, Window, load
-from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.gallery import GALLERY, drawn
 from nipper_pin.study.identify import WorkingCycle, working_cycle
 from nipper_pin.study.identify.problem.working_cycle import Phase, unfit
@@ -60,7 +59,7 @@ def thrown() -> Mechanism:
     ("make", "speed", "why"),
     [
         (thrown, 230.0, "the stop cam closes more than once in a turn"),
-        (lambda: drawn_mechanism(drawn("film_claw")), 600.0, "the stop claw does not open again"),
+        (lambda: drawn("film_claw").mechanism(), 600.0, "the stop claw does not open again"),
     ],
 )
 def test_turns_that_have_no_working_cycle(
@@ -92,7 +91,7 @@ def test_kinematics_and_turn_have_one_window(name: str) -> None:
     Off by no more than what every second sample of the kinematics changes, and half of those of
     the turn; of a smooth curve either is several times the error of all samples.
     """
-    mechanism = drawn_mechanism(drawn(name)) if name in GALLERY else load(name)
+    mechanism = drawn(name).mechanism() if name in GALLERY else load(name)
     speed, asked = mechanism.cylinder.rated_speed_rpm, []
     for quantity, item in QUANTITIES.items():
         if item.source == "cycle":

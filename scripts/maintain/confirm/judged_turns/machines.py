@@ -10,8 +10,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from nipper_pin import Mechanism, NipperError, load
-from nipper_pin.mechanism.drawing import write_drawing
+from nipper_pin import Mechanism, NipperError, export, load
 from nipper_pin.mechanism.edit import read_layout
 from nipper_pin.mechanism.gallery import GALLERY, drawn
 
@@ -67,7 +66,7 @@ def geometry(seed: int, number: int, home: Path) -> Geometry:
             name = str(random.choice(sorted(GALLERY)))
             folder = home / name
             if not folder.exists():
-                write_drawing(drawn(name), folder)
+                export(drawn(name).mechanism(), folder)
             return Geometry(name, folder, {})
         name = _E62 if kind == "e62" else _OTHERS[number // len(_KINDS) % len(_OTHERS)]
         found = Geometry(f"{name} {number}", MODELS / name, _changes(random, MODELS / name, draw))

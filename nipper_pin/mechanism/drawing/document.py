@@ -1,0 +1,130 @@
+"""The TOML document of a drawing: shaft, closures and phases, beside the tables of the model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from ...errors import meant
+from .read import Drawn, read
+from .tree import Tree, grown
+from .urdf_text import LINE, ends_of, frame_name, urdf_text
+
+# Of a model's file, in the order in which they are written.
+_SECTIONS = ("drives", "springs", "dampers", "forces", "initial", "stops")
+
+
+def drawn_sources(tables: Mapping[str, Any], name: str) -> tuple[str, dict[str, Any]]:
+    """The URDF and the TOML document of a drawing, as plain data.
+
+    Args:
+        tables: What its file holds.
+        name: Name of the machine.
+
+    Raises:
+        ModelError: A value cannot be used, or the drawing does not hang together.
+    """
+    tree = grown(read(tables, name))
+    return urdf_text(tree), document(tree)
+
+
+def document(tree: Tree) -> dict[str, Any]:
+    """The TOML document of a drawing as plain data.
+
+    Raises:
+        ModelError: A stop that is named does not exist, or the ends of a spring are none.
+    """
+    drawn = tree.drawn
+    table, model = drawn.table, drawn.model
+    given = {section: _with_frames(drawn, section) for section in _SECTIONS}
+    stops, springs = given.pop("stops"), given["springs"]
+    struck = table.transition_stop or next(iter(stops), "")
+    for key, names in (("closed", table.closed), ("transition_stop", (struck,) if struck else ())):
+        for name in names:
+            if name not in stops:
+                allowed = f"{meant(name, stops)}a stop: {', '.join(stops) or 'there is none'}"
+                raise drawn.refused(key, name, allowed)
+    slots = sum(cut.slot is not None for cut in tree.cut.values())
+    found: dict[str, Any] = {
+        "format": 1,
+        "title": table.title,
+        "degrees_of_freedom": len(tree.carried) + slots - 2 * len(tree.cut),
+        "gravity_m_s2": table.gravity_m_s2,
+        "transition_stop": struck,
+        "initial_phase": 1,
+        "cylinder": {
+            "rated_speed_rpm": table.speed_rpm,
+            "direction": table.direction,
+            "angle_at_touch_deg": table.touch_deg,
+            "reference_index": 24.0,
+            "reference_angle_deg": table.touch_deg if table.start_deg is None else table.start_deg,
+        },
+        **given,
+        "stops": stops,
+        "closures": _closures(tree),
+        "phases": _phases(table.closed, struck),
+        "shortcuts": _shortcuts(struck, springs),
+        "provenance": {
+            "urdf.points": table.known or table.invented,
+            "urdf.links": "invention: bars of an even mass by their length, blocks as given",
+            **dict.fromkeys(("drives", "springs", "stops"), table.invented),
+        },
+        **{key: value for key, value in model.items() if key not in _SECTIONS},
+    }
+    return {key: value for key, value in found.items() if value or key == "gravity_m_s2"}
+
+
+def _with_frames(drawn: Drawn, section: str) -> Any:
+    """Entries of a section, the ends of springs and dampers as frames."""
+    entries = drawn.model.get(section, {})
+    if not isinstance(entries, Mapping):
+        # What reads the document says what is wrong.
+        return {section: entries}
+    found = {}
+    for name, entry in entries.items():
+        found[name] = entry
+        if isinstance(entry, Mapping) and "ends" in entry:
+            ends = ends_of(drawn, entry["ends"], f"{section}.{name}.ends")
+            frames = [frame_name(*end) for end in ends]
+            rest = {key: value for key, value in entry.items() if key != "ends"}
+            found[name] = {**dict(zip(("frame_a", "frame_b"), frames, strict=True)), **rest}
+    return found
+
+
+def _closures(tree: Tree) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for name, cut in tree.cut.items():
+        if cut.slot:
+            found[name] = {
+                "frame_a": LINE.format(name),
+                "frame_b": frame_name(cut.child, cut.point),
+                "slot_axis": "x",
+                "block_mass_kg": 0.02 if cut.block_mass_kg is None else cut.block_mass_kg,
+            }
+        else:
+            found[name] = {
+                "frame_a": frame_name(cut.parent, cut.point),
+                "frame_b": frame_name(cut.child, cut.point),
+            }
+    return found
+
+
+def _phases(closed: tuple[str, ...], struck: str) -> list[dict[str, Any]]:
+    """The start, the stop that is struck by itself, and nothing closed."""
+    found: dict[tuple[str, ...], str] = {closed: "running"}
+    if struck:
+        found.setdefault((struck,), f"on the {struck}")
+    found.setdefault((), "free")
+    return [
+        {"number": number, "name": name, "closed": list(stops)}
+        for number, (stops, name) in enumerate(found.items(), start=1)
+    ]
+
+
+def _shortcuts(struck: str, springs: dict[str, Any]) -> dict[str, str]:
+    found = {"restitution": f"stops.{struck}.restitution"} if struck else {}
+    for name, table in springs.items():
+        stiffness = next(key for key in table if key.startswith("stiffness"))
+        found["stiffness"] = f"springs.{name}.{stiffness}"
+        break
+    return found
