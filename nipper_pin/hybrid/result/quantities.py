@@ -1,17 +1,17 @@
-"""How every quantity of a run is read off it; what each is called stands in ``terms``.
+"""How every quantity of a run is read off it; what each is called, and what holds it, in ``terms``.
 
 The JSON document, files, tables, sweeps, optimisations and identifications take them from here.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
 from ...errors import UnknownNameError
 from ...mechanism import Mechanism, Stop
-from ...terms import TERMS, Term, term_of
+from ...terms import SUBJECTS, Term, term_of
 from ..error_estimate.together import StrikeError
 from ..event import EventKind
 from .simulated import Simulated
@@ -25,26 +25,27 @@ class Quantity(Generic[T]):
     """One quantity of a collision, a transition or a turn.
 
     Attributes:
-        name: Its name in documents and files, a key of :data:`~nipper_pin.terms.TERMS`. In tables
-            of transitions, that of collision K of the transition stop is ``name_K``.
-        read: Reads it off a solution; None where only tables of transitions have it.
-        column: Attribute of a table of transitions; empty where only solutions have it.
-        force: Unit of the stop's force that it belongs to, or None for all stops.
+        term: What it is called. In tables of transitions, that of collision K of the transition
+            stop has the name ``name_K``.
+        read: Reads it off a solution; None where only tables of many cases have it.
     """
 
-    name: str
-    read: Callable[[Simulated, T], float | None] | None = None
-    column: str = ""
-    force: str | None = None
+    term: Term
+    read: Callable[[Simulated, T], float | None] | None
 
     @property
-    def term(self) -> Term:
-        """What it is called."""
-        return TERMS[self.name]
+    def name(self) -> str:
+        """Its name in documents and files."""
+        return self.term.name
+
+    @property
+    def column(self) -> str:
+        """Attribute of a table of many cases; empty where only solutions have it."""
+        return "" if self.term.only == "run" else self.term.attribute
 
     def fits(self, mechanism: Mechanism, stop: str) -> bool:
         """Whether a stop has it."""
-        return self.force in (None, force_unit(mechanism, mechanism.stop(stop)))
+        return self.term.force in ("", force_unit(mechanism, mechanism.stop(stop)))
 
     def unit_at(self, mechanism: Mechanism, stop: str) -> str:
         """Its SI unit at a stop."""
@@ -67,43 +68,37 @@ def force_unit(mechanism: Mechanism, stop: Stop) -> str:
     return "N m" if turns else "N"
 
 
-def _own(name: str) -> Callable[[Simulated, object], Any]:
+def quantities(
+    subject: str, computed: Mapping[str, Callable[[Simulated, Any], float | None]] | None = None
+) -> tuple[Quantity[Any], ...]:
+    """The quantities of a subject of :data:`~nipper_pin.terms.SUBJECTS`.
+
+    Args:
+        computed: How those are read that no attribute holds, by name.
+    """
+    readers = {term.name: _held(term) for term in SUBJECTS[subject]} | dict(computed or {})
+    return tuple(
+        Quantity(term=term, read=None if term.only == "table" else readers[term.name])
+        for term in SUBJECTS[subject]
+    )
+
+
+def _held(term: Term) -> Callable[[Simulated, object], Any]:
     """Reads an attribute of a collision, a turn or a transition; None without a transition."""
-    return lambda _, item: None if item is None else getattr(item, name)
+    return lambda _, item: None if item is None else getattr(item, term.attribute)
 
 
 def _error(solution: Simulated, hit: Collision) -> StrikeError:
     return solution.errors[hit.event.number - 1].at(hit.stop)
 
 
-def kept(name: str, column: str, force: str | None = None) -> Quantity[Any]:
-    """A quantity whose attribute is called alike in solutions and in tables."""
-    return Quantity(name=name, column=column, read=_own(column), force=force)
-
-
-COLLISION: tuple[Quantity[Collision], ...] = (
-    Quantity(name="t_s", read=_own("t")),
-    Quantity(name="time_s", column="time", read=lambda run, hit: hit.t - run.collisions[0].t),
-    kept("cylinder_angle_rad", "cylinder_angle"),
-    Quantity(name="index", read=_own("index")),
-    kept("approach_rate", "approach_rate"),
-    kept("separation_rate", "separation_rate"),
-    kept("impulse_N_s", "impulse", "N"),
-    kept("impulse_N_m_s", "impulse", "N m"),
-    kept("energy_lost_J", "energy_lost"),
-    kept("rebound_amplitude", "rebound_amplitude"),
-    kept("rebound_time_s", "rebound_time"),
-    Quantity(
-        name="time_error_s",
-        column="time_error",
-        read=lambda run, hit: float(_error(run, hit).time),
-    ),
-    Quantity(name="impulse_error", read=lambda run, hit: float(_error(run, hit).relative)),
-    Quantity(name="rate_error", column="rate_error"),
-    Quantity(name="impulse_error_N_s", column="impulse_error", force="N"),
-    Quantity(name="impulse_error_N_m_s", column="impulse_error", force="N m"),
-    Quantity(name="amplitude_error", column="amplitude_error"),
-    Quantity(name="rebound_error_s", column="rebound_error"),
+COLLISION: tuple[Quantity[Collision], ...] = quantities(
+    "A collision",
+    {
+        "time_s": lambda run, hit: hit.t - run.collisions[0].t,
+        "time_error_s": lambda run, hit: float(_error(run, hit).time),
+        "impulse_error": lambda run, hit: float(_error(run, hit).relative),
+    },
 )
 """Quantities of a collision."""
 
@@ -127,12 +122,13 @@ def _collisions(solution: Simulated, found: Transition | None) -> float:
     return sum(item.stop == stop for item in solution.collisions)
 
 
-TRANSITION: tuple[Quantity[Transition | None], ...] = (
-    Quantity(name="premise_holds", read=lambda run, _: run.premise_holds),
-    kept("duration_s", "duration"),
-    Quantity(name="duration_error_s", column="duration_error", read=_duration_error),
-    Quantity(name="collisions", read=_collisions),
-    kept("first_two_share", "first_two_share"),
+TRANSITION: tuple[Quantity[Transition | None], ...] = quantities(
+    "A transition",
+    {
+        "premise_holds": lambda run, _: run.premise_holds,
+        "duration_error_s": _duration_error,
+        "collisions": _collisions,
+    },
 )
 """Quantities of a transition; without a completed one there are its premise and collisions."""
 

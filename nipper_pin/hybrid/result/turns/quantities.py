@@ -8,63 +8,21 @@ from __future__ import annotations
 from typing import Any
 
 from ....mechanism import Mechanism
-from ..quantities import Quantity, coordinate_unit, kept
+from ..quantities import Quantity, coordinate_unit, quantities
 from .turn import DriveTurn, StopTurn, Turn
 
-
-def _forces(column: str, units: tuple[str, ...] = ("N", "N m")) -> list[Any]:
-    """A force, or an impulse, once for each unit that a stop can have."""
-    return [
-        kept(f"{column}_{unit.replace(' ', '_')}", column, unit.removesuffix(" s"))
-        for unit in units
-    ]
-
-
-def _force_errors(column: str) -> list[Any]:
-    """The error of a force, which tables alone have, in either unit."""
-    return [
-        Quantity(name=f"{column}_{unit.replace(' ', '_')}", column=column, force=unit)
-        for unit in ("N", "N m")
-    ]
-
-
-_IMPULSE = ("N s", "N m s")
-_EVENTS = ("closing", "rest", "loss", "opening")
-INDICES = tuple(f"{event}_index" for event in _EVENTS)
-"""Names of the quantities that are places in the turn: differences go the short way around."""
-TURN: tuple[Quantity[Turn], ...] = (
-    kept("repeats_after", "repeats_after"),
-    kept("clamped_time_s", "clamped_time"),
-    Quantity(name="clamped_time_error_s", column="clamped_time_error"),
-    kept("clamped_share", "clamped_share"),
-    *(
-        kept(f"{event}_index{error}", f"{event}_index{error}")
-        for event in _EVENTS
-        for error in ("", "_error")
-    ),
-    *_forces("least_clamping_force"),
-    *_forces("largest_clamping_force"),
-    *_force_errors("clamping_force_error"),
-    kept("largest_gap", "largest_gap"),
-    kept("largest_gap_error", "largest_gap_error"),
-    kept("energy_lost_turn_J", "energy_lost"),
-    kept("energy_lost_turn_error_J", "energy_lost_error"),
+# The number of turns is no quantity of one of them.
+TURN: tuple[Quantity[Turn], ...] = tuple(
+    item for item in quantities("A turn") if item.name != "turns"
 )
 """Quantities of a whole turn; forces and gaps are those of the transition stop, which clamps."""
 
-TURN_STOP: tuple[Quantity[StopTurn], ...] = (
-    kept("collisions", "collisions"),
-    *_forces("impulse_sum", _IMPULSE),
-    *_forces("impulse_sum_error", _IMPULSE),
-    *_forces("largest_impulse", _IMPULSE),
-    *_forces("largest_impulse_error", _IMPULSE),
-)
+INDICES = tuple(item.name for item in TURN if item.name.endswith("_index"))
+"""Names of the quantities that are places in the turn: differences go the short way around."""
+TURN_STOP: tuple[Quantity[StopTurn], ...] = quantities("A stop in a turn")
 """Quantities of each stop in a turn; in tables, those of a stop are ``name_STOP``."""
 
-TURN_DRIVE: tuple[Quantity[DriveTurn], ...] = (
-    *_forces("largest_torque", ("N m", "N")),
-    *reversed(_force_errors("largest_torque_error")),
-)
+TURN_DRIVE: tuple[Quantity[DriveTurn], ...] = quantities("A drive in a turn")
 """Quantities of each drive, ``name_DRIVE``; they cost as much as a turn: only where asked for."""
 
 
@@ -124,5 +82,5 @@ def _of_drives(mechanism: Mechanism) -> dict[str, tuple[Quantity[Any], str]]:
         f"{item.name}_{drive.name}": (item, drive.name)
         for drive in mechanism.drives
         for item in TURN_DRIVE
-        if item.force == ("N" if coordinate_unit(mechanism, drive.index) == "m" else "N m")
+        if item.term.force == ("N" if coordinate_unit(mechanism, drive.index) == "m" else "N m")
     }
