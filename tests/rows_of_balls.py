@@ -10,7 +10,7 @@ from small_machines import link, machine, slide
 
 from nipper_pin import Mechanism
 from nipper_pin.dynamics import Impact, ShaftMotion, System
-from nipper_pin.dynamics.strike import strike
+from nipper_pin.dynamics.impact_laws import solve_impact
 
 
 def row(
@@ -42,5 +42,5 @@ def struck(mechanism: Mechanism, velocities: Sequence[float]) -> tuple[np.ndarra
     """Velocities [m/s] of balls that all touch after they have had some, and the impact."""
     system = System(mechanism, ShaftMotion(mechanism, 1.0, 0.0))
     v = np.diff(np.concatenate([[0.0], velocities]))
-    impact = strike(system, np.zeros_like(v), v, np.empty((0, len(v))), mechanism.stops)
+    impact = solve_impact(system, np.zeros_like(v), v, np.empty((0, len(v))), mechanism.stops)
     return np.cumsum(impact.v_after), impact

@@ -87,6 +87,8 @@ _FLOOR = 16.0
 class Partition:
     """Split of the coordinates: dependent ones follow from the others through the closures.
 
+    Generalised coordinate partitioning (Wehage and Haug, 1982).
+
     Attributes:
         dependent: As many coordinates as closure rows.
         independent: All the others, prescribed ones included.

@@ -104,7 +104,7 @@ class System:
             known = self._splits[key] = partition(jacobian * self.body.units, given, preferred)
         return known
 
-    def good_split(
+    def good_partition(
         self, jacobian: FloatArray, given: tuple[int, ...], preferred: tuple[int, ...]
     ) -> Partition:
         """Dependent coordinates of a flight: as :meth:`split`, others where ill-conditioned.

@@ -18,7 +18,7 @@ from ..errors import ConvergenceError, ElementError, SimulationError, SingularCo
 from ..mechanism import Stop
 from ..tolerances.hybrid import ROOT_GAP_ROUND_OFF, SHORTEST_PANEL
 from .case import Resolution
-from .contact.complementarity import touching
+from .contact.active_set import touching
 from .event_location.guards import Trigger, TriggerKind, triggers
 from .motion.kinematics import kinematic_panel
 from .motion.panel import Begin, Exact, Panel, one_state_at, serves, suited_split
@@ -161,7 +161,7 @@ class _Way:
 
     def solve(self, begin: Begin, h: float) -> _Solved:
         """Solve a panel from ``begin``, at most of the length h [s]."""
-        choose = self._system.split if self.kinematic else self._system.good_split
+        choose = self._system.split if self.kinematic else self._system.good_partition
         try:
             split = choose(begin.jacobian, self.phase.given, self._preferred)
             return self._resolved(split, begin, h)

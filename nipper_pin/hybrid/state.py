@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 from ..arrays import FloatArray
 from ..dynamics import Driven, System
+from .contact.active_set import Closed
 from .contact.bounce_series import BounceSeries
-from .contact.complementarity import Closed
 
 
 class State(NamedTuple):

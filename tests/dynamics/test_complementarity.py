@@ -31,9 +31,9 @@ from nipper_pin.dynamics import (
     inverted,
 )
 from nipper_pin.dynamics.assembly import inverse_of, inverses_of, same_sign, solutions_of
+from nipper_pin.dynamics.impact_laws import solve_impact
 from nipper_pin.dynamics.pivoting import complementary
-from nipper_pin.dynamics.strike import strike
-from nipper_pin.hybrid.contact.complementarity import pressed
+from nipper_pin.hybrid.contact.active_set import active_set
 from nipper_pin.mechanism import Stop
 
 SEEDS = range(60)
@@ -214,7 +214,7 @@ def test_strikes_in_sequence_are_single_impacts(seed: int) -> None:
         one = collide(system, meeting.q, now, meeting.jacobian, [stop], [stop.restitution])
         now, lost = one.v_after, lost + one.energy_lost
         P[stop.name] += one.P_N[stop.name]
-    found = strike(system, meeting.q, v, meeting.jacobian, contacts, "sequential")
+    found = solve_impact(system, meeting.q, v, meeting.jacobian, contacts, "sequential")
     assert np.abs(found.v_after - now).max() <= 1e-9 * np.abs(v).max()
     assert list(found.P_N.values()) == pytest.approx(list(P.values()), rel=1e-9, abs=1e-9)
     assert found.energy_lost == pytest.approx(lost, rel=1e-9, abs=1e-9)
@@ -244,7 +244,7 @@ def test_resting_contacts_are_the_only_complementary_ones(seed: int) -> None:
     assert len(solutions) == 1
     names = frozenset(stop.name for stop in contacts)
     motion = system.shaft.driven(NOW)
-    found = pressed(system, motion, meeting.q, v, meeting.jacobian, names)
+    found = active_set(system, motion, meeting.q, v, meeting.jacobian, names)
     assert found == {contacts[i].name for i in solutions[0][0]}
 
 

@@ -22,7 +22,7 @@ from dense import close, constrained
 from benchmarks.stress.mechanics.planar_tree import PlanarTree
 from nipper_pin import DriveMode, Mechanism, load
 from nipper_pin.dynamics import ShaftMotion, System, multipliers, partition
-from nipper_pin.hybrid.contact.complementarity import pressed
+from nipper_pin.hybrid.contact.active_set import active_set
 
 RELATIVE = 1e-11
 
@@ -243,7 +243,7 @@ def test_which_stay_closed() -> None:
                 if min([*la_N, *leaving]) >= 0.0:
                     legal.append(closed)
             _, jacobian = system.body.closures(state.q[None])
-            found = pressed(system, state.motion, state.q, state.v, jacobian[0], BOTH)
+            found = active_set(system, state.motion, state.q, state.v, jacobian[0], BOTH)
             assert legal == [found]
             answers.append(found)
     assert set(answers) == set(sets)
@@ -255,7 +255,7 @@ def test_held_drives_never_keep_both(mechanism: Mechanism, tree: PlanarTree) -> 
     assert system.constraint_set(BOTH).freedom == -1
     for state in both_closed(mechanism, tree, 12, 7):
         _, jacobian = system.body.closures(state.q[None])
-        assert pressed(system, state.motion, state.q, state.v, jacobian[0], BOTH) < BOTH
+        assert active_set(system, state.motion, state.q, state.v, jacobian[0], BOTH) < BOTH
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
@@ -289,7 +289,7 @@ def test_limit_of_large_inertia(tree: PlanarTree, seed: int) -> None:
         # One of the two forces pulls, so both stops are not kept.
         assert la_N.min() < 0.0
         choices = {
-            pressed(system, motion, state.q, state.v, jacobian[0], BOTH)
+            active_set(system, motion, state.q, state.v, jacobian[0], BOTH)
             for system in (inertial, held)
         }
         assert len(choices) == 1

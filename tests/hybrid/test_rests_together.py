@@ -13,7 +13,7 @@ from nipper_pin import Case, Event, EventKind, Mechanism, Outcome, Solution, Win
 from nipper_pin.dynamics import Impact, ShaftMotion, System
 from nipper_pin.dynamics.parts import parts as parts_of
 from nipper_pin.hybrid import State, initial_state
-from nipper_pin.hybrid.contact.complementarity import Closed
+from nipper_pin.hybrid.contact.active_set import Closed
 from nipper_pin.hybrid.run.phase_manager import EventLog
 from nipper_pin.mechanism import changed
 

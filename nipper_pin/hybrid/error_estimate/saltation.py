@@ -16,7 +16,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...dynamics import Partition, System
-from ...dynamics.strike import strike
+from ...dynamics.impact_laws import solve_impact
 from ...mechanism import Stop
 from ...tolerances.hybrid import DIFFERENCE_STEP
 from .freedoms import Freedoms
@@ -168,7 +168,7 @@ def sequence_map(
 
     def outcome(q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
         jacobian = system.body.closures(q[None])[1][0]
-        impact = strike(system, q, v, jacobian, contacts, most=_MOST_STRIKES)
+        impact = solve_impact(system, q, v, jacobian, contacts, most=_MOST_STRIKES)
         return impact.v_after, np.array([impact.P_N[stop.name] for stop in pushed])
 
     nv = system.body.nv

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ...dynamics import System
-from ...dynamics.strike import same_by_every_law, strike
+from ...dynamics.impact_laws import same_by_every_law, solve_impact
 from ...errors import ImpactError
 from ...mechanism import Mechanism, Simultaneous, Stop
 from ...tolerances.hybrid import DROPPED_SERIES
@@ -49,7 +49,7 @@ def _differs(system: System, event: Event, stops: Sequence[Stop], other: Simulta
         return False
     jacobian = system.body.closures(event.q[None])[1][0]
     try:
-        instead = strike(system, event.q, before, jacobian, stops, other, _MOST_STRIKES)
+        instead = solve_impact(system, event.q, before, jacobian, stops, other, _MOST_STRIKES)
     except ImpactError:
         # Strikes without a near end come to rest, as those without restitution do at once.
         return any(stop.restitution > 0.0 for stop in stops)

@@ -17,7 +17,7 @@ from ...dynamics import System
 from ...errors import SimulationError
 from ...tolerances.hybrid import DECISION_TOLERANCE, REST_BEFORE_TOUCH, SAME_ASSEMBLY
 from ..case import Case, Resolution, Window
-from ..contact.complementarity import pressed
+from ..contact.active_set import active_set
 from ..event import Event, EventKind
 from ..run.phase_manager import go_on
 from ..run.windows import comes_back, winding
@@ -118,7 +118,7 @@ def _judged(system: System, touch: Event, end: State, events: tuple[Event, ...])
         return Premise(False, f"the links stand in another assembly {there}.")
     motion = system.shaft.driven_at(0.0)
     jacobian = system.body.closures(touch.q[None])[1][0]
-    stay = pressed(system, motion, touch.q, touch.v_before, jacobian, names)
+    stay = active_set(system, motion, touch.q, touch.v_before, jacobian, names)
     if off := sorted(names - stay):
         return Premise(False, f"{_listed(off)} just leaving its stop {there}.")
     return Premise(True, "The machine arrives at the next touch as at this one.")

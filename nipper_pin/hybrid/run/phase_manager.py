@@ -10,17 +10,17 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...dynamics import Impact, System, no_impact, weakest
-from ...dynamics.strike import strike
+from ...dynamics.impact_laws import solve_impact
 from ...errors import ConvergenceError, SimulationError, SingularConfigurationError
 from ...tolerances.hybrid import TIME_ROUND_OFF
 from ..advance import advance
 from ..case import Case
-from ..contact.complementarity import (
+from ..contact.active_set import (
     Closed,
+    active_set,
+    active_set_next,
     after_collision,
     after_release,
-    pressed,
-    pressed_next,
     stilled,
     touching,
 )
@@ -29,7 +29,7 @@ from ..event_location.guards import TriggerKind
 from ..motion.panel import Panel
 from ..segment import Segment
 from ..state import State
-from .series.bounces import Rest, Series, Struck
+from .series.bounces import ImpactOutcome, Rest, Series
 from .series.rules import series_rules
 
 
@@ -212,7 +212,7 @@ class PhaseManager:
     def _settle(self, still: Closed) -> None:
         """Close the open stops with neither gap nor rate that are pressed shut."""
         state = self.state
-        closed = self._pressed(state, state.v, state.closed | still, still)
+        closed = self._active_set(state, state.v, state.closed | still, still)
         opened = state.closed - closed
         if opened:
             state = self._open(opened)
@@ -293,10 +293,10 @@ class PhaseManager:
         if not self.system.whole:
             meeting = met | (state.closed & self.system.coupled(met))
         contacts = [stop for stop in self.mechanism.stops if stop.name in meeting]
-        impact = strike(self.system, state.q, state.v, state.jacobian, contacts)
+        impact = solve_impact(self.system, state.q, state.v, state.jacobian, contacts)
         rates = {stop.name: stop.rate(impact.v_after) for stop in contacts}
         at_rest = after_collision(state.closed, rates)
-        closed = self._pressed(state, impact.v_after, at_rest, met)
+        closed = self._active_set(state, impact.v_after, at_rest, met)
         struck = _struck(impact, hit)
         number = self._log.record(EventKind.COLLISION, state, state.t, struck, impact, closed)
         after = State(
@@ -308,7 +308,7 @@ class PhaseManager:
             self._close(after, newly, closed)
         self.state = after
         rebounding = [s for s in contacts if s.name in hit and rates[s.name] > 0.0]
-        self._go_on(Struck(number, state, after, hit, rates, rebounding))
+        self._go_on(ImpactOutcome(number, state, after, hit, rates, rebounding))
 
     def _lying(self, state: State, hit: Set[str] = frozenset()) -> tuple[State, Set[str]]:
         """The state without the round-off of stops that touch beside those that close; these."""
@@ -324,7 +324,7 @@ class PhaseManager:
         v = stilled(self.system, state.v, state.jacobian, found)
         return state._replace(v=v), {stop.name for stop in found}
 
-    def _go_on(self, struck: Struck) -> None:
+    def _go_on(self, struck: ImpactOutcome) -> None:
         """Go on with the series that a collision belongs to, or end it."""
         for rule in self._rules:
             if rule.concerns(struck):
@@ -367,7 +367,7 @@ class PhaseManager:
         if len(released) > 1:
             # Those that pull at the start of a phase may push once another one is open.
             phase = self.system.constraint_set(state.closed)
-            stay = pressed_next(self.system, phase, panel, state.t, released)
+            stay = active_set_next(self.system, phase, panel, state.t, released)
             released = state.closed - stay or released
         return self._open(released)
 
@@ -408,12 +408,12 @@ class PhaseManager:
             self._known = state.v, a
         return a
 
-    def _pressed(
+    def _active_set(
         self, state: State, v: FloatArray, at_rest: Closed, about: Collection[str]
     ) -> Closed:
         if not at_rest:
             return at_rest
-        return pressed(self.system, state.motion, state.q, v, state.jacobian, at_rest, about)
+        return active_set(self.system, state.motion, state.q, v, state.jacobian, at_rest, about)
 
 
 def _struck(impact: Impact, hit: set[str]) -> list[str]:

@@ -19,7 +19,7 @@ from ...tolerances.mechanics import RANK_TOLERANCE
 from ..parts import Stop
 from ..scale import reach, unit_of, units_of
 from .closing import PLANE
-from .touch_checks import Held
+from .touch_checks import Constraints
 from .tree import Tree
 
 # Steps from the touch configuration to a closed stop, and of Newton's method in each.
@@ -29,7 +29,7 @@ _STEPS, _ITERATIONS = 12, 20
 _NEARBY, _FAR = 0.05, 100.0
 
 
-def with_leaders(held: Held, tree: Tree) -> Held:
+def with_leaders(held: Constraints, tree: Tree) -> Constraints:
     """The same with stops that know their leader, of those that close with another.
 
     Of stops that close together the one with the largest restitution leads: by Newton's law it
@@ -76,7 +76,7 @@ def _alike(one: FloatArray, other: FloatArray) -> bool:
 class _Loops:
     """Closures and couplings of a tree away from its touch configuration, q = 0."""
 
-    def __init__(self, held: Held, tree: Tree) -> None:
+    def __init__(self, held: Constraints, tree: Tree) -> None:
         """Find the frames."""
         self._model, self._couplings = tree.model, held.couplings
         self._data = tree.model.createData()

@@ -69,7 +69,7 @@ def _point_jacobian(
     return jacobian[PLANE, :]
 
 
-class Held(NamedTuple):
+class Constraints(NamedTuple):
     """What holds the coordinates of a mechanism.
 
     Attributes:
@@ -92,7 +92,7 @@ def held_by(
     couplings: Sequence[Coupling],
     drives: Sequence[Drive],
     stops: tuple[Stop, ...],
-) -> Held:
+) -> Constraints:
     """What holds the coordinates of a tree, with the Jacobian of closures and couplings."""
     joints = tree.joints
     jacobian = closure_jacobian(closures, joints, tree.urdf, tree.model, tree.placements)
@@ -101,11 +101,11 @@ def held_by(
     multipliers = np.array([item.multiplier for item in couplings]).reshape(-1, 1)
     jacobian = np.vstack([jacobian, followers - multipliers * leaders])
     units = units_of(joints, unit_of(reach(tree.model, joints, stops)))
-    return Held(closures, couplings, drives, stops, jacobian * units)
+    return Constraints(closures, couplings, drives, stops, jacobian * units)
 
 
 def check_assembly(
-    tree: Tree, held: Held, phases: Sequence[Phase], degrees_of_freedom: int
+    tree: Tree, held: Constraints, phases: Sequence[Phase], degrees_of_freedom: int
 ) -> None:
     """Check that the mechanism, which is closed, moves as stated and can be driven.
 
@@ -159,7 +159,7 @@ def dependent_rows(matrix: FloatArray, names: Sequence[str]) -> list[str]:
     return [name for name, part in zip(names, share, strict=True) if part > DEPENDENT_SHARE]
 
 
-def _check_mobility(joints: Sequence[Joint], held: Held, stated: int, file: str) -> None:
+def _check_mobility(joints: Sequence[Joint], held: Constraints, stated: int, file: str) -> None:
     """Compare the mobility with the stated one; the rows are known to be independent."""
     closures = held.closures
     found = len(joints) - 2 * len(closures) - len(held.couplings)

@@ -21,14 +21,14 @@ from ....tolerances.hybrid import (
 )
 from ....tolerances.mechanics import EPS
 from ...case import Case
+from ...contact.active_set import Closed, active_set
 from ...contact.bounce_series import BounceSeries
-from ...contact.complementarity import Closed, pressed
 from ...state import State
 
 Series = tuple[BounceSeries, ...]
 
 
-class Struck(NamedTuple):
+class ImpactOutcome(NamedTuple):
     """A collision that has been computed.
 
     Attributes:
@@ -89,11 +89,11 @@ class Limit(NamedTuple):
 class ZenoRule(Protocol):
     """One kind of series."""
 
-    def concerns(self, struck: Struck) -> bool:
+    def concerns(self, struck: ImpactOutcome) -> bool:
         """Return whether a collision may belong to such a series."""
         ...
 
-    def followed(self, struck: Struck, a: FloatArray) -> tuple[Series, Sequence[Rest]]:
+    def followed(self, struck: ImpactOutcome, a: FloatArray) -> tuple[Series, Sequence[Rest]]:
         """Add a collision to its series.
 
         Args:
@@ -189,7 +189,9 @@ def _rest(system: System, state: State, limits: Sequence[Limit]) -> Rest | None:
         # Round-off in a part that the impact does not reach.
         impact.v_after[system.mechanism.stop(name).index] = 0.0
     at_rest = state.closed | names
-    closed = pressed(system, state.motion, state.q, impact.v_after, state.jacobian, at_rest, names)
+    closed = active_set(
+        system, state.motion, state.q, impact.v_after, state.jacobian, at_rest, names
+    )
     if names <= closed:
         newly = sorted(names - state.closed)
         return Rest(latest(limits), latest_error(limits), newly, impact, closed)
@@ -225,11 +227,11 @@ class Bounces(ZenoRule):
         """The series themselves are part of the state of a run."""
         self._system, self._case = system, case
 
-    def concerns(self, struck: Struck) -> bool:
+    def concerns(self, struck: ImpactOutcome) -> bool:
         """Return whether a stop rebounds."""
         return bool(struck.rebounding)
 
-    def followed(self, struck: Struck, a: FloatArray) -> tuple[Series, Sequence[Rest]]:
+    def followed(self, struck: ImpactOutcome, a: FloatArray) -> tuple[Series, Sequence[Rest]]:
         """Add the bounces of a collision; see :meth:`.ZenoRule.followed`."""
         system, state = self._system, struck.after
         before = struck.before.series
@@ -250,7 +252,7 @@ class Bounces(ZenoRule):
         rests = rests_of(system, state, self._in_step(struck, known)) if known else ()
         return (*state.series, *found), rests
 
-    def _in_step(self, struck: Struck, known: Sequence[Limit]) -> list[list[Limit]]:
+    def _in_step(self, struck: ImpactOutcome, known: Sequence[Limit]) -> list[list[Limit]]:
         """The limits by part, of parts all of whose bouncing stops come to rest, as one."""
         parts: dict[frozenset[str], list[Limit]] = {}
         for limit in known:

@@ -32,17 +32,17 @@ from ....tolerances.hybrid import (
     VANISHED_REBOUND,
 )
 from ...case import Case
+from ...contact.active_set import Closed
 from ...contact.bounce_series import NestedSeries
-from ...contact.complementarity import Closed
 from ...event import Event, EventKind
 from ...state import State
 from .bounces import (
     UNKNOWN,
     Bounces,
+    ImpactOutcome,
     Limit,
     Rest,
     Series,
-    Struck,
     ZenoRule,
     knot_between,
     other_stop_meets,
@@ -66,13 +66,13 @@ class Jams(ZenoRule):
         self._mechanism, self._events = system.mechanism, events
         self._instant = SIMULTANEOUS * system.shaft.period
 
-    def concerns(self, struck: Struck) -> bool:
+    def concerns(self, struck: ImpactOutcome) -> bool:
         """Return whether there are as many events within one instant."""
         first = struck.number - _JAM
         events = self._events
         return first >= 0 and events[struck.number - 1].t - events[first].t <= self._instant
 
-    def followed(self, struck: Struck, a: FloatArray) -> tuple[Series, Sequence[Rest]]:
+    def followed(self, struck: ImpactOutcome, a: FloatArray) -> tuple[Series, Sequence[Rest]]:
         """Refuse to go on from a jam.
 
         Raises:
@@ -123,11 +123,11 @@ class NestedBounces(ZenoRule):
         self._system, self._case = system, case
         self._known: dict[tuple[str, Closed], NestedSeries] = {}
 
-    def concerns(self, struck: Struck) -> bool:
+    def concerns(self, struck: ImpactOutcome) -> bool:
         """Return whether collisions open other stops, which were at rest."""
         return any(struck.rates.get(name, 0.0) > 0.0 for name in struck.before.closed)
 
-    def followed(self, struck: Struck, a: FloatArray) -> tuple[Series, Sequence[Rest]]:
+    def followed(self, struck: ImpactOutcome, a: FloatArray) -> tuple[Series, Sequence[Rest]]:
         """Add such collisions, one a part; see :meth:`.ZenoRule.followed`."""
         hit = [self._system.mechanism.stop(name) for name in struck.hit]
         alone = [group[0] for group in self._system.apart(hit) if len(group) == 1]
@@ -135,7 +135,7 @@ class NestedBounces(ZenoRule):
         rests = rests_of(self._system, struck.after, [[limit] for limit in limits])
         return struck.after.series, rests
 
-    def _limit(self, struck: Struck, a: FloatArray, stop: Stop) -> Limit | None:
+    def _limit(self, struck: ImpactOutcome, a: FloatArray, stop: Stop) -> Limit | None:
         """Where the collisions of a stop end that throw others of its part open, once known."""
         system, before, state = self._system, struck.before, struck.after
         closed = before.closed & system.coupled([stop.name])
@@ -218,11 +218,11 @@ class VanishingBounces(ZenoRule):
             for stop in group:
                 self._least[stop.name] = VANISHED_REBOUND * farthest * units[stop.index]
 
-    def concerns(self, struck: Struck) -> bool:
+    def concerns(self, struck: ImpactOutcome) -> bool:
         """Return whether a stop rebounds."""
         return bool(struck.rebounding) and self._case.rest_rate is None
 
-    def followed(self, struck: Struck, a: FloatArray) -> tuple[Series, Sequence[Rest]]:
+    def followed(self, struck: ImpactOutcome, a: FloatArray) -> tuple[Series, Sequence[Rest]]:
         """End the bounces of a part; see :meth:`.ZenoRule.followed`."""
         system = self._system
         parts = [system.coupled([group[0].name]) for group in system.apart(struck.rebounding)]

@@ -155,7 +155,7 @@ def _response(
     return delta + closed, closure_impulses
 
 
-def strike(
+def solve_impact(
     system: System,
     q: FloatArray,
     v: FloatArray,

@@ -36,7 +36,7 @@ def after_collision(closed: Closed, rates: dict[str, float]) -> Closed:
     return frozenset(name for name, rate in rates.items() if rate == 0.0) | (closed - rates.keys())
 
 
-def pressed(
+def active_set(
     system: System,
     motion: Driven,
     q: FloatArray,
@@ -75,7 +75,7 @@ def pressed(
         matrix = delassus(system, q, jacobian, group)
         size = ACTIVE_SET_ROUND_OFF * force_size(system, motion, q, v, a, group[0].index)
         nothing = size * inverse_mass_roots(system, q, [stop.index for stop in group])
-        found = _held(matrix, np.array([stop.rate(a) for stop in group]), nothing)
+        found = _of_one_part(matrix, np.array([stop.rate(a) for stop in group]), nothing)
         if found is None:
             message = (
                 f"no set of the stops {sorted(concerned)} can stay closed: each choice "
@@ -86,7 +86,7 @@ def pressed(
     return (at_rest - concerned).union(stop.name for stop in closed)
 
 
-def pressed_next(
+def active_set_next(
     system: System, phase: ConstraintSet, panel: Panel, t: float, about: Collection[str]
 ) -> Closed:
     """Closed stops that are still closed a moment later.
@@ -95,17 +95,17 @@ def pressed_next(
 
     Args:
         t: End of the phase, and of its last panel [s].
-        about: As in :func:`pressed`.
+        about: As in :func:`active_set`.
 
     Raises:
         SimulationError: No set satisfies the conditions.
     """
     later = t + ACCELERATION_LOOKAHEAD * system.shaft.period
     q, v, jacobian, motion = one_state_at(system, phase, panel, later)
-    return pressed(system, motion, q, v, jacobian, phase.closed, about)
+    return active_set(system, motion, q, v, jacobian, phase.closed, about)
 
 
-def _held(matrix: FloatArray, leaving: FloatArray, nothing: FloatArray) -> list[int] | None:
+def _of_one_part(matrix: FloatArray, leaving: FloatArray, nothing: FloatArray) -> list[int] | None:
     """Places of the stops that stay closed.
 
     Args:
