@@ -1,9 +1,19 @@
-"""The one array type of the package."""
+"""The one array type of the package; where a shape is said by a name, it is one of these."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
+Vector = FloatArray
+"""A number for each coordinate: a configuration, a velocity or an acceleration, shape (nv,)."""
+Vectors = FloatArray
+"""Those of N states, shape (N, nv)."""
+Jacobian = FloatArray
+"""Closure Jacobian G of one configuration, shape (m, nv)."""
+Jacobians = FloatArray
+"""Closure Jacobians of N configurations, shape (N, m, nv)."""
+Times = FloatArray
+"""N times [s], shape (N,)."""
 
 
 def largest(values: FloatArray) -> FloatArray:

@@ -16,7 +16,7 @@ import numpy as np
 from eigenpy import PartialPivLU
 from numpy.typing import NDArray
 
-from ..arrays import FloatArray
+from ..arrays import FloatArray, Jacobians, Vectors
 from ..errors import ConvergenceError, SingularConfigurationError
 from ..tolerances.mechanics import CLOSURE_RESIDUAL, DEAD_CENTRE_SHARE, MAX_CONDITION
 from ..units import MM_PER_M
@@ -279,17 +279,12 @@ def close_positions(
 
 
 def close_velocities(
-    v: FloatArray, jacobian: FloatArray, split: Partition, inverse: FloatArray | None = None
-) -> FloatArray:
+    v: Vectors, jacobian: Jacobians, split: Partition, inverse: FloatArray | None = None
+) -> Vectors:
     """Solve G v = 0 for the dependent velocities; the independent ones are kept.
 
     Args:
-        v: Velocities, shape (N, nv).
-        jacobian: Closure Jacobian G, shape (N, m, nv).
         inverse: What :func:`inverses` gives for them, where it is known already.
-
-    Returns:
-        Closed velocities, shape (N, nv).
     """
     v = v.copy()
     dependent = split.columns
@@ -300,11 +295,8 @@ def close_velocities(
     return v
 
 
-def inverses(jacobian: FloatArray, split: Partition) -> FloatArray:
+def inverses(jacobian: Jacobians, split: Partition) -> FloatArray:
     """Inverses of the dependent blocks of the closures, shape (N, m, m).
-
-    Args:
-        jacobian: Closure Jacobian G, shape (N, m, nv).
 
     Raises:
         SingularConfigurationError: A block is singular.

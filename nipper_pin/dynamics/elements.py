@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..arrays import FloatArray
+from ..arrays import FloatArray, Times, Vectors
 from ..errors import ElementError
 from ..mechanism import Mechanism
 from ..tolerances.mechanics import COINCIDENT_M, HEAT_ROUND_OFF, TABLE_END_OVERRUN
@@ -44,12 +44,8 @@ class Elements:
         self._directed = np.array([strut.directed for strut in self._struts], dtype=bool)
         self.coincident_m = COINCIDENT_M * mechanism.unit_m
 
-    def forces(self, q: FloatArray, v: FloatArray) -> FloatArray:
+    def forces(self, q: Vectors, v: Vectors) -> FloatArray:
         """Generalised forces, shape (N, nv) [N or N m].
-
-        Args:
-            q: Configurations, shape (N, nv).
-            v: Velocities, shape (N, nv).
 
         Raises:
             ElementError: Two points coincide.
@@ -147,13 +143,8 @@ class Elements:
                     q=q[row],
                 )
 
-    def check_heat(self, q: FloatArray, v: FloatArray, t: FloatArray) -> None:
+    def check_heat(self, q: Vectors, v: Vectors, t: Times) -> None:
         """Refuse a motion on which a force law takes heat for work.
-
-        Args:
-            q: Configurations, shape (N, nv).
-            v: Velocities, shape (N, nv).
-            t: Their times [s], shape (N,).
 
         Raises:
             ElementError: Names the law, the time and the heat of the first such state.

@@ -6,15 +6,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..arrays import FloatArray
+from ..arrays import FloatArray, Jacobian, Vector
 from ..errors import ImpactError
 from .shaft import Driven
 from .system import System
 
 
-def impact_condition(
-    system: System, q: FloatArray, jacobian: FloatArray, stops: Sequence[int]
-) -> float:
+def impact_condition(system: System, q: Vector, jacobian: Jacobian, stops: Sequence[int]) -> float:
     """Condition number of the impact matrix A = J M^-1 J', J being closures and closed stops.
 
     Rows and columns are scaled to a diagonal of ones, so units do not count. Accelerations,
@@ -23,8 +21,6 @@ def impact_condition(
 
     Args:
         system: The system; held drives do not yield.
-        q: Configuration, shape (nv,).
-        jacobian: Closure Jacobian G at q, shape (m, nv).
         stops: Coordinates of the closed stops; with any, the matrix is that of their parts.
 
     Returns:
@@ -51,7 +47,7 @@ def impact_condition(
     return float(np.linalg.cond(matrix / size / size[:, None]))
 
 
-def inverse_mass_roots(system: System, q: FloatArray, stops: Sequence[int]) -> FloatArray:
+def inverse_mass_roots(system: System, q: Vector, stops: Sequence[int]) -> FloatArray:
     """Roots of the diagonal of M^-1 at stops, shape (stops,): they make impulses comparable.
 
     An impulse times this is the root of twice the energy that it gives to a machine at rest whose
@@ -59,7 +55,6 @@ def inverse_mass_roots(system: System, q: FloatArray, stops: Sequence[int]) -> F
 
     Args:
         system: The system; held drives do not yield.
-        q: Configuration, shape (nv,).
 
     Raises:
         ImpactError: The mass matrix is singular.
@@ -74,12 +69,11 @@ def inverse_mass_roots(system: System, q: FloatArray, stops: Sequence[int]) -> F
     return np.asarray(np.sqrt(np.maximum(diagonal, 0.0)))
 
 
-def free_mass_matrix(system: System, q: FloatArray) -> tuple[list[int], FloatArray]:
+def free_mass_matrix(system: System, q: Vector) -> tuple[list[int], FloatArray]:
     """Coordinates that impulses move, and their mass matrix with the inertia of the shafts.
 
     Args:
         system: The system; held drives do not yield.
-        q: Configuration, shape (nv,).
 
     Returns:
         Their numbers, and the matrix, shape (moving, moving).
@@ -92,7 +86,7 @@ def free_mass_matrix(system: System, q: FloatArray) -> tuple[list[int], FloatArr
 
 
 def force_size(
-    system: System, motion: Driven, q: FloatArray, v: FloatArray, a: FloatArray, index: int
+    system: System, motion: Driven, q: Vector, v: Vector, a: Vector, index: int
 ) -> float:
     """Size of the forces that balance in a part, the root of f' M^-1 f of each kind, added up.
 
@@ -101,9 +95,6 @@ def force_size(
 
     Args:
         motion: Driven coordinates at this time, as one row.
-        q: Configuration, shape (nv,).
-        v: Velocity, shape (nv,).
-        a: Acceleration, shape (nv,).
         index: A coordinate of the part.
     """
     moving, mass = free_mass_matrix(system, q)

@@ -13,7 +13,7 @@ from itertools import combinations
 
 import numpy as np
 
-from ..arrays import FloatArray, product
+from ..arrays import FloatArray, Jacobian, Vector, product
 from ..errors import ImpactError
 from ..mechanism import Stop
 from ..tolerances.mechanics import (
@@ -54,18 +54,16 @@ class Impact:
 
 def collide(
     system: System,
-    q: FloatArray,
+    q: Vector,
     v: FloatArray,
-    jacobian: FloatArray,
+    jacobian: Jacobian,
     contacts: Sequence[Stop],
     restitution: Sequence[float],
 ) -> Impact:
     """Apply Newton's law to stops in contact, all at once.
 
     Args:
-        q: Configuration, shape (nv,).
         v: Velocity before, G v = 0, shape (nv,).
-        jacobian: Closure Jacobian G at q, shape (m, nv).
         contacts: Stops with zero gap: the colliding ones and those closed before.
         restitution: e_N of each.
 
@@ -124,17 +122,15 @@ def _choices(
 
 def closing_impulse(
     system: System,
-    q: FloatArray,
+    q: Vector,
     v: FloatArray,
-    jacobian: FloatArray,
+    jacobian: Jacobian,
     stops: Sequence[Stop],
 ) -> Impact:
     """Bring the gap rates of stops to zero, as a bounce series does at its limit.
 
     Args:
-        q: Configuration, shape (nv,).
         v: Velocity after the last collision that was computed, shape (nv,).
-        jacobian: Closure Jacobian G at q, shape (m, nv).
         stops: The stops that come to rest, and those that are closed all the while: the bounces
             left out do not open them.
 
@@ -225,7 +221,7 @@ def no_impact(system: System, v: FloatArray) -> Impact:
 
 def drive_impulses(
     system: System,
-    q: FloatArray,
+    q: Vector,
     delta: FloatArray,
     P_g: FloatArray,
 ) -> FloatArray:
@@ -234,7 +230,6 @@ def drive_impulses(
     No stop acts on a driven joint.
 
     Args:
-        q: Configuration, shape (nv,).
         delta: Change of velocity, shape (nv,).
         P_g: Closure impulses, shape (m,) [N s].
 

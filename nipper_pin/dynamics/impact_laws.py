@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import FloatArray
+from ..arrays import FloatArray, Jacobian, Vector
 from ..errors import ImpactError
 from ..mechanism import Simultaneous, Stop
 from ..tolerances.hybrid import JAM_SLOWING
@@ -28,9 +28,9 @@ _JAM = 20_000
 
 def sequential_impacts(
     system: System,
-    q: FloatArray,
+    q: Vector,
     v: FloatArray,
-    jacobian: FloatArray,
+    jacobian: Jacobian,
     contacts: Sequence[Stop],
     most: int,
 ) -> Impact:
@@ -40,9 +40,7 @@ def sequential_impacts(
     are struck together, so that no order of names counts and mirrored machines stay mirrored.
 
     Args:
-        q: Configuration, shape (nv,).
         v: Velocity before, G v = 0, shape (nv,).
-        jacobian: Closure Jacobian G at q, shape (m, nv).
         contacts: Stops with zero gap: the colliding ones and those that touch.
         most: Number of strikes at which to give up.
 
@@ -157,9 +155,9 @@ def _response(
 
 def solve_impact(
     system: System,
-    q: FloatArray,
+    q: Vector,
     v: FloatArray,
-    jacobian: FloatArray,
+    jacobian: Jacobian,
     contacts: Sequence[Stop],
     law: Simultaneous | None = None,
     most: int = MOST_STRIKES,
@@ -167,9 +165,7 @@ def solve_impact(
     """Return the impact of the stops in contact.
 
     Args:
-        q: Configuration, shape (nv,).
         v: Velocity before, G v = 0, shape (nv,).
-        jacobian: Closure Jacobian G at q, shape (m, nv).
         contacts: Stops with zero gap: the colliding ones and those that touch.
         law: Law of contacts that share a motion; by default that of the mechanism.
         most: Number of strikes from contact to contact at which to give up.

@@ -31,7 +31,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from ..arrays import FloatArray, product
+from ..arrays import FloatArray, Vector, Vectors, product
 from ..errors import SingularConfigurationError
 from ..mechanism import Mechanism, Shared, joint_axis, joint_placements, supports
 from ..tolerances.mechanics import (
@@ -112,7 +112,7 @@ class Loops:
         both: FloatArray = rows.reshape(count, 2 * cuts, 1 + self._nv)
         return both[:, :, 0], both[:, :, 1:]
 
-    def accelerations(self, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
+    def accelerations(self, q: FloatArray, v: FloatArray, a: FloatArray) -> Vectors:
         """Accelerations of the gaps, as :meth:`OpenTree.closure_accelerations`."""
         turned, spin = self._turned(q, 1.0), product(v, self._turning)
         owners = turned.take(self._owners, 1).conj()
@@ -128,11 +128,10 @@ class Loops:
         rows[:, :, 0], rows[:, :, 1] = apart.imag * self._signs[:, 0], apart.real
         return rows.reshape(len(q), 2 * len(self._owners))
 
-    def _turned(self, q: FloatArray, slid: FloatArray | float) -> NDArray[np.complex128]:
+    def _turned(self, q: Vectors, slid: FloatArray | float) -> NDArray[np.complex128]:
         """Units turned with the bodies, then lengths turned with the slides.
 
         Args:
-            q: Configurations, shape (N, nv).
             slid: The lengths, shape (N, slides), or one for all.
 
         Returns:
@@ -228,11 +227,8 @@ class Multibody(OpenTree):
             self.closure_rows > 0 and self._lightest(np.array(sizes)) < LIGHT_BODY_SHARE * heaviest
         )
 
-    def closures(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def closures(self, q: Vectors) -> tuple[FloatArray, FloatArray]:
         """Closure gaps and their Jacobian.
-
-        Args:
-            q: Configurations, shape (N, nv).
 
         Returns:
             g [m], shape (N, m): position of frame a minus that of frame b in the axes of frame a,
@@ -278,19 +274,15 @@ class Multibody(OpenTree):
         return Loops(self._plain, self.cuts)
 
     def accelerations(
-        self, q: FloatArray, v: FloatArray, tau: FloatArray, armature: FloatArray
+        self, q: Vectors, v: FloatArray, tau: FloatArray, armature: FloatArray
     ) -> FloatArray:
         """Constrained accelerations: M a + h = tau + G' la_g, G a + G_dot v = 0.
 
         Args:
-            q: Configurations, shape (N, nv).
             v: Velocities that satisfy G v = 0, shape (N, nv).
             tau: Generalised forces, shape (N, nv) [N m or N].
             armature: Inertia added to each joint, shape (nv,); ``INFINITE_INERTIA`` where the
                 acceleration is prescribed as tau / armature.
-
-        Returns:
-            a, shape (N, nv).
 
         Raises:
             SingularConfigurationError: The closures lose rank.
@@ -310,9 +302,7 @@ class Multibody(OpenTree):
             raise _singular(q)
         return self.refined(q, v, a, armature) if self._refines else a
 
-    def refined(
-        self, q: FloatArray, v: FloatArray, a: FloatArray, armature: FloatArray
-    ) -> FloatArray:
+    def refined(self, q: Vectors, v: FloatArray, a: Vectors, armature: FloatArray) -> Vectors:
         """Accelerations refined until G a + G_dot v = 0 to round-off.
 
         One step of iterative refinement, a - M^-1 G' (G M^-1 G')^-1 (G a + G_dot v): the
@@ -320,13 +310,8 @@ class Multibody(OpenTree):
         light bodies :meth:`accelerations` includes this step.
 
         Args:
-            q: Configurations, shape (N, nv).
             v: Velocities that satisfy G v = 0, shape (N, nv).
-            a: Accelerations, shape (N, nv).
             armature: Inertia added to each joint, shape (nv,).
-
-        Returns:
-            a, shape (N, nv).
 
         Raises:
             SingularConfigurationError: The closures lose rank.
@@ -360,7 +345,7 @@ class Multibody(OpenTree):
         return float((1.0 / np.diag(inverse) / sizes**2).min(initial=np.inf))
 
     def impulse_response(
-        self, q: FloatArray, rows: FloatArray, z: FloatArray, armature: FloatArray
+        self, q: Vector, rows: FloatArray, z: FloatArray, armature: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """Smallest change of velocity, in the metric of M, that cancels the rate ``rows @ z``.
 
@@ -369,7 +354,6 @@ class Multibody(OpenTree):
         precision however small the impact is, and each row may have its own restitution.
 
         Args:
-            q: Configuration, shape (nv,).
             rows: Independent constraint rows, shape (r, nv).
             z: Velocity whose rates along the rows are to be cancelled, shape (nv,).
             armature: Inertia added to each joint, shape (nv,).

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..arrays import FloatArray
+from ..arrays import FloatArray, Jacobians, Vectors
 from .assembly import Partition, inverses, products
 from .constraint_set import ConstraintSet
 from .shaft import Driven
@@ -32,10 +32,10 @@ class Multipliers:
 def multipliers(
     system: System,
     motion: Driven,
-    q: FloatArray,
-    v: FloatArray,
-    a: FloatArray,
-    jacobian: FloatArray,
+    q: Vectors,
+    v: Vectors,
+    a: Vectors,
+    jacobian: Jacobians,
     phase: ConstraintSet,
     split: Partition,
     inverse: FloatArray | None = None,
@@ -47,11 +47,6 @@ def multipliers(
     and the inertia of its shaft stands beside that of the links.
 
     Args:
-        motion: Driven coordinates, rates and accelerations of these states.
-        q: Configurations, shape (N, nv).
-        v: Velocities, shape (N, nv).
-        a: Accelerations, shape (N, nv).
-        jacobian: Closure Jacobian G, shape (N, m, nv).
         split: Dependent and independent coordinates; no given one may be dependent.
         inverse: What :func:`inverses` gives for them, where it is known already.
     """

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 import pinocchio as pin
 
-from ..arrays import FloatArray
+from ..arrays import FloatArray, Vector, Vectors
 from ..mechanism import Mechanism, joint_placements
 
 PLANAR_ROWS_OF_A_POINT = (0, 2)
@@ -89,13 +89,8 @@ class OpenTree:
         # Pinocchio fills the upper triangle only.
         return np.where(self._upper, matrices, np.swapaxes(matrices, 1, 2))
 
-    def closure_accelerations(self, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
+    def closure_accelerations(self, q: Vectors, v: Vectors, a: Vectors) -> FloatArray:
         """Accelerations G a + G_dot v with which the cut joints open [m/s2].
-
-        Args:
-            q: Configurations, shape (N, nv).
-            v: Velocities, shape (N, nv).
-            a: Accelerations, shape (N, nv).
 
         Returns:
             Of the frames a against the frames b, in the axes of the frames a, shape (N, m).
@@ -134,12 +129,8 @@ class OpenTree:
             [pin.computePotentialEnergy(self._plain, self._plain_data, row) for row in q]
         )
 
-    def link_velocities(self, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def link_velocities(self, q: Vector, v: Vector) -> tuple[FloatArray, FloatArray]:
         """Angular and centroid velocities of the links at one state.
-
-        Args:
-            q: Configuration, shape (nv,).
-            v: Velocity, shape (nv,).
 
         Returns:
             Angular velocities, counter-clockwise in the side view, shape (links,) [rad/s], and
@@ -163,11 +154,8 @@ class OpenTree:
         pin.forwardKinematics(self._plain, self._plain_data, q)
         return [pin.SE3(self._plain_data.oMi[joint]) for joint in self._link_ids]
 
-    def points(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def points(self, q: Vectors) -> tuple[FloatArray, FloatArray]:
         """World places of the points of all struts, and their Jacobians.
-
-        Args:
-            q: Configurations, shape (N, nv).
 
         Returns:
             Places (x, z), shape (N, struts, 2, 2) [m], the third axis being points a and b; and
@@ -193,9 +181,9 @@ class OpenTree:
 
     def joint_wrenches(
         self,
-        q: FloatArray,
-        v: FloatArray,
-        a: FloatArray,
+        q: Vector,
+        v: Vector,
+        a: Vector,
         closure_forces: FloatArray,
         point_forces: FloatArray = _NO_FORCES,
         contact_forces: FloatArray | None = None,
@@ -203,9 +191,6 @@ class OpenTree:
         """Wrench that each joint's parent exerts on its child, and the cut joints' forces.
 
         Args:
-            q: Configuration, shape (nv,).
-            v: Velocity, shape (nv,).
-            a: Acceleration, shape (nv,).
             closure_forces: Multipliers la_g, shape (m,) [N], in the axes of the frames a.
             point_forces: Forces (x, z) of the struts on the bodies of their points a, in world
                 axes, shape (struts, 2) [N]; their opposites act at the points b.
@@ -228,7 +213,7 @@ class OpenTree:
 
     def joint_impulses(
         self,
-        q: FloatArray,
+        q: Vector,
         delta: FloatArray,
         closure_impulses: FloatArray,
         contact_impulses: FloatArray,
@@ -236,7 +221,6 @@ class OpenTree:
         """The same of an impact, in N s and N m s: what forces are to accelerations.
 
         Args:
-            q: Configuration, shape (nv,).
             delta: Change of velocity, shape (nv,).
             closure_impulses: P_g, shape (m,) [N s], in the axes of the frames a.
             contact_impulses: Normal impulses, as ``contact_forces``, shape (contacts,) [N s].

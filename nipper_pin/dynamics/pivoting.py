@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import FloatArray
+from ..arrays import FloatArray, Jacobian, Vector
 from ..mechanism import Stop
 from ..tolerances.mechanics import DEPENDENT_PIVOT, EQUAL_RATIO, RANK_TOLERANCE
 from .free_mass import free_mass_matrix, inverse_mass_roots
@@ -21,15 +21,11 @@ from .system import System
 _ROUNDS = 50
 
 
-def delassus(
-    system: System, q: FloatArray, jacobian: FloatArray, stops: Sequence[Stop]
-) -> FloatArray:
+def delassus(system: System, q: Vector, jacobian: Jacobian, stops: Sequence[Stop]) -> FloatArray:
     """Rates of the gaps of stops by the impulses at them, A, shape (stops, stops).
 
     Args:
         system: The system; held drives do not yield.
-        q: Configuration, shape (nv,).
-        jacobian: Closure Jacobian G at q, shape (m, nv).
         stops: The stops. Rows of those that closures and drives do not let move are zero.
 
     Raises:

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..arrays import FloatArray
+from ..arrays import FloatArray, Times
 from ..mechanism import DriveLaw, Mechanism
 from ..tolerances.hybrid import KNOT_ROUND_OFF
 from ..tolerances.mechanics import KNOT_ANGLE
@@ -50,11 +50,10 @@ class ShaftMotion:
         """Cylinder angle psi [rad] at times t [s]."""
         return np.asarray(self.start_angle_rad + self.rate * np.asarray(t))
 
-    def driven(self, t: FloatArray, piece: float | None = None) -> Driven:
+    def driven(self, t: Times, piece: float | None = None) -> Driven:
         """Driven coordinates, rates and accelerations.
 
         Args:
-            t: Times, shape (N,) [s].
             piece: A time [s] on the piece of the laws, from knot to knot, that all times belong to:
                 one that lies beyond its ends, by no more than round-off, does not see the next.
 

@@ -8,7 +8,7 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import FloatArray, product
+from ..arrays import FloatArray, Jacobian, Jacobians, Vector, Vectors, product
 from ..mechanism import Mechanism, Stop
 from ..tolerances.mechanics import GOOD_CONDITION, MAX_CONDITION, REPARTITION_GAIN
 from .assembly import (
@@ -128,11 +128,10 @@ class System:
         """How far links turn as coordinates move, shape of ``moved`` [rad]; slides by the reach."""
         return np.abs(moved) * self._numbers.turning
 
-    def lift(self, jacobian: FloatArray, split: Partition, v: FloatArray) -> FloatArray:
+    def lift(self, jacobian: Jacobian, split: Partition, v: FloatArray) -> FloatArray:
         """Velocities with G v = 0, shape of ``v``: dependent rates from independent ones.
 
         Args:
-            jacobian: Closure Jacobian G, shape (m, nv).
             split: What :meth:`split` gives for it.
             v: Velocity, shape (nv,) or (N, nv); its dependent rates count for nothing.
         """
@@ -145,15 +144,11 @@ class System:
         by_coordinate[split.columns] = -product(self._inverse, product(jacobian, by_coordinate))
         return lifted
 
-    def closed_velocity(self, v: FloatArray, jacobian: FloatArray, split: Partition) -> FloatArray:
+    def closed_velocity(self, v: FloatArray, jacobian: Jacobian, split: Partition) -> Vector:
         """Solve G v = 0 for the dependent rates of one velocity that nearly satisfies it.
 
         Args:
             v: Velocity, shape (nv,); the independent rates are kept.
-            jacobian: Closure Jacobian G, shape (m, nv).
-
-        Returns:
-            Closed velocity, shape (nv,).
         """
         if not self._serves(split, jacobian):
             closed: FloatArray = close_velocities(v[None], jacobian[None], split)[0]
@@ -163,12 +158,8 @@ class System:
         closed[split.columns] -= product(self._inverse, product(jacobian, v))
         return closed
 
-    def condition(self, split: Partition, jacobian: FloatArray) -> float:
-        """Condition number of the dependent block of the closures, cached for one configuration.
-
-        Args:
-            jacobian: Closure Jacobian G, shape (m, nv).
-        """
+    def condition(self, split: Partition, jacobian: Jacobian) -> float:
+        """Condition number of the dependent block of the closures, cached for one configuration."""
         place, dependent = self._checked
         if place is not jacobian or dependent != split.dependent:
             columns = split.columns
@@ -181,14 +172,8 @@ class System:
         """True if the closures determine the dependent coordinates."""
         return self.condition(split, jacobian) < MAX_CONDITION
 
-    def prescribe(self, motion: Driven, q: FloatArray, v: FloatArray, phase: ConstraintSet) -> None:
-        """Write the prescribed coordinates and rates into q and v, in place.
-
-        Args:
-            motion: Driven coordinates of these states.
-            q: Configurations, shape (N, nv).
-            v: Velocities, shape (N, nv).
-        """
+    def prescribe(self, motion: Driven, q: Vectors, v: Vectors, phase: ConstraintSet) -> None:
+        """Write the prescribed coordinates and rates into q and v, in place."""
         if self.held:
             q[:, self.driven_columns] = motion[0]
             v[:, self.driven_columns] = motion[1]
@@ -196,26 +181,16 @@ class System:
             q[:, phase.columns] = phase.places
             v[:, phase.columns] = 0.0
 
-    def applied_forces(self, q: FloatArray, v: FloatArray) -> FloatArray:
-        """Generalised forces of all springs and dampers, shape (N, nv).
-
-        Args:
-            q: Configurations, shape (N, nv).
-            v: Velocities, shape (N, nv).
-        """
+    def applied_forces(self, q: Vectors, v: Vectors) -> FloatArray:
+        """Generalised forces of all springs and dampers, shape (N, nv)."""
         numbers = self._numbers
         forces: FloatArray = numbers.preload - numbers.stiffness * q - numbers.damping * v
         if self.elements is not None:
             forces += self.elements.forces(q, v)
         return forces
 
-    def train_torques(self, motion: Driven, q: FloatArray, v: FloatArray) -> FloatArray:
+    def train_torques(self, motion: Driven, q: Vectors, v: Vectors) -> FloatArray:
         """Torques of elastic drive trains, I a_law + k (q_law - q) + c (v_law - v).
-
-        Args:
-            motion: Driven coordinates, rates and accelerations of these states.
-            q: Configurations, shape (N, nv).
-            v: Velocities, shape (N, nv).
 
         Returns:
             Shape (N, drives) [N m or N].
@@ -238,14 +213,10 @@ class System:
             energy += self.elements.energy(q)
         return energy
 
-    def dissipation(self, q: FloatArray, v: FloatArray) -> FloatArray:
+    def dissipation(self, q: Vectors, v: Vectors) -> FloatArray:
         """Power that the dampers of the mechanism turn into heat [W], shape (N,).
 
         Drive trains are excluded: their losses are work of the drives.
-
-        Args:
-            q: Configurations, shape (N, nv).
-            v: Velocities, shape (N, nv).
         """
         power: FloatArray = v**2 @ self._numbers.damping
         if self.elements is not None:
@@ -302,41 +273,28 @@ class System:
     def accelerations(
         self,
         motion: Driven,
-        q: FloatArray,
-        v: FloatArray,
+        q: Vectors,
+        v: Vectors,
         phase: ConstraintSet,
     ) -> FloatArray:
-        """Accelerations with the closures and the constraints of a phase, shape (N, nv).
-
-        Args:
-            motion: Driven coordinates, rates and accelerations of these states.
-            q: Configurations, shape (N, nv).
-            v: Velocities, shape (N, nv).
-        """
+        """Accelerations with the closures and the constraints of a phase, shape (N, nv)."""
         return self.respond(self.forcing(motion, phase), q, v, phase)
 
     def determined_accelerations(
         self,
         motion: Driven,
-        q: FloatArray,
-        v: FloatArray,
-        jacobian: FloatArray,
+        q: Vectors,
+        v: Vectors,
+        jacobian: Jacobians,
         phase: ConstraintSet,
         split: Partition,
         inverse: FloatArray | None = None,
-    ) -> FloatArray:
+    ) -> Vectors:
         """Accelerations of a phase without freedom: G a + G_dot v = 0, whatever the forces are.
 
         Args:
-            motion: Driven coordinates, rates and accelerations of these states.
-            q: Configurations, shape (N, nv).
-            v: Velocities, shape (N, nv).
-            jacobian: Closure Jacobian G, shape (N, m, nv).
             phase: The phase; every independent coordinate is a held drive or a closed stop.
             inverse: What :func:`inverses` gives for them, where it is known already.
-
-        Returns:
-            a, shape (N, nv).
         """
         a = np.zeros(q.shape)
         if self.held:

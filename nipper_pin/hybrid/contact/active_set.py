@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterable
 
 import numpy as np
 
-from ...arrays import FloatArray
+from ...arrays import FloatArray, Jacobian, Vector
 from ...dynamics import ConstraintSet, Driven, System
 from ...dynamics.free_mass import force_size, inverse_mass_roots
 from ...dynamics.pivoting import complementary, delassus, independent
@@ -39,9 +39,9 @@ def after_collision(closed: Closed, rates: dict[str, float]) -> Closed:
 def active_set(
     system: System,
     motion: Driven,
-    q: FloatArray,
-    v: FloatArray,
-    jacobian: FloatArray,
+    q: Vector,
+    v: Vector,
+    jacobian: Jacobian,
     at_rest: Closed,
     about: Collection[str] | None = None,
 ) -> Closed:
@@ -53,9 +53,6 @@ def active_set(
 
     Args:
         motion: Driven coordinates at this time, as one row.
-        q: Configuration, shape (nv,).
-        v: Velocity, shape (nv,).
-        jacobian: Closure Jacobian, shape (m, nv).
         about: Names of stops whose parts are asked for, all by default; what rests in others stays
             closed.
 
@@ -129,13 +126,11 @@ def _of_one_part(matrix: FloatArray, leaving: FloatArray, nothing: FloatArray) -
 
 
 def touching(
-    system: System, q: FloatArray, v: FloatArray, stops: Iterable[Stop], known: Collection[str]
+    system: System, q: Vector, v: Vector, stops: Iterable[Stop], known: Collection[str]
 ) -> list[Stop]:
     """Stops whose gap and rate are zero, but for round-off of machine and motion.
 
     Args:
-        q: Configuration, shape (nv,).
-        v: Velocity, shape (nv,).
         known: Names of those that are closed, or close.
     """
     # Few gaps are so small, and only these are worth a look at units.
@@ -152,13 +147,8 @@ def touching(
     ]
 
 
-def stilled(system: System, v: FloatArray, jacobian: FloatArray, stops: list[Stop]) -> FloatArray:
-    """Velocity without the round-off of the rates of stops that touch, shape (nv,).
-
-    Args:
-        v: Velocity, shape (nv,).
-        jacobian: Closure Jacobian G, shape (m, nv).
-    """
+def stilled(system: System, v: Vector, jacobian: Jacobian, stops: list[Stop]) -> FloatArray:
+    """Velocity without the round-off of the rates of stops that touch, shape (nv,)."""
     columns = tuple(stop.index for stop in stops)
     if not np.any(v[list(columns)]):
         return v

@@ -17,7 +17,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arrays import FloatArray
+from ...arrays import FloatArray, Vectors
 from ...dynamics import ConstraintSet, Partition, System
 from ...mechanism import Stop
 from ...tolerances.hybrid import DIFFERENCE_STEP, SMALLEST
@@ -119,12 +119,8 @@ class Freedoms:
         # Parts of fewer freedoms than others do not move in the last directions.
         return np.asarray(DIFFERENCE_STEP / np.where(most > 0.0, most, 1.0))
 
-    def fastest(self, v: FloatArray) -> FloatArray:
-        """Largest rate of each part in units of its coordinate [1/s], never zero, (parts,).
-
-        Args:
-            v: Velocities, shape (N, nv).
-        """
+    def fastest(self, v: Vectors) -> FloatArray:
+        """Largest rate of each part in units of its coordinate [1/s], never zero, (parts,)."""
         return np.maximum(self.largest(np.abs(v / self.units).max(axis=0)), SMALLEST)
 
     def largest(self, values: FloatArray) -> FloatArray:

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...arrays import FloatArray
+from ...arrays import FloatArray, Vector
 from ...chebyshev import nodes
 from ...dynamics import ConstraintSet, Partition, System, close_velocities, inverted
 from ...tolerances.hybrid import (
@@ -89,16 +89,14 @@ def at_start(
     system: System,
     closed: frozenset[str],
     t: float,
-    q: FloatArray,
-    v: FloatArray,
+    q: Vector,
+    v: Vector,
     split: Partition | None = None,
 ) -> Zonotope:
     """Deviations of a state with which a motion begins.
 
     Args:
         t: When [s].
-        q: Configuration, shape (nv,).
-        v: Velocity, shape (nv,).
     """
     split = _split(system, closed, q) if split is None else split
     # In the touch configuration nothing is turned, and only lengths and their sums are rounded.
@@ -155,13 +153,11 @@ def of_rates(
 
 
 def of_closures(
-    system: System, split: Partition, q: FloatArray, v: FloatArray, by: FloatArray
+    system: System, split: Partition, q: Vector, v: Vector, by: FloatArray
 ) -> FloatArray:
     """Deviations by open closures and by the round-off of positions, with the rates of the place.
 
     Args:
-        q: Configuration, shape (nv,).
-        v: Velocity, shape (nv,).
         by: By how much closures are open, in the places of the dependent coordinates, and
             round-off of the independent positions, shape (nv,) [m, rad or m].
 

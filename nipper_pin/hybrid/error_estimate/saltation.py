@@ -14,7 +14,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...arrays import FloatArray
+from ...arrays import FloatArray, Vector
 from ...dynamics import Partition, System
 from ...dynamics.impact_laws import solve_impact
 from ...mechanism import Stop
@@ -25,7 +25,7 @@ from .variational import lifts, tangents
 
 def impact_map(
     system: System,
-    q: FloatArray,
+    q: Vector,
     v: FloatArray,
     struck: Sequence[Stop],
     restitution: Sequence[float],
@@ -34,7 +34,6 @@ def impact_map(
     """Derivative of the impact law at stops that receive an impulse.
 
     Args:
-        q: Configuration, shape (nv,).
         v: Velocity before, shape (nv,).
         struck: The stops, all of one part of the machine.
         restitution: e_N of each; zero takes their rates away.
@@ -78,11 +77,10 @@ def impact_map(
     return whole, pushes
 
 
-def pushed_by(system: System, q: FloatArray, stop: Stop, impulse: float) -> FloatArray:
+def pushed_by(system: System, q: Vector, stop: Stop, impulse: float) -> FloatArray:
     """Change of velocity by the impulse of one stop alone, shape (nv,).
 
     Args:
-        q: Configuration, shape (nv,).
         impulse: Its impulse along its gap [N s or N m s].
 
     Raises:
@@ -145,7 +143,7 @@ _MOST_STRIKES = 1000
 
 def sequence_map(
     system: System,
-    q: FloatArray,
+    q: Vector,
     v: FloatArray,
     contacts: Sequence[Stop],
     pushed: Sequence[Stop],
@@ -153,7 +151,6 @@ def sequence_map(
     """Derivative of an impact whose strikes follow one another, by differences of the whole.
 
     Args:
-        q: Configuration, shape (nv,).
         v: Velocity before, shape (nv,).
         contacts: Stops in contact, all of one part of the machine.
         pushed: Those whose impulses are asked for.

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arrays import FloatArray
+from ...arrays import FloatArray, Vectors
 from ...chebyshev import evaluate_motion, nodes
 from ...dynamics import ConstraintSet, Partition, System, close_velocities
 from ..motion.panel import Panel
@@ -42,13 +42,11 @@ def lifts(jacobian: FloatArray, split: Partition, directions: FloatArray) -> Flo
 
 
 def tangents(
-    system: System, q: FloatArray, v: FloatArray, split: Partition, along: Freedoms
+    system: System, q: Vectors, v: Vectors, split: Partition, along: Freedoms
 ) -> tuple[FloatArray, FloatArray]:
     """Derivatives of all coordinates and rates along freedoms, at N states.
 
     Args:
-        q: Configurations, shape (N, nv).
-        v: Velocities, shape (N, nv).
         along: Independent coordinates that count, moved in C directions.
 
     Returns:

@@ -10,20 +10,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...arrays import FloatArray
+from ...arrays import FloatArray, Vector
 from ...dynamics import ConstraintSet, System
 from ...tolerances.hybrid import COORDINATE_ROUND_OFF
 
 
-def roughness(
-    system: System, phase: ConstraintSet, t: float, q: FloatArray, v: FloatArray
-) -> FloatArray:
+def roughness(system: System, phase: ConstraintSet, t: float, q: Vector, v: Vector) -> FloatArray:
     """Largest differences of accelerations under forces that are the same but for round-off.
 
     Args:
         t: Time [s].
-        q: Configuration, shape (nv,).
-        v: Velocity, shape (nv,).
 
     Returns:
         Not negative, shape (nv,).

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...arrays import FloatArray, product
+from ...arrays import FloatArray, Vectors, product
 from ...chebyshev import evaluate, evaluate_motion, motion_weights, nodes, value_weights
 from ...dynamics import (
     ConstraintSet,
@@ -262,16 +262,12 @@ def defect(system: System, phase: ConstraintSet, panel: Panel, sigma: FloatArray
 
 
 def nearby(
-    system: System, q: FloatArray, v: FloatArray, split: Partition
+    system: System, q: Vectors, v: Vectors, split: Partition
 ) -> tuple[FloatArray, FloatArray]:
     """The same states but for round-off: what moves between the two cannot be resolved.
 
     Dependent coordinates stand where the closures let them stand, and have the rates of that place:
     what the closures are open by near a dead centre makes itself felt there.
-
-    Args:
-        q: Configurations, shape (N, nv).
-        v: Velocities, shape (N, nv).
 
     Returns:
         q and v, shape (N, nv).
