@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterable
 from typing import NamedTuple
 
 from .given import read_number
@@ -39,7 +40,7 @@ _TYPED = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-z]
 _COMMA = re.compile(r"\s*([-+]?[0-9]+),([0-9]+)")
 _WORD = re.compile(r"([A-Za-z]+)\^?(\d?)")
 # Keys whose last words are no product of units.
-_OF_KEYS = {"m_s2": "m/s2", "kg_m": "kg/m"}
+_OF_KEYS = {"m_s2": "m/s2", "kg_m": "kg/m", "kg_m3": "kg/m3"}
 
 
 def number_in(text: str, unit: str) -> float:
@@ -77,12 +78,52 @@ def number_in(text: str, unit: str) -> float:
 
 def unit_of_key(key: str) -> str:
     """The unit that a key of a model's file ends with: "N/m" of ``stiffness_N_per_m``."""
-    words = key.split("_")
-    units = next((words[at:] for at in range(1, len(words)) if _is_unit(words[at:])), [])
-    joined = "_".join(units)
+    joined = key[len(_stem(key)) + 1 :]
     if joined in _OF_KEYS:
         return _OF_KEYS[joined]
-    return " ".join(units).replace(" per ", "/").replace("hz", "Hz")
+    return joined.replace("_per_", "/").replace("_", " ").replace("hz", "Hz")
+
+
+def known_key(key: str, known: Iterable[str]) -> tuple[str, float] | None:
+    """The known key that means the same in another unit: of ``at_cm`` it is ``at_mm``.
+
+    Returns:
+        The key, and what one of the written unit is in its unit; None if there is none.
+    """
+    written = _unit(unit_of_key(key))
+    if written is None:
+        return None
+    for other in known:
+        unit = _unit(unit_of_key(other)) if _stem(other) == _stem(key) else None
+        if unit is not None and unit.kind == written.kind:
+            factor = written.factor / unit.factor
+            # 1e-3 / 1e-2^3 is a thousand.
+            short = float(f"{factor:.12g}")
+            return other, short if math.isclose(short, factor, rel_tol=1e-15) else factor
+    return None
+
+
+def pattern_of_key(key: str) -> str:
+    """A regular expression of the keys that mean the same in any unit; empty without a unit."""
+    stem, unit = _stem(key), key[len(_stem(key)) + 1 :]
+    words = [_alternatives(word) for word in unit.split("_")]
+    return f"^{stem}_{'_'.join(words)}$" if any("|" in word for word in words) else ""
+
+
+def _alternatives(word: str) -> str:
+    """Units of the kind of one, of the same power, as a regular expression."""
+    found = _WORD.fullmatch(word)
+    if found is None or found[1] not in _UNITS:
+        return word
+    kind = _UNITS[found[1]].kind
+    return f"({'|'.join(name for name, unit in _UNITS.items() if unit.kind == kind)}){found[2]}"
+
+
+def _stem(key: str) -> str:
+    """A key without its unit."""
+    words = key.split("_")
+    at = next((at for at in range(1, len(words)) if _is_unit(words[at:])), len(words))
+    return "_".join(words[:at])
 
 
 def _is_unit(words: list[str]) -> bool:

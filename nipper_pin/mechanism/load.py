@@ -40,6 +40,7 @@ def load(model: str | Path = "e62", overrides: Mapping[str, object] | None = Non
     """
     from .build.mechanism import build_mechanism
     from .files.csv_tables import inline_tables
+    from .files.other_units import in_known_units
     from .files.toml_text import read_toml
     from .files.xml_text import as_unicode, encoding_of
 
@@ -57,6 +58,7 @@ def load(model: str | Path = "e62", overrides: Mapping[str, object] | None = Non
             urdf, data = drawn_sources(data, name)
         else:
             urdf = as_unicode(read_model_text(found.urdf, encoding_of))
+            data = in_known_units(data, toml_file)
         if overrides:
             from .edit.overrides import apply_overrides, by_path, with_tables
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import shutil
 import tomllib
 from collections.abc import Mapping
@@ -18,12 +19,13 @@ from nipper_pin import Case, Drawing, InputError, ModelError, Outcome, export, l
 from nipper_pin.cli import main
 from nipper_pin.mechanism.drawing import between, direction, distance, meet, on_line, polar
 from nipper_pin.mechanism.drawing.layout import BodyTable
+from nipper_pin.mechanism.drawing.mass import mass_of
 from nipper_pin.mechanism.drawing.places import place, vector
-from nipper_pin.mechanism.drawing.urdf_text import mass_of
 from nipper_pin.mechanism.files import toml
 from nipper_pin.mechanism.gallery import GALLERY, drawn
 from nipper_pin.view.sketch import sketch
 
+HERE = Path(__file__).parent
 POINTS = {
     "O": (10.0, 5.0), "A": (30.0, 5.0), "Y": (10.0, 40.0), "F": (0.0, -50.0), "R": (90.0, 0.0),
 }  # fmt: skip
@@ -140,6 +142,112 @@ def test_mass_of_rods_and_discs() -> None:
     disc = mass_of(BodyTable(points="A", mass_kg=2.0, radius_mm=100.0), points)
     assert (disc.mass, disc.centre) == (2.0, (0.0, 0.0))
     assert disc.inertia == pytest.approx(0.5 * 2.0 * 0.01)
+
+
+def test_mass_of_plates_and_bars() -> None:
+    """A square with a corner added, either way around; a bar of a rectangle; a steel disc."""
+    points = {"A": (10.0, 20.0), "B": (40.0, 20.0), "C": (40.0, 50.0), "D": (10.0, 50.0),
+              "E": (40.0, 80.0)}  # fmt: skip
+    square, triangle = 1e-9 * 5.0 * 900.0 * 2700.0, 1e-9 * 5.0 * 450.0 * 2700.0
+    for corners in ("A B E D", "D E B A"):
+        plate = mass_of(BodyTable(points=corners, thickness_mm=5.0, density_kg_m3=2700.0), points)
+        assert plate.mass == pytest.approx(square + triangle)
+        x = (square * 25.0 + triangle * 30.0) / (square + triangle)
+        z = (square * 35.0 + triangle * 60.0) / (square + triangle)
+        assert plate.centre == pytest.approx((x, z))
+        # b h (b^2 + h^2) / 12, and of a right triangle (b^2 + h^2) / 18, about their centres.
+        about = square * (150.0 + (x - 25.0) ** 2 + (z - 35.0) ** 2)
+        about += triangle * (100.0 + (x - 30.0) ** 2 + (z - 60.0) ** 2)
+        assert plate.inertia == pytest.approx(1e-6 * about)
+    bar = mass_of(BodyTable(points="A B", thickness_mm=5.0, width_mm=10.0), points)
+    assert bar.mass == pytest.approx(7.85e-6 * 5.0 * 10.0 * 30.0)
+    assert bar.inertia == pytest.approx(1e-6 * bar.mass * (30.0**2 + 10.0**2) / 12.0)
+    disc = mass_of(BodyTable(points="A", thickness_mm=8.0, radius_mm=40.0), points)
+    assert disc.mass == pytest.approx(7.85e-6 * 8.0 * math.pi * 1600.0)
+    assert disc.inertia == pytest.approx(0.5e-6 * disc.mass * 1600.0)
+
+
+def test_a_drawn_clamp_moves_as_the_one_of_a_urdf() -> None:
+    """Cam, buffer, lip on a table: a turn, to the last bit; and units as they are written."""
+    drawn_one, urdf = (
+        simulate(load(model), Case(speed_rpm=300.0, window="cycle"))
+        for model in (HERE / "clamp.toml", HERE.parent / "strangers" / "clamp")
+    )
+    assert len(urdf.events) > 10
+    for one, other in zip(drawn_one.events, urdf.events, strict=True):
+        assert (one.kind, one.stops, one.t) == (other.kind, other.stops, other.t)
+        np.testing.assert_array_equal(one.q, other.q)
+        np.testing.assert_array_equal(one.v_after, other.v_after)
+    contacts = [run.mechanism.stop("lip").contact for run in (drawn_one, urdf)]
+    assert contacts[0].lever_m == contacts[1].lever_m == pytest.approx(0.09, rel=1e-9)  # type: ignore[union-attr]
+
+
+def test_a_box_may_lean() -> None:
+    """A lip lands on a wedge that leans by 30 degrees: the normal leans with it."""
+    tables = Drawing.load(HERE / "clamp.toml").tables
+    lean = math.radians(30.0)
+    # The face stays under the lip's lowest point in its direction.
+    at = (90.0 + 9.0 * math.sin(lean), 4.0 - 9.0 * math.cos(lean))
+    table = {**tables["shapes"]["table"], "at": at, "angle_deg": 30.0}
+    shapes = {**tables["shapes"], "table": table}
+    contact = Drawing({**tables, "shapes": shapes}).mechanism().stop("lip").contact
+    assert contact is not None
+    expected = [-math.sin(lean), 0.0, math.cos(lean)]
+    np.testing.assert_allclose(contact.normal, expected, rtol=0.0, atol=1e-6)
+
+
+def test_wheels_and_racks_follow() -> None:
+    """A wheel and a rack on a driven crank: multiples of its angle, and no freedoms."""
+    tables = {
+        **CRANK,
+        "bodies": {"crank": {"points": "O A"}, "wheel": {"points": "Y F"},
+                   "rack": {"points": "R", "thickness_mm": 5.0}},
+        "joints": [
+            *CRANK["joints"],  # type: ignore[misc]
+            {"pin": "Y", "parent": "frame", "child": "wheel", "follows": "O", "ratio": -2.5},
+            {"slide": "feed", "parent": "frame", "child": "rack", "at": "R", "along": [1, 0],
+             "follows": "O", "lead_cm_per_turn": 10.0},
+        ],
+    }  # fmt: skip
+    mechanism = Drawing(tables).mechanism()
+    assert mechanism.degrees_of_freedom == 1
+    motion = simulate(mechanism, Case(speed_rpm=60.0, window="cycle")).trajectory.evaluate(0.3)
+    crank, wheel, rack = (motion.q[0, mechanism.joints[place].index] for place in range(3))
+    assert crank == pytest.approx(0.3 * math.tau, rel=1e-9)
+    assert wheel == pytest.approx(-2.5 * crank, rel=1e-12)
+    assert rack == pytest.approx(0.3 * 0.1, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("stiffness_N_per_m = 500.0", "stiffness_N_per_mm = 0.5"),
+        ("preload_deg = 30.0", "preload_rad = 0.5235987755982988"),
+        ("density_kg_m = 2.0", "density_g_per_mm = 2.0"),
+        ("right_mm = 20.0", "right_cm = 2.0"),
+        ("block_mass_kg = 0.05", "block_mass_g = 50.0"),
+        ("lead_mm_per_turn = 7.0", "lead_m_per_turn = 0.007"),
+        ("centre_mm = [95.0, 2.0]", "centre_m = [0.095, 0.002]"),
+        ("gravity_m_s2 = 3.0", "gravity_mm_per_s2 = 3000.0"),
+    ],
+)
+def test_a_key_may_have_another_unit(tmp_path: Path, old: str, new: str) -> None:
+    """The same machine, drawn, and of a URDF and a TOML."""
+    found, plain = (
+        Drawing(tomllib.loads(TEXT.replace(old, new)), "yoke").mechanism(),
+        YOKE.mechanism(),
+    )
+    numbers = [toml(each.description) + each.urdf for each in (found, plain)]
+    assert len(numbers[0].split()) == len(numbers[1].split())
+    for one, other in zip(*(re.split(r'[\s"]+', text) for text in numbers), strict=True):
+        assert one == other or float(one) == pytest.approx(float(other), rel=1e-15)
+    folder = export(plain, tmp_path / "yoke")
+    file = folder / "yoke.toml"
+    file.write_text(file.read_text().replace(old, new), encoding="utf-8")
+    assert (
+        toml(load(folder).description).split("[cylinder]")[0]
+        == toml(plain.description).split("[cylinder]")[0]
+    )
 
 
 def test_every_number_of_the_urdf() -> None:
@@ -297,6 +405,25 @@ WRONG = {
     "a slide without a direction": (', along = "O Y"', ""),
     "no such body": ('child = "lever"', 'child = "laver"'),
     "the frame": ("crank = { points", "frame = { points"),
+    "two units": ("density_kg_m = 2.0", "density_kg_m = 2.0, density_g_per_mm = 2.0"),
+    "another kind of unit": ("right_mm = 20.0", "right_kg = 20.0"),
+    "a plate of two corners": ("density_kg_m = 2.0", "thickness_mm = 2.0"),
+    "no thickness": ("density_kg_m = 2.0", "width_mm = 2.0"),
+    "corners in no order": ('points = "O A", density_kg_m = 2.0',
+                            'points = "O R/Y A Y", thickness_mm = 2.0'),
+    "points in one place": ('points = "A O F F"', 'points = "A A"'),
+    **{name: ("[drives]", f"[shapes]\nlip = {{ {keys} }}\n[drives]") for name, keys in {
+        "a shape of nobody": "body = 'ramm', at = 'A', radius_mm = 1",
+        "a shape nowhere": "body = 'ram', at = 'Q', radius_mm = 1",
+        "no shape": "body = 'ram', at = [1.0, 2.0]",
+        "two shapes": "body = 'ram', at = 'A', radius_mm = 1, box_mm = [1.0, 2.0]",
+    }.items()},
+    "follows none": ('along = "O Y"', 'along = "O Y", follows = "feet", ratio = 2.0'),
+    "follows a cut pin": ('parent = "frame", child = "crank"', 'parent = "frame", child = "crank", '
+                          'follows = "slot", ratio = 2.0'),
+    "follows by nothing": ('along = "O Y"', 'along = "O Y", follows = "feed"'),
+    "by a lead": ('along = "O Y"', 'along = "O Y", follows = "feed", lead_mm_per_turn = 2.0'),
+    "a ratio to nothing": ('along = "O Y"', 'along = "O Y", ratio = 2.0'),
     "loose body": ("[drives]", 'loose = { points = "O A" }\n[drives]'),
     "no mass": ("mass_kg = 1.5, ", ""),
     "two joints": ('slide = "feed"', 'slide = "lift"'),

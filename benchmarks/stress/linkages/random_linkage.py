@@ -10,7 +10,7 @@ import numpy as np
 
 from nipper_pin.mechanism.drawing import Drawing, Place
 from nipper_pin.mechanism.drawing.layout import BodyTable
-from nipper_pin.mechanism.drawing.urdf_text import mass_of
+from nipper_pin.mechanism.drawing.mass import mass_of
 from nipper_pin.mechanism.export import export
 
 from ..machines.draws import Draft, Generator, log, one_of, sign

@@ -43,12 +43,13 @@ def document(tree: Tree) -> dict[str, Any]:
         for name in names:
             if name not in stops:
                 allowed = f"{meant(name, stops)}a stop: {', '.join(stops) or 'there is none'}"
-                raise drawn.refused(key, name, allowed)
+                drawn.refuse(key, name, allowed)
     slots = sum(cut.slot is not None for cut in tree.cut.values())
+    geared = sum(joint.follows is not None for joint in tree.carried.values())
     found: dict[str, Any] = {
         "format": 1,
         "title": table.title,
-        "degrees_of_freedom": len(tree.carried) + slots - 2 * len(tree.cut),
+        "degrees_of_freedom": len(tree.carried) + slots - geared - 2 * len(tree.cut),
         "gravity_m_s2": table.gravity_m_s2,
         "transition_stop": struck,
         "initial_phase": 1,

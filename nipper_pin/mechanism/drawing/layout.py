@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Literal
 
+from msgspec import field
+
 from ..files.description import Name, NotNegative, PlanePoint, Positive, TomlTable
 
 FRAME = "frame"
@@ -46,20 +48,30 @@ class PointTable(TomlTable, frozen=True, kw_only=True):
     side: Literal["left", "right", "ahead", "behind"] | None = None
 
 
+STEEL_KG_M3 = 7850.0
+"""Density of a plate without one."""
+
+
 class BodyTable(TomlTable, frozen=True, kw_only=True):
-    """A moving link.
+    """A moving link: rods from point to point, flat bars, a plate, or a disc.
 
     Attributes:
         points: Names of its points, separated by spaces; ``A/B`` is halfway from A to B.
         density_kg_m: Mass of the rods from point to point by their length [kg/m].
+        thickness_mm: Of a plate whose corners are the points; with a width of bars [mm].
+        width_mm: Of the bars from point to point [mm].
+        density_kg_m3: Of plate, bars or disc, 7850 if not given [kg/m3].
         mass_kg: Mass, in place of what the density gives [kg].
         radius_mm: Of the disc of a body with one point [mm].
-        centre_mm: Centre of mass, in place of that of the rods [mm].
-        inertia_kg_m2: About the centre of mass, in place of that of the rods [kg m2].
+        centre_mm: Centre of mass, in place of that of the shape [mm].
+        inertia_kg_m2: About the centre of mass, in place of that of the shape [kg m2].
     """
 
     points: Name
     density_kg_m: Positive = 1.0
+    thickness_mm: Positive | None = None
+    width_mm: Positive | None = None
+    density_kg_m3: Positive | None = None
     mass_kg: Positive | None = None
     radius_mm: Positive = 15.0
     centre_mm: PlanePoint | None = None
@@ -79,6 +91,9 @@ class JointTable(TomlTable, frozen=True, kw_only=True):
         at: Point where guide or pin are.
         along: Direction in which the coordinate grows, or two points.
         block_mass_kg: Mass of the block in a slot [kg].
+        follows: Joint whose coordinate this one is a multiple of, as gears make it.
+        ratio: The multiple, of a hinge that follows a hinge or a slide that follows a slide.
+        lead_mm_per_turn: Travel of a slide by a turn of the hinge that it follows [mm/turn].
     """
 
     pin: Name | None = None
@@ -90,11 +105,34 @@ class JointTable(TomlTable, frozen=True, kw_only=True):
     at: Name | None = None
     along: PlanePoint | str | None = None
     block_mass_kg: Positive | None = None
+    follows: Name | None = None
+    ratio: float | None = None
+    lead_mm_per_turn: float | None = None
 
     @property
     def point(self) -> str:
         """Point where it is."""
         return self.pin or self.at or ""
+
+
+class ShapeTable(TomlTable, frozen=True, kw_only=True):
+    """A shape of a body that stops and clearances know: a box, or a cylinder seen from its end.
+
+    Attributes:
+        body: The body, or the frame.
+        at: Its middle: a point, or where it is [mm].
+        radius_mm: Radius of the cylinder [mm].
+        box_mm: Edges of the box, along and across [mm].
+        angle_deg: Direction of the edge along, counter-clockwise from x [deg].
+        depth_mm: Extent across the plane [mm].
+    """
+
+    body: Name
+    at: PlanePoint | str
+    radius_mm: Positive | None = None
+    box_mm: tuple[Positive, Positive] | None = None
+    angle_deg: float = 0.0
+    depth_mm: Positive = 20.0
 
 
 class DrawingTable(TomlTable, frozen=True, kw_only=True):
@@ -115,6 +153,7 @@ class DrawingTable(TomlTable, frozen=True, kw_only=True):
         traced: Link and point whose path is drawn.
         points: Places by name [mm].
         bodies: Moving links by name.
+        shapes: Shapes of bodies by name, above all those that meet at a stop.
         joints: Joints, in the order in which a tree is grown from the frame.
     """
 
@@ -133,3 +172,4 @@ class DrawingTable(TomlTable, frozen=True, kw_only=True):
     points: dict[Name, PlanePoint | PointTable]
     bodies: dict[Name, BodyTable]
     joints: tuple[JointTable, ...]
+    shapes: dict[Name, ShapeTable] = field(default_factory=dict)

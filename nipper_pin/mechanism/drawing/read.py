@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NoReturn
 
 from ...errors import InputError, ModelError, meant
-from ..files.describe import converted, refuse_unusable
-from .layout import FRAME, DrawingTable, JointTable
-from .places import Place, place, vector
+from ..files.describe import converted, kind_of_entry, refuse_unusable
+from ..files.description import Description
+from ..files.other_units import in_known_units
+from .layout import FRAME, BodyTable, DrawingTable, JointTable, PointTable, ShapeTable
+from .places import Place, place
 from .points import found_points
 
 _WORD = re.compile(r"\w+(?:[.-]\w+)*")
@@ -24,7 +26,9 @@ _KEYS = {
     "slide": ("slide", "parent", "child", "at", "along"),
     "slot": ("slot", "parent", "child", "at", "along"),
 }
-_MAY_BE = {"pin": ("name",), "slide": (), "slot": ("block_mass_kg",)}
+_GEARS = ("follows", "ratio", "lead_mm_per_turn")
+_MAY_BE = {"pin": ("name", *_GEARS), "slide": _GEARS, "slot": ("block_mass_kg",)}
+_TABLES = {"points": PointTable, "bodies": BodyTable, "joints": JointTable, "shapes": ShapeTable}
 
 
 @dataclass(frozen=True)
@@ -56,7 +60,7 @@ class Drawn:
         try:
             return place(self.points, name)
         except InputError as error:
-            raise self.refused(key, name, error.message) from None
+            self.refuse(key, name, error.message)
 
     def link(self, name: str, key: str) -> None:
         """Refuse a link that there is not.
@@ -66,11 +70,19 @@ class Drawn:
         """
         links = [FRAME, *self.table.bodies]
         if name not in links:
-            raise self.refused(key, name, f"{meant(name, links)}one of {', '.join(links)}")
+            self.refuse(key, name, f"{meant(name, links)}one of {', '.join(links)}")
 
-    def refused(self, key: str, value: object, allowed: str) -> ModelError:
-        """The error of a value that cannot be used."""
-        return ModelError(file=self.file, key=key, value=value, allowed=allowed)
+    def middle(self, shape: ShapeTable) -> Place:
+        """Where a shape is."""
+        return place(self.points, shape.at) if isinstance(shape.at, str) else shape.at
+
+    def refuse(self, key: str, value: object, allowed: str) -> NoReturn:
+        """Refuse a value.
+
+        Raises:
+            ModelError: It cannot be used.
+        """
+        raise ModelError(file=self.file, key=key, value=value, allowed=allowed)
 
 
 def read(document: Mapping[str, Any], name: str) -> Drawn:
@@ -83,6 +95,8 @@ def read(document: Mapping[str, Any], name: str) -> Drawn:
         ModelError: A value in it cannot be used.
     """
     file = f"{name}.toml"
+    top = {*_OWN, *Description.__struct_fields__}
+    document = in_known_units(document, file, top, _table_of)
     own = {key: value for key, value in document.items() if key in _OWN}
     for key in _MADE:
         if key in document:
@@ -90,22 +104,25 @@ def read(document: Mapping[str, Any], name: str) -> Drawn:
             raise ModelError(file=file, key=key, value=document[key], allowed=allowed)
     refuse_unusable(own, "", file)
     table: DrawingTable = converted(own, DrawingTable, "", file)
-    for key in ("points", "bodies", "joints"):
+    for key in _TABLES:
         if (count := len(getattr(table, key))) > _MOST:
             value = f"{count} entries"
             raise ModelError(file=file, key=key, value=value, allowed=f"at most {_MOST}")
     _need_words(table, file)
     joints = _named(table.joints, file)
     model = {key: value for key, value in document.items() if key not in _OWN}
-    drawn = Drawn(name, file, table, found_points(table.points, file), joints, model)
-    _check_places(drawn)
-    return drawn
+    return Drawn(name, file, table, found_points(table.points, file), joints, model)
+
+
+def _table_of(section: str, entry: Mapping[str, Any]) -> Any:
+    return _TABLES.get(section) or kind_of_entry(section, entry)
 
 
 def _need_words(table: DrawingTable, file: str) -> None:
     """Refuse names that are not one word: lists of points are split at spaces and strokes."""
     names = [(f"points.{name}", name) for name in table.points]
     names += [(f"bodies.{name}", name) for name in table.bodies]
+    names += [(f"shapes.{name}", name) for name in table.shapes]
     for number, joint in enumerate(table.joints):
         names += [
             (f"joints[{number}]", name or "_") for name in (joint.name, joint.slide, joint.slot)
@@ -143,32 +160,3 @@ def _check_kind(joint: JointTable, key: str, file: str) -> None:
         ways = "; ".join(", ".join(keys) for keys in _KEYS.values())
         allowed = f"the keys of one kind of joint: {ways}"
         raise ModelError(file=file, key=key, value=", ".join(sorted(given)), allowed=allowed)
-
-
-def _check_places(drawn: Drawn) -> None:
-    """Refuse bodies and joints at points, and joints on bodies, that there are not."""
-    for key, name in _named_points(drawn.table):
-        drawn.place(name, key)
-    for name, body in drawn.table.bodies.items():
-        if len(body.points.split()) == 1 and body.mass_kg is None:
-            allowed = "a mass: a body with one point is a disc, which has no length to weigh"
-            key = f"bodies.{name}.mass_kg"
-            raise drawn.refused(key, None, allowed)
-    for number, joint in enumerate(drawn.joints.values()):
-        drawn.link(joint.parent, f"joints[{number}].parent")
-        drawn.link(joint.child, f"joints[{number}].child")
-        along = joint.along
-        one = isinstance(along, str) and len(along.split()) != 2
-        if along is not None and (one or not any(vector(drawn.points, along))):
-            key = f"joints[{number}].along"
-            raise drawn.refused(key, along, "a direction, or two points that are apart")
-
-
-def _named_points(table: DrawingTable) -> Iterator[tuple[str, str]]:
-    """Every point that bodies and joints name, after the key that names it."""
-    for name, body in table.bodies.items():
-        yield from ((f"bodies.{name}.points", point) for point in body.points.split())
-    for number, joint in enumerate(table.joints):
-        yield f"joints[{number}].{'pin' if joint.pin else 'at'}", joint.point
-        if isinstance(joint.along, str):
-            yield from ((f"joints[{number}].along", point) for point in joint.along.split())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from .checks import check_parts
 from .layout import FRAME, JointTable
 from .places import Place, place
 from .read import Drawn
@@ -29,8 +30,9 @@ def grown(drawn: Drawn) -> Tree:
     """Grow the tree of a drawing from its frame, joints in the order in which they are listed.
 
     Raises:
-        ModelError: A body hangs on nothing, or a slide closes a loop.
+        ModelError: A body hangs on nothing, a slide closes a loop, or a part cannot be used.
     """
+    check_parts(drawn)
     origins: dict[str, Place] = {FRAME: (0.0, 0.0)}
     carried: dict[str, JointTable] = {}
     while True:
@@ -45,12 +47,13 @@ def grown(drawn: Drawn) -> Tree:
     for name, body in drawn.table.bodies.items():
         if name not in origins:
             allowed = "a body to which a joint leads, from the frame or from one that hangs on it"
-            key = f"bodies.{name}"
-            raise drawn.refused(key, body.points, allowed)
+            drawn.refuse(f"bodies.{name}", body.points, allowed)
     cut = {name: joint for name, joint in drawn.joints.items() if name not in carried}
-    for name, joint in cut.items():
-        if joint.slide:
-            key = f"joints[{[*drawn.joints].index(name)}].slide"
+    for number, (name, joint) in enumerate(drawn.joints.items()):
+        if joint.follows in cut or (joint.follows and name in cut):
+            allowed = f"one of two joints that carry bodies: {', '.join(carried)}"
+            drawn.refuse(f"joints[{number}].follows", joint.follows, allowed)
+        if joint.slide and name in cut:
             allowed = "a slide that carries its child: only pins and slots close loops"
-            raise drawn.refused(key, name, allowed)
+            drawn.refuse(f"joints[{number}].slide", name, allowed)
     return Tree(drawn, carried, cut, origins)

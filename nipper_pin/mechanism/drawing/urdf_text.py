@@ -1,67 +1,18 @@
-"""The URDF of a drawing: links with mass, joints, named frames of cut joints, and what is seen.
-
-A body is made of thin rods.
-"""
+"""The URDF of a drawing: links with mass, joints, named frames of cut joints, and shapes."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from itertools import pairwise
-from math import atan2
+from math import atan2, pi, radians, tau
 from xml.sax.saxutils import quoteattr
 
 from ...units import M_PER_MM
-from .layout import FRAME, BodyTable, JointTable
-from .places import Place, distance, place, vector
+from .layout import FRAME, JointTable
+from .mass import mass_of
+from .places import Place, place, vector
 from .read import Drawn
 from .tree import Tree
 from .visuals import body_visuals, frame_visuals
-
-
-@dataclass(frozen=True)
-class Mass:
-    """Mass of a body.
-
-    Attributes:
-        mass: Mass [kg].
-        centre: Centre of mass (x, z) [mm].
-        inertia: About that [kg m2].
-    """
-
-    mass: float
-    centre: Place
-    inertia: float
-
-
-def mass_of(body: BodyTable, points: Mapping[str, Place]) -> Mass:
-    """Mass of a body: of its rods, or of a disc about its only point, which gives its mass.
-
-    Args:
-        points: Places by name [mm].
-    """
-    places = [place(points, name) for name in body.points.split()]
-    if len(places) == 1:
-        mass = body.mass_kg or 0.0
-        centre, inertia = places[0], 0.5e-6 * mass * body.radius_mm**2
-    else:
-        rods = [
-            (distance(a, b), (0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])))
-            for a, b in pairwise(places)
-        ]
-        length = sum(size for size, _ in rods)
-        mass = M_PER_MM * body.density_kg_m * length if body.mass_kg is None else body.mass_kg
-        centre = (
-            sum(size * middle[0] for size, middle in rods) / length,
-            sum(size * middle[1] for size, middle in rods) / length,
-        )
-        spread = sum(
-            size * (size**2 / 12.0 + distance(middle, centre) ** 2) for size, middle in rods
-        )
-        inertia = 1e-6 * mass * spread / length
-    given = body.inertia_kg_m2
-    return Mass(mass, body.centre_mm or centre, inertia if given is None else given)
-
 
 LINE = "{}_line"
 """Name of the frame of a slot, by the slot's name."""
@@ -80,9 +31,7 @@ def ends_of(drawn: Drawn, ends: object, key: str) -> list[tuple[str, str]]:
     """
     words = [str(end).split() for end in ends] if isinstance(ends, list | tuple) else []
     if [len(item) for item in words] != [2, 2]:
-        raise drawn.refused(
-            key, ends, 'two texts of a link and a point, as in ["jaw E", "frame O"]'
-        )
+        drawn.refuse(key, ends, 'two texts of a link and a point, as in ["jaw E", "frame O"]')
     for link, point in words:
         drawn.link(link, key)
         drawn.place(point, key)
@@ -108,6 +57,7 @@ def urdf_text(tree: Tree) -> str:
         f"<robot name={quoteattr(drawn.name)}>",
         f'  <link name="{FRAME}">',
         *frame_visuals(tree),
+        *_shapes(tree, FRAME),
         "  </link>",
     ]
     for number, (key, joint) in enumerate(tree.carried.items()):
@@ -136,8 +86,30 @@ def _link(tree: Tree, name: str, number: int) -> list[str]:
         f'    <inertial><origin xyz="{_offset(tree, name, found.centre)}"/>'
         f'<mass value="{found.mass!r}"/><inertia {moments} ixy="0" ixz="0" iyz="0"/></inertial>',
         *body_visuals(tree, name, number),
+        *_shapes(tree, name),
         "  </link>",
     ]
+
+
+def _shapes(tree: Tree, link: str) -> list[str]:
+    """Shapes of a link that stops know, which are seen as well."""
+    found = []
+    for name, shape in tree.drawn.table.shapes.items():
+        if shape.body != link:
+            continue
+        depth = M_PER_MM * shape.depth_mm
+        if shape.box_mm is None:
+            radius, rpy = M_PER_MM * (shape.radius_mm or 0.0), f"{0.5 * pi!r} 0 0"
+            solid = f'<cylinder radius="{radius!r}" length="{depth!r}"/>'
+        else:
+            # A rotation about +y is clockwise in the side view.
+            rpy = f"0 {-radians(shape.angle_deg) + 0.0!r} 0"
+            along, across = (M_PER_MM * edge for edge in shape.box_mm)
+            solid = f'<box size="{along!r} {depth!r} {across!r}"/>'
+        at = _offset(tree, link, tree.drawn.middle(shape))
+        inner = f'<origin xyz="{at}" rpy="{rpy}"/><geometry>{solid}</geometry>'
+        found += [f'    <{kind} name="{name}">{inner}</{kind}>' for kind in ("visual", "collision")]
+    return found
 
 
 def _joint(tree: Tree, name: str, joint: JointTable) -> list[str]:
@@ -147,11 +119,15 @@ def _joint(tree: Tree, name: str, joint: JointTable) -> list[str]:
         x, z = vector(points, joint.along or "")
         kind, axis = "prismatic", f"{x!r} 0 {z!r}"
         limit = '<limit lower="-10" upper="10" effort="1e6" velocity="1e3"/>'
+    gear = ""
+    if joint.follows:
+        by = joint.ratio if joint.lead_mm_per_turn is None else joint.lead_mm_per_turn / 1e3 / tau
+        gear = f'<mimic joint={quoteattr(joint.follows)} multiplier="{by!r}"/>'
     return [
         f'  <joint name="{name}" type="{kind}">',
         f'    <parent link="{joint.parent}"/><child link="{joint.child}"/>',
         f'    <origin xyz="{_offset(tree, joint.parent, place(points, joint.point))}"/>'
-        f'<axis xyz="{axis}"/>{limit}',
+        f'<axis xyz="{axis}"/>{limit}{gear}',
         "  </joint>",
     ]
 

@@ -18,8 +18,11 @@ _GROUND = (0.55, 0.57, 0.6)
 def body_visuals(tree: Tree, name: str, number: int) -> list[str]:
     """Bars of a body, in a separate layer; a block if it has one point."""
     points, size = tree.drawn.points, _size(tree)
-    places = [place(points, name) for name in tree.drawn.table.bodies[name].points.split()]
-    width, depth = _WIDTH * size, 0.6 * _WIDTH * size
+    body = tree.drawn.table.bodies[name]
+    places = [place(points, each) for each in body.points.split()]
+    if body.thickness_mm and not body.width_mm and len(places) > 1:
+        places.append(places[0])
+    width, depth = body.width_mm or _WIDTH * size, 0.6 * _WIDTH * size
     aside = -depth * (number + 1)
     if len(places) == 1:
         side = 2.4 * width

@@ -255,14 +255,19 @@ def _entries(data: Mapping[str, object], section: str, file: str) -> dict[str, A
     }
 
 
+def kind_of_entry(section: str, entry: Mapping[str, object]) -> Any:
+    """The table that an entry of a section is read by; None of an unknown law or section."""
+    register = _LAWS.get(section)
+    return _SECTIONS.get(section) if register is None else register.kind(entry.get("law"))
+
+
 def optional_numbers(section: str, entry: Mapping[str, object]) -> dict[str, float]:
     """Defaults of the numbers that an entry omits.
 
     Returns:
         Defaults by key; 0 for a place that is not given. Empty for an unknown drive law.
     """
-    register = _LAWS.get(section)
-    kind = _SECTIONS[section] if register is None else register.kind(entry.get("law"))
+    kind = kind_of_entry(section, entry)
     if kind is None:
         return {}
     return {key: value for key, value in _defaults(kind).items() if key not in entry}

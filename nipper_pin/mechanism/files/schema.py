@@ -13,6 +13,7 @@ from typing import Any
 
 import msgspec
 
+from ...written_units import pattern_of_key
 from . import description
 from .description import Description
 from .register import DRIVES, FORCES, RESTITUTIONS, STOPS
@@ -54,6 +55,7 @@ def model_schema() -> dict[str, Any]:
         words = {"law": table["description"], **_attributes(kind)}
         for key, value in table["properties"].items():
             table["properties"][key] = _plain(value, words.get(key))
+        table |= _in_other_units(table["properties"])
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "nipper_pin model",
@@ -80,6 +82,18 @@ def _plain(value: dict[str, Any], words: str | None) -> dict[str, Any]:
         # Not a keyword of JSON schema; the constant "law" of each choice has the same effect.
         inner.pop("discriminator", None)
     return {"description": words, **value} if words else value
+
+
+def _in_other_units(properties: dict[str, Any]) -> dict[str, Any]:
+    """Patterns of keys that give the same quantity in another unit, without its limits."""
+    found = {}
+    for key, value in properties.items():
+        pattern = pattern_of_key(key)
+        number = value.get("type") == "number"
+        if pattern and (number or value.get("type") == "array"):
+            numbers = {"type": "number"}
+            found[pattern] = numbers if number else {"type": "array", "items": numbers}
+    return {"patternProperties": found} if found else {}
 
 
 def _summary(kind: type) -> str:

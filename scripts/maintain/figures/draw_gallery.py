@@ -1,4 +1,4 @@
-"""Draw every machine of the gallery as a small SVG, and write the pages that show them.
+"""Draw every machine of the gallery as a small SVG, and write the page that shows them.
 
 Each is drawn in its touch configuration by the symbols of a sketch, with the path of one point
 over a turn, as the links move where nothing is struck.
@@ -30,36 +30,31 @@ _SIZE_IN = 3.6  # of the longer side
 _ROOM = 0.05  # around the machine, by its size
 _SLOW_RPM = 1.0  # so slow that springs hold everything on its stop
 _STIFFER = 1e3
-_PAGE = Path(__file__).with_name("models_page.md")
-_TITLE = "# Gallery\n"
+_PAGE = Path(__file__).with_name("gallery_page.md")
 
 
 def main(folder: str = "docs") -> None:
-    """Draw all machines and write the pages.
+    """Draw all machines and write the page.
 
     Args:
-        folder: Folder of the pages; pictures go to ``images/gallery`` in it.
+        folder: Folder of the page; pictures go to ``images/gallery`` in it.
     """
     pictures = Path(folder) / "images" / "gallery"
     pictures.mkdir(parents=True, exist_ok=True)
     for drawing in map(drawn, GALLERY):
         save_figure(picture(drawing), pictures / f"{drawing.name}.svg", "svg")
-    texts = pages()
-    for name, text in texts.items():
-        (Path(folder) / f"{name}.md").write_text(text, encoding="utf-8")
-    print(f"wrote {len(texts)} pages and {len(GALLERY)} pictures to {folder}")
+    (Path(folder) / "gallery.md").write_text(page(), encoding="utf-8")
+    print(f"wrote gallery.md and {len(GALLERY)} pictures to {folder}")
 
 
-def pages() -> dict[str, str]:
-    """Return the text of each page, by its name."""
-    shown, contents = [_TITLE], []
+def page() -> str:
+    """Return the text of the page."""
+    shown, contents = [], []
     for kind, group in GROUPS.items():
-        links = ", ".join(f"[{name}](gallery.md#{name})" for name in group)
-        contents.append(f"- **{kind}**: {links}")
+        contents.append(f"- **{kind}**: {', '.join(f'[{name}](#{name})' for name in group)}")
         shown += [f"## {kind}\n", *map(_shown, group)]
-    text = _PAGE.read_text(encoding="utf-8")
-    front = text.format(count=len(GALLERY), contents="\n".join(contents))
-    return {"models": front, "gallery": "\n".join(shown)}
+    front = _PAGE.read_text(encoding="utf-8")
+    return "\n".join([front.format(count=len(GALLERY), contents="\n".join(contents)), *shown])
 
 
 def _shown(name: str) -> str:
