@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import IntEnum
-from typing import Protocol
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,20 +61,26 @@ REASONS = {
 }
 
 
-class _Collisions(Protocol):
-    @property
-    def table(self) -> FloatArray: ...
+class Column:
+    """A column of a result's table, read by its name; or a row.
+
+    Args:
+        place: Its number, or index.
+        table: Name of the table.
+    """
+
+    def __init__(self, *place: int | slice, table: str = "table") -> None:
+        """Store the place."""
+        self._index, self._table = (..., *place), table
+
+    def __get__(self, result: object, kind: type) -> FloatArray:
+        """The column, as a view."""
+        return np.asarray(getattr(result, self._table)[self._index])
 
 
-class _Row:
-    """One row of a table of collisions, read by its name."""
-
-    def __init__(self, number: int) -> None:
-        self._number = number
-
-    def __get__(self, result: _Collisions, kind: type) -> FloatArray:
-        row: FloatArray = result.table[..., self._number, :]
-        return row
+def _row(place: int) -> Column:
+    """A row of a table of collisions."""
+    return Column(place, slice(None))
 
 
 class CollisionRows:
@@ -96,19 +103,19 @@ class CollisionRows:
         rebound_error: Bound on the error of ``rebound_time`` [s].
     """
 
-    time = _Row(layout.TIME)
-    cylinder_angle = _Row(layout.ANGLE)
-    approach_rate = _Row(layout.APPROACH)
-    separation_rate = _Row(layout.SEPARATION)
-    impulse = _Row(layout.IMPULSE)
-    energy_lost = _Row(layout.ENERGY)
-    rebound_amplitude = _Row(layout.AMPLITUDE)
-    rebound_time = _Row(layout.REBOUND)
-    time_error = _Row(layout.TIME_ERROR)
-    rate_error = _Row(layout.RATE_ERROR)
-    impulse_error = _Row(layout.IMPULSE_ERROR)
-    amplitude_error = _Row(layout.AMPLITUDE_ERROR)
-    rebound_error = _Row(layout.REBOUND_ERROR)
+    time = _row(layout.TIME)
+    cylinder_angle = _row(layout.ANGLE)
+    approach_rate = _row(layout.APPROACH)
+    separation_rate = _row(layout.SEPARATION)
+    impulse = _row(layout.IMPULSE)
+    energy_lost = _row(layout.ENERGY)
+    rebound_amplitude = _row(layout.AMPLITUDE)
+    rebound_time = _row(layout.REBOUND)
+    time_error = _row(layout.TIME_ERROR)
+    rate_error = _row(layout.RATE_ERROR)
+    impulse_error = _row(layout.IMPULSE_ERROR)
+    amplitude_error = _row(layout.AMPLITUDE_ERROR)
+    rebound_error = _row(layout.REBOUND_ERROR)
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,27 +126,37 @@ class TransitionBatch(CollisionRows):
         model: Name of the model.
         status: :class:`Status` of each case, shape (n,).
         collisions: Number of collisions computed, shape (n,).
+        rest: The next four, shape (n, 4).
         duration: Time from the first collision to rest [s], NaN without rest, shape (n,).
         duration_error: Bound on its error [s], shape (n,).
         share: Share of the first two rebounds in the duration, shape (n,).
-        premise: 1 where the machine arrives in its initial phase, as a transition assumes, 0 where
-            it does not, -1 where that is not known, shape (n,).
         error_bound: Bound on the worst relative error of the first two rebound times, the first
             amplitude and the duration, shape (n,).
         table: All rows, shape (n, rows, most).
+        tell: Computes the premise.
         engine: The engine that computed it.
     """
 
     model: str
     status: NDArray[np.int64]
     collisions: NDArray[np.int64]
-    duration: FloatArray
-    duration_error: FloatArray
-    share: FloatArray
-    premise: NDArray[np.int64]
-    error_bound: FloatArray
+    rest: FloatArray = field(repr=False)
     table: FloatArray = field(repr=False)
+    tell: Callable[[], NDArray[np.int64]] = field(repr=False)
     engine: str = ENGINE
+
+    duration = Column(0, table="rest")
+    duration_error = Column(1, table="rest")
+    share = Column(2, table="rest")
+    error_bound = Column(3, table="rest")
+
+    @cached_property
+    def premise(self) -> NDArray[np.int64]:
+        """Whether machines arrive in their initial phase, as a transition assumes, shape (n,).
+
+        1 where they do, 0 where not, -1 where that is not known. Computed when it is first read.
+        """
+        return self.tell()
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,11 +169,10 @@ class ReducedTransition(CollisionRows):
         duration: Time from the first collision to rest [s].
         duration_error: Bound on its error [s].
         share: Share of the first two rebounds in the duration; NaN with fewer.
-        premise_holds: Whether the machine arrives in its initial phase, as a transition assumes;
-            None where that is not known.
         error_bound: Bound on the worst relative error of the first two rebound times, the first
             amplitude and the duration.
         table: All rows, shape (rows, collisions).
+        tell: Computes the premise.
         engine: The engine that computed it.
     """
 
@@ -165,7 +181,16 @@ class ReducedTransition(CollisionRows):
     duration: float
     duration_error: float
     share: float
-    premise_holds: bool | None
     error_bound: float
     table: FloatArray = field(repr=False)
+    tell: Callable[[], NDArray[np.int64]] = field(repr=False)
     engine: str = ENGINE
+
+    @cached_property
+    def premise_holds(self) -> bool | None:
+        """Whether the machine arrives in its initial phase, as a transition assumes, or None.
+
+        None where that is not known. Computed when it is first read.
+        """
+        told = int(self.tell()[0])
+        return None if told == layout.UNKNOWN else bool(told == layout.HOLDS)

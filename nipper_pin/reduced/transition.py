@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
+from types import ModuleType
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ..arrays import FloatArray
 from ..errors import InputError, NipperError, SimulationError
@@ -16,7 +16,7 @@ from ..extras import require
 from ..given import LARGEST, column, number
 from ..units import S_PER_MIN
 from .inputs import check_run, of_all_cases, one_row, speed_of, speeds_of, spring_rows
-from .kernels.layout import COLUMNS, HOLDS, UNKNOWN
+from .kernels.layout import COLUMNS, Cases, Settings
 from .model import ReducedModel
 from .results import REASONS, ReducedTransition, Status, TransitionBatch
 
@@ -58,30 +58,23 @@ def transition(
         SimulationError: The stop does not come to rest, or another stop takes part; or the
             tables do not determine how the machine arrives at the transition of the turn.
     """
-    run, grids = _compiled()
     check_run(rest_rate, tolerance, max_collisions)
     e_N = model.restitution if restitution is None else restitution
-    status, rest, premise, table = run(
-        grids,
-        model.tables,
-        model.arrival.tables,
-        model.arrival.turn,
-        speed_of(speed_rpm) * (math.tau / S_PER_MIN),
-        number("restitution", e_N, 0.0, 1.0),
-        one_row("stiffness", stiffness, model.stiffness, 0.0),
-        one_row("preload", preload, model.preload, -LARGEST),
-        1.0 if gravity is None else float(_weight(model, gravity)[0]),
-        0.0 if rest_rate is None else float(rest_rate),
-        float(tolerance),
-        assumed,
-        max_collisions,
+    cases = Cases(
+        np.array([speed_of(speed_rpm) * (math.tau / S_PER_MIN)]),
+        np.array([number("restitution", e_N, 0.0, 1.0)]),
+        np.array([one_row("stiffness", stiffness, model.stiffness, 0.0)]),
+        np.array([one_row("preload", preload, model.preload, -LARGEST)]),
+        np.ones(1) if gravity is None else _weight(model, gravity)[:1],
     )
-    count = table.shape[1]
+    table = np.empty((1, COLUMNS, max_collisions))
+    found, tell = _solved(model, cases, rest_rate, tolerance, assumed, table)
+    status, count = int(found.status[0]), int(found.counts[0])
     if status != _AT_REST:
         raise _refusal(model, Status(status), count, speed_rpm, max_collisions)
-    duration, error, share, bound = rest
-    holds = None if premise == UNKNOWN else premise == HOLDS
-    return ReducedTransition(model.name, count, duration, error, share, holds, bound, table)
+    duration, error, share, bound = found.rest[0].tolist()
+    table = table[0, :, :count].copy()
+    return ReducedTransition(model.name, count, duration, error, share, bound, table, tell)
 
 
 def transitions(
@@ -118,29 +111,33 @@ def transitions(
     """
     cases = _cases(model, speed_rpm, restitution, stiffness, preload, gravity)
     check_run(rest_rate, tolerance, max_collisions)
-    require("study", "numba", what=_ENGINE)
-    from .kernels.kernel import run_batch
-    from .kernels.panel import grids
+    table = np.full((len(cases.speed), COLUMNS, max_collisions), np.nan)
+    found, tell = _solved(model, cases, rest_rate, tolerance, assumed, table)
+    return TransitionBatch(model.name, found.status, found.counts, found.rest, table, tell)
 
-    n = len(cases[0])
-    table, rest = np.full((n, COLUMNS, max_collisions), np.nan), np.empty((n, 4))
-    status, counts, premise = np.zeros((3, n), dtype=np.int64)
-    results = table, status, counts, premise, rest
-    run_batch(
-        grids(),
-        model.tables,
-        model.arrival.tables,
-        model.arrival.turn,
-        *cases,
-        0.0 if rest_rate is None else float(rest_rate),
-        float(tolerance),
-        assumed,
-        *results,
+
+def _solved(
+    model: ReducedModel, cases: Cases, rest_rate: float | None, tolerance: float, assumed: bool,
+    table: FloatArray,
+) -> tuple[Any, partial[NDArray[np.int64]]]:  # fmt: skip
+    """Transitions of checked cases, and what tells their premise."""
+    settings = Settings(0.0 if rest_rate is None else float(rest_rate), float(tolerance))
+    arrival = model.arrival
+    found = _kernel().solve(
+        model.tables, arrival.tables, arrival.turn, cases, settings, assumed, table
     )
-    durations, errors, shares, bounds = rest.T.copy()
-    return TransitionBatch(
-        model.name, status, counts, durations, errors, shares, premise, bounds, table
-    )
+    return found, partial(_premise, model, cases, settings, found)
+
+
+def _premise(
+    model: ReducedModel, cases: Cases, settings: Settings, found: Any
+) -> NDArray[np.int64]:
+    """Whether machines arrive in their initial phase."""
+    if found.premise is None:
+        arrival, rests = model.arrival, cases.speed * found.rest[:, 0]
+        machine = model.tables, arrival.tables, arrival.turn
+        return np.asarray(_kernel().premise_of(*machine, cases, settings, found.status, rests))
+    return np.asarray(found.premise)
 
 
 def _cases(
@@ -150,8 +147,8 @@ def _cases(
     stiffness: ArrayLike | None,
     preload: ArrayLike | None,
     gravity: ArrayLike | None,
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Speeds [rad/s], restitutions, spring rates, deflections and gravity of n cases."""
+) -> Cases:
+    """Numbers of n cases, checked."""
     springs = len(model.springs)
     speed = speeds_of(speed_rpm)
     e_N = column("restitution", model.restitution if restitution is None else restitution,
@@ -164,17 +161,16 @@ def _cases(
         "preload", model.preload if preload is None else preload, springs, -LARGEST
     )
     speed, e_N, weight, rates, lengths = of_all_cases(speed, e_N, weight, rates, lengths)
-    return speed * (math.tau / S_PER_MIN), e_N, rates, lengths, weight
+    return Cases(speed * (math.tau / S_PER_MIN), e_N, rates, lengths, weight)
 
 
 @cache
-def _compiled() -> tuple[Callable[..., Any], FloatArray]:
-    """The compiled function of one transition and its grids; numba is loaded here."""
+def _kernel() -> ModuleType:
+    """The compiled functions; numba is loaded here."""
     require("study", "numba", what=_ENGINE)
-    from .kernels.kernel import run_one
-    from .kernels.panel import grids
+    from .kernels import kernel
 
-    return run_one, grids()
+    return kernel
 
 
 def _refusal(

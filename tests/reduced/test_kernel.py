@@ -36,8 +36,9 @@ from nipper_pin.reduced.kernels.layout import (
     TOO_MANY,
     UNKNOWN,
     UNTOLD,
+    Cases,
+    Settings,
 )
-from nipper_pin.reduced.kernels.panel import grids
 from nipper_pin.reduced.tables.arrival import unknown
 
 pytestmark = pytest.mark.usefixtures("plain")
@@ -69,10 +70,15 @@ def run(
     if tables is None:
         tables = tables_of(EQUATION, **TABLES)
     blank = unknown("")
-    return kernel.run_one(
-        grids(), tables, y or blank.tables, turn or blank.turn, SPEED, e, K, P, gravity, rest_rate,
-        1e-9, assumed, most,
-    )  # fmt: skip
+    cases = Cases(np.array([SPEED]), np.array([e]), K[None], P[None], np.array([gravity]))
+    machine = tables, y or blank.tables, turn or blank.turn
+    table, settings = np.full((1, COLUMNS, most), np.nan), Settings(rest_rate, 1e-9)
+    found = kernel.solve(*machine, cases, settings, assumed, table)
+    premise = found.premise
+    if premise is None:
+        rests = SPEED * found.rest[:, 0]
+        premise = kernel.premise_of(*machine, cases, settings, found.status, rests)
+    return found.status[0], found.rest[0], premise[0], table[0, :, : found.counts[0]]
 
 
 def expected(count: int) -> dict[int, Any]:
@@ -338,24 +344,21 @@ def test_a_machine_that_arrives_in_flight_falls_onto_its_stop_first() -> None:
 
 def test_a_batch_is_its_cases() -> None:
     """Every case of a batch has the numbers that it has alone."""
-    tables = tables_of(EQUATION, **TABLES)
-    blank = unknown("")
-    speed, e = np.array([2.0, 1.0, 3.0]), np.array([0.4, 0.5, 1.0])
-    k, p = np.array([[300.0], [250.0], [310.0]]), np.array([[0.02], [0.03], [0.02]])
-    gravity = np.array([1.0, 0.5, 0.9])
-    table = np.full((3, COLUMNS, 9), np.nan)
-    status, counts, premise = np.zeros((3, 3), dtype=np.int64)
-    rest = np.empty((3, 4))
-    kernel.run_batch(
-        grids(), tables, blank.tables, blank.turn, speed, e, k, p, gravity, 0.3, 1e-9, True, table,
-        status, counts, premise, rest,
+    tables, blank = tables_of(EQUATION, **TABLES), unknown("")
+    cases = Cases(
+        np.array([2.0, 1.0, 3.0]), np.array([0.4, 0.5, 1.0]), np.array([[300.0], [250.0], [310.0]]),
+        np.array([[0.02], [0.03], [0.02]]), np.array([1.0, 0.5, 0.9]),
     )  # fmt: skip
+
+    def solved(cases: Cases) -> Any:
+        table = np.full((len(cases.speed), COLUMNS, 9), np.nan)
+        machine = tables, blank.tables, blank.turn
+        return kernel.solve(*machine, cases, Settings(0.3, 1e-9), True, table), table
+
+    found, table = solved(cases)
     for i in range(3):
-        one = kernel.run_one(
-            grids(), tables, blank.tables, blank.turn, speed[i], e[i], k[i], p[i], gravity[i], 0.3,
-            1e-9, True, 9,
-        )  # fmt: skip
-        assert (status[i], premise[i], counts[i]) == (one[0], one[2], one[3].shape[1])
-        np.testing.assert_array_equal(rest[i], one[1])
-        np.testing.assert_array_equal(table[i, :, : counts[i]], one[3])
-    assert status.tolist() == [AT_REST, AT_REST, LEFT_TRAVEL]
+        one, alone = solved(Cases(*(given[i : i + 1] for given in cases)))
+        assert (found.status[i], found.counts[i]) == (one.status[0], one.counts[0])
+        np.testing.assert_array_equal(found.rest[i], one.rest[0])
+        np.testing.assert_array_equal(table[i], alone[0])
+    assert found.status.tolist() == [AT_REST, AT_REST, LEFT_TRAVEL]

@@ -48,7 +48,7 @@ def test_a_lie_is_noticed(lie: str, monkeypatch: pytest.MonkeyPatch) -> None:
 
         def lying(*given: object, **named: object) -> object:
             batch = real(*given, **named)  # type: ignore[arg-type]
-            return replace(batch, premise=1 + 0 * batch.premise)
+            return replace(batch, tell=lambda: 1 + 0 * batch.premise)
 
         monkeypatch.setattr(premises, "transitions", lying)
     wrong = {item.engine for item in judged(mechanism, fast) if item.wrong}

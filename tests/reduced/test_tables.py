@@ -182,6 +182,7 @@ def test_errors_of_series_at_points_off_the_grid(cells: int) -> None:
     assert (rest[:, 0] == 3 * row + 1).mean() > 0.99
 
 
+@pytest.mark.usefixtures("plain")
 @pytest.mark.parametrize("worst", ["time", "amplitude", "first", "second"])
 def test_the_worst_relative_error_of_a_transition(worst: str) -> None:
     """Of its duration, its amplitude and the times of its first two rebounds."""

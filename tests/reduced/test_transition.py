@@ -23,7 +23,7 @@ import pytest
 
 from nipper_pin import Case, InputError, Mechanism, Resolution, load, simulate
 from nipper_pin.reduced import ReducedModel, Status, build, transition, transitions
-from nipper_pin.reduced.kernels.flight import _first_zero
+from nipper_pin.reduced.kernels import flight, panel
 from nipper_pin.reduced.kernels.layout import (
     LEVELS,
     NODE_A,
@@ -32,8 +32,6 @@ from nipper_pin.reduced.kernels.layout import (
     SCRATCH_ROWS,
     SIGMA,
 )
-from nipper_pin.reduced.kernels.panel import coefficients
-from nipper_pin.reduced.kernels.panel import grids as shared_grids
 
 CASES = ["450", "550", "650", "650_e0.05", "650_e0.25", "650_e0.5", "650_k7000", "650_k11000"]
 FINE = 1e-12
@@ -342,10 +340,11 @@ def test_rebounds_beyond_the_tables_are_not_computed(model: ReducedModel) -> Non
     assert status == [Status.LEFT_GAP, Status.AT_REST]
 
 
+@pytest.mark.usefixtures("plain")
 @pytest.mark.parametrize(("depth", "found"), [(1e-3, True), (-1e-3, False)])
 def test_a_passage_between_two_nodes_is_found(depth: float, found: bool) -> None:
     """A parabola whose lowest point lies between two nodes, just below zero or just above."""
-    grids, level = shared_grids(), 1
+    grids, level = panel.grids(), 1
     count = LEVELS[level]
     sigma = grids[SIGMA, level, 0, :count]
     lowest, bend = 0.5 * (sigma[2] + sigma[3]), 2.0
@@ -355,8 +354,8 @@ def test_a_passage_between_two_nodes_is_found(depth: float, found: bool) -> None
     nodes[NODE_V, :count] = v0 + bend * sigma
     nodes[NODE_X, :count] = x0 + v0 * sigma + 0.5 * bend * sigma**2
     assert nodes[NODE_X, :count].min() > 0.0
-    coefficients(grids, nodes, level)
-    place = _first_zero(grids, nodes, level, 1.0, x0, v0)
+    panel.coefficients(grids, nodes, level)
+    place = flight._first_zero(grids, nodes, level, 1.0, x0, v0)
     if found:
         assert place == pytest.approx(lowest - np.sqrt(2.0 * depth / bend), rel=1e-10)
     else:

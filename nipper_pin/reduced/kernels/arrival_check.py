@@ -20,7 +20,7 @@ from ...tolerances.reduced import (
     PHASE_TOLERANCE,
     STEADY_DECELERATION,
 )
-from .compiled import compiled
+from .compiled import part
 from .flight import flight
 from .flight_errors import drift, flight_errors, size, sizes_of
 from .layout import (
@@ -51,7 +51,7 @@ _PLACES = 24
 _ROOT_STEPS = 60
 
 
-@compiled
+@part
 def line(functions: FloatArray, speed: float, gravity: float, stiffness: FloatArray,
                preload: FloatArray, found: FloatArray) -> None:  # fmt: skip
     """Combine functions along a stop for a case, one row a cell."""
@@ -64,7 +64,7 @@ def line(functions: FloatArray, speed: float, gravity: float, stiffness: FloatAr
             found[cell, i] = value
 
 
-@compiled
+@part
 def released(line: FloatArray, cells: int, count: int, length: float, begin: float,
              end: float) -> float:  # fmt: skip
     """First place in [begin, end] from which on the force of a stop is zero or below.
@@ -111,19 +111,19 @@ def released(line: FloatArray, cells: int, count: int, length: float, begin: flo
     return -1.0 if old > -beside and old > -np.inf else end + 1.0
 
 
-@compiled
+@part
 def along(line: FloatArray, cell: int, count: int, width: float, u: float) -> float:
     """Value of a line at a place in a cell."""
     return chebyshev(line, cell, 0, count, 2.0 * (u - cell * width) / width - 1.0)
 
 
-@compiled
+@part
 def _at(line: FloatArray, cells: int, count: int, width: float, u: float) -> float:
     """Value of a line at a place in any cell."""
     return along(line, min(max(int(u / width), 0), cells - 1), count, width, u)
 
 
-@compiled
+@part
 def _top(line: FloatArray, cells: int, count: int, width: float, low: float, high: float) -> float:
     """Place of the largest value between two places that hold one."""
     for _ in range(_ROOT_STEPS):
@@ -136,7 +136,7 @@ def _top(line: FloatArray, cells: int, count: int, width: float, low: float, hig
     return 0.5 * (low + high)
 
 
-@compiled
+@part
 def _crossing(line: FloatArray, cells: int, count: int, width: float, low: float,
               high: float) -> float:  # fmt: skip
     """Rising zero of a line, on its far side."""
@@ -151,7 +151,7 @@ def _crossing(line: FloatArray, cells: int, count: int, width: float, low: float
     return high
 
 
-@compiled
+@part
 def prepare(y: Tables, work: Work, speed: float, gravity: float, stiffness: FloatArray,
             preload: FloatArray) -> None:  # fmt: skip
     """Combine the tables of a turn for a case."""
@@ -163,7 +163,7 @@ def prepare(y: Tables, work: Work, speed: float, gravity: float, stiffness: Floa
     sizes_of(y, work.sizes, speed, gravity, stiffness, preload)
 
 
-@compiled
+@part
 def arrives(grids: FloatArray, y: Tables, turn: Turn, work: Work, speed: float,
             rest_rate: float) -> tuple[int, float, float]:  # fmt: skip
     """Decide in which phase the machine arrives at the touch.
@@ -225,7 +225,7 @@ def arrives(grids: FloatArray, y: Tables, turn: Turn, work: Work, speed: float,
     return UNKNOWN, 0.0, 0.0
 
 
-@compiled
+@part
 def in_flight(grids: FloatArray, y: Tables, turn: Turn, work: Work, speed: float, u: float,
               w: float, rest_rate: float, tolerance: float,
               ) -> tuple[bool, float, float, float, float]:  # fmt: skip
@@ -278,19 +278,19 @@ def in_flight(grids: FloatArray, y: Tables, turn: Turn, work: Work, speed: float
     return failed
 
 
-@compiled
+@part
 def _felt(sizes: FloatArray, fastest: float, T: float) -> float:
     """Exponent of Gronwall's lemma."""
     return min(size(sizes, BY_V, fastest) * T + 0.5 * size(sizes, BY_X, fastest) * T * T, 50.0)
 
 
-@compiled
+@part
 def _steady(sizes: FloatArray, speed: float, fastest: float, dt: float) -> float:
     """Error of y'' of the tables and of the time."""
     return size(sizes, RESIDUAL, fastest) + speed * size(sizes, BY_U, fastest) * dt
 
 
-@compiled
+@part
 def landed(sizes: FloatArray, speed: float, T: float, v: float, a: float, fastest: float,
            changed: float, left: float, dx: float, dw: float) -> tuple[float, float]:  # fmt: skip
     """Errors of time and rate at the end of a flight that starts with errors of x and x'."""

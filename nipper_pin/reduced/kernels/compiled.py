@@ -27,7 +27,19 @@ def compiled(function: _Function) -> _Function:
     IEEE arithmetic in the order of the source: no fast-math, so a case gives the same bits alone
     and in a batch.
     """
-    wrapped = numba.njit(error_model="numpy")(function)
+    return _compiled(function)
+
+
+def part(function: _Function) -> _Function:
+    """Compile a function that only compiled ones call.
+
+    A call from Python ends the process: what would serve it takes a fifth of the time to compile.
+    """
+    return _compiled(function, no_cpython_wrapper=True)
+
+
+def _compiled(function: _Function, **options: bool) -> _Function:
+    wrapped = numba.njit(error_model="numpy", no_cfunc_wrapper=True, **options)(function)
     kept = _kept(function)
     if kept is not None:
         wrapped._cache = kept

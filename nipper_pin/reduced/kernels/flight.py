@@ -16,7 +16,7 @@ from math import sqrt
 
 from ...arrays import FloatArray
 from ...tolerances.reduced import NEWTON_STEP, TRAVEL_END, ZERO_RESOLUTION
-from .compiled import compiled
+from .compiled import part
 from .flight_errors import begin_growth, grow, size
 from .hits import Held, first_hit
 from .layout import (
@@ -62,7 +62,7 @@ from .panel import (
 ) = range(12)  # fmt: skip
 
 
-@compiled
+@part
 def keep(held: Held, covered: float) -> None:
     """Keep a panel of a flight up to a part of it, if panels are kept and there is room."""
     nodes = held.nodes
@@ -78,7 +78,7 @@ def keep(held: Held, covered: float) -> None:
     numbers[BOUNCED] = 0.0
 
 
-@compiled
+@part
 def keep_rest(nodes: FloatArray, chart: int, u: float, end: float, speed: float, late: float,
               bounced: bool) -> None:  # fmt: skip
     """Keep a stretch at rest between two travels of a chart; ``late`` bounds the errors of both."""
@@ -92,7 +92,7 @@ def keep_rest(nodes: FloatArray, chart: int, u: float, end: float, speed: float,
     numbers[BOUNCED] = 1.0 if bounced else 0.0
 
 
-@compiled
+@part
 def describe(nodes: FloatArray, before: int, chart: int, sizes: FloatArray,
              motion: tuple[float, float, float, float, float, float],
              wrong: tuple[float, float, float]) -> None:  # fmt: skip
@@ -120,19 +120,19 @@ def describe(nodes: FloatArray, before: int, chart: int, sizes: FloatArray,
         numbers[X_WRONG], numbers[V_WRONG], numbers[A_WRONG] = dx, dv, da
 
 
-@compiled
+@part
 def kept(nodes: FloatArray) -> int:
     """Number of panels that are kept."""
     return int(nodes[KEPT, 0])
 
 
-@compiled
+@part
 def full(nodes: FloatArray) -> bool:
     """Whether panels are kept, and one more may not find room."""
     return nodes.shape[0] > SCRATCH_ROWS and len(nodes) < (kept(nodes) + 2) * SCRATCH_ROWS
 
 
-@compiled
+@part
 def _next_block(nodes: FloatArray) -> int:
     """First row of the next block, which counts as kept from now on if there is room for it."""
     first = (1 + kept(nodes)) * SCRATCH_ROWS
@@ -145,7 +145,7 @@ _MOST_PANELS = 64
 _MOST_HALVINGS = 12
 
 
-@compiled
+@part
 def _zero(nodes: FloatArray, count: int, h: float, x0: float, v0: float, low: float, high: float,
           start: float) -> float:  # fmt: skip
     """Zero of x in (low, high], of x / sigma if x0 = 0, to round-off."""
@@ -174,7 +174,7 @@ def _zero(nodes: FloatArray, count: int, h: float, x0: float, v0: float, low: fl
     return sigma
 
 
-@compiled
+@part
 def _first_zero(
     grids: FloatArray, nodes: FloatArray, level: int, h: float, x0: float, v0: float
 ) -> float:
@@ -202,7 +202,7 @@ def _first_zero(
     return -1.0
 
 
-@compiled
+@part
 def _highest(grids: FloatArray, nodes: FloatArray, level: int, h: float, x0: float,
              v0: float, end: float) -> tuple[float, float]:  # fmt: skip
     """Largest x on [0, end] and its place."""
@@ -233,7 +233,7 @@ def _highest(grids: FloatArray, nodes: FloatArray, level: int, h: float, x0: flo
     return max(best, position(nodes, count, h, x0, v0, peak)), peak
 
 
-@compiled
+@part
 def _ballistic(case: FloatArray, mixed: FloatArray, poly: FloatArray, degree: int, u: float,
                x: float, v: float, a0: float) -> float:  # fmt: skip
     """Time to the next zero of x, for an acceleration a0 < 0 that changes linearly with time."""
@@ -245,7 +245,7 @@ def _ballistic(case: FloatArray, mixed: FloatArray, poly: FloatArray, degree: in
     return 2.0 * v / -mean if mean < 0.5 * a0 else h
 
 
-@compiled
+@part
 def flight(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatArray,
             nodes: FloatArray, degree: int, u0: float, x0: float, w: float, tolerance: float,
             touching: bool) -> tuple[float, ...]:  # fmt: skip

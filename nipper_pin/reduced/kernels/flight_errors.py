@@ -37,7 +37,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...tolerances.mechanics import EPS
-from .compiled import compiled
+from .compiled import part
 from .hits import Held
 from .layout import BY_U, BY_V, BY_X, GROWTH, LOW, RESIDUAL, SCALE, SPAN, SPEED, Tables
 from .panel import chebyshev, contract, position, rate_at
@@ -46,13 +46,13 @@ from .panel import chebyshev, contract, position, rate_at
 _STEPS = 16
 
 
-@compiled
+@part
 def begin_growth(nodes: FloatArray) -> None:
     """Mark that no panel has been traced yet."""
     nodes[GROWTH, 0] = np.nan
 
 
-@compiled
+@part
 def grow(held: Held, end: float) -> None:
     """Carry the growth of errors over a panel up to ``end``.
 
@@ -81,7 +81,7 @@ def grow(held: Held, end: float) -> None:
     g[5] = abs(vx) * x + abs(vv) * v + abs(rv)
 
 
-@compiled
+@part
 def _slopes(held: Held, sigma: float) -> tuple[float, float]:
     """Derivatives of x'' by x and by x' at a place of a panel."""
     case, poly, degree = held.case, held.poly, held.degree
@@ -108,7 +108,7 @@ _FELT = 3.0
 _UNEVEN = 4.0
 
 
-@compiled
+@part
 def sizes_of(tables: Tables, sizes: FloatArray, speed: float, gravity: float, stiffness: FloatArray,
            preload: FloatArray) -> None:  # fmt: skip
     """Sums of the terms of x'', all positive, with bounds in the places of the functions."""
@@ -131,13 +131,13 @@ def sizes_of(tables: Tables, sizes: FloatArray, speed: float, gravity: float, st
         sizes[BY_V, 0] += tables.largest[first + 2]
 
 
-@compiled
+@part
 def size(sizes: FloatArray, row: int, rate: float) -> float:
     """One of the sums at a rate of x."""
     return float(sizes[row, 0] + rate * (sizes[row, 1] + rate * sizes[row, 2]))
 
 
-@compiled
+@part
 def flight_errors(sizes: FloatArray, speed: float, T: float, v: float, a: float, peak: float,
                    fastest: float, changed: float, left: float, dt: float,
                    dw: float) -> tuple[float, float, float]:  # fmt: skip
@@ -168,7 +168,7 @@ def flight_errors(sizes: FloatArray, speed: float, T: float, v: float, a: float,
     return duration, rate, K * (dw * peak + 0.5 * e * peak * peak)
 
 
-@compiled
+@part
 def drift(sizes: FloatArray, speed: float, w: float, a: float, ahead: float) -> float:
     """Bound on the relative error of the remaining duration of a bounce series."""
     by_time = speed * ahead * size(sizes, BY_U, w)

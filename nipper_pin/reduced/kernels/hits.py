@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import FloatArray
-from .compiled import compiled
+from .compiled import part
 from .layout import LOW, NODE_X, SCALE, SIGMA, SPAN, SPEED
 from .panel import chebyshev, contract, position
 
@@ -43,7 +43,7 @@ class Held(NamedTuple):
     v0: float
 
 
-@compiled
+@part
 def first_hit(
     grids: FloatArray, held: Held, level: int, end: float, first: int
 ) -> tuple[float, int]:
@@ -77,7 +77,7 @@ def first_hit(
     return place, hit
 
 
-@compiled
+@part
 def _gap_at(held: Held, column: int, sigma: float) -> float:
     """Gap of another stop at a place sigma of the panel."""
     row, case = held.poly.shape[0] - 1, held.case
@@ -86,7 +86,7 @@ def _gap_at(held: Held, column: int, sigma: float) -> float:
     return chebyshev(held.poly, row, column, held.degree, case[SCALE] * (x - case[LOW]) - 1.0)
 
 
-@compiled
+@part
 def _dip(held: Held, column: int, low: float, high: float) -> float:
     """A place between two others where a gap with one minimum is zero or below; -1 without one."""
     for _ in range(_SEARCH_STEPS):
@@ -104,7 +104,7 @@ def _dip(held: Held, column: int, low: float, high: float) -> float:
     return -1.0
 
 
-@compiled
+@part
 def _closing(held: Held, column: int, low: float, high: float) -> float:
     """Zero of a gap that is positive at ``low`` and not at ``high``."""
     for _ in range(_SEARCH_STEPS):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,7 +11,7 @@ from ...arrays import FloatArray
 from ...tolerances.mechanics import EPS
 from ...tolerances.reduced import ARRIVAL_SHARE, FINEST_TOLERANCE, LIMIT_ERROR_SAFETY
 from .arrival_check import arrives, in_flight, landed, line, prepare, released
-from .compiled import compiled
+from .compiled import compiled, part
 from .flight import flight
 from .flight_errors import flight_errors
 from .layout import (
@@ -19,12 +21,12 @@ from .layout import (
     APPROACH,
     AT_REST,
     CASE_NUMBERS,
-    COLUMNS,
     ENERGY,
     FAILS,
     IMPULSE,
     IMPULSE_ERROR,
     LEVELS,
+    NOT_ASKED,
     NOT_PRESSED,
     RATE_ERROR,
     REBOUND,
@@ -37,16 +39,21 @@ from .layout import (
     TOO_MANY,
     UNKNOWN,
     UNTOLD,
+    Cases,
+    Settings,
     Start,
     Tables,
     Turn,
     Work,
 )
-from .panel import acceleration, chebyshev, contract
+from .panel import acceleration, chebyshev, contract, grids
 from .series import settles
 
+# Where no first collision is given it is at the touch.
+_AT_TOUCH, _NO_RESTS = np.empty((0, 4)), np.empty(0)
 
-@compiled
+
+@part
 def _inertia(tables: Tables, u: float) -> float:
     """Effective inertia at x = 0."""
     cells, count = tables.inertia.shape
@@ -56,9 +63,9 @@ def _inertia(tables: Tables, u: float) -> float:
     return chebyshev(tables.inertia, cell, 0, count, place)
 
 
-@compiled
+@part
 def _transition(grids: FloatArray, tables: Tables, work: Work, speed: float, restitution: float,
-                rest_rate: float, tolerance: float, start: Start,
+                settings: Settings, start: Start,
                 table: FloatArray) -> tuple[int, int, float, float]:  # fmt: skip
     """One transition into a table of shape (COLUMNS, collisions).
 
@@ -68,7 +75,7 @@ def _transition(grids: FloatArray, tables: Tables, work: Work, speed: float, res
         Status, number of collisions, time of rest, bound on its error.
     """
     case, mixed, poly, nodes, series = work.case, work.mixed, work.poly, work.nodes, work.series
-    sizes = work.sizes
+    sizes, (rest_rate, tolerance) = work.sizes, settings
     degree = tables.equation.shape[3]
     smallest = tolerance ** (1.0 / 3.0)
     most = table.shape[1]
@@ -134,57 +141,20 @@ def _transition(grids: FloatArray, tables: Tables, work: Work, speed: float, res
     return TOO_MANY, most, rest, rest_error
 
 
-@compiled
-def _solved(grids: FloatArray, tables: Tables, y: Tables, turn: Turn, work: Work, waiting: Work,
-            speed: float, restitution: float, stiffness: FloatArray, preload: FloatArray,
-            gravity: float, rest_rate: float, tolerance: float, assumed: bool, table: FloatArray,
-            ) -> tuple[int, int, float, float, int]:  # fmt: skip
-    """One transition, from where it starts; see :func:`run_batch`.
-
-    Returns:
-        What :func:`_transition` does, and whether the premise holds.
-    """
-    prepare(tables, work, speed, gravity, stiffness, preload)
-    before = tables.approach * speed
-    start = Start(0.0, 0.0, before, tables.approach_residual * speed)
-    premise = UNKNOWN
-    if turn.known > 0.0:
-        prepare(y, waiting, speed, gravity, stiffness, preload)
-        line(turn.waiting, speed, gravity, stiffness, preload, waiting.line)
-        premise, u, w = arrives(grids, y, turn, waiting, speed, rest_rate)
-        if premise == FAILS and not assumed:
-            found, start = _flown(
-                grids, tables, y, turn, work, waiting, speed, u, w, rest_rate, tolerance
-            )
-            premise = FAILS if found else UNKNOWN
-    if premise == UNKNOWN and not assumed:
-        return UNTOLD, 0, np.nan, np.nan, premise
-    status, count, rest, error = _transition(
-        grids, tables, work, speed, restitution, rest_rate, tolerance, start, table
-    )
-    if premise != UNKNOWN and not _clamps(
-        turn, waiting, speed, gravity, stiffness, preload, status, start.travel + speed * rest
-    ):
-        premise = UNKNOWN
-        if status == AT_REST and not assumed:
-            table[:] = np.nan
-            return UNTOLD, 0, np.nan, np.nan, premise
-    return status, count, rest, error, premise
-
-
-@compiled
+@part
 def _flown(grids: FloatArray, tables: Tables, y: Tables, turn: Turn, work: Work, waiting: Work,
-           speed: float, u: float, w: float, rest_rate: float, tolerance: float,
-           ) -> tuple[bool, Start]:  # fmt: skip
+           speed: float, u: float, w: float, settings: Settings) -> tuple[bool, Start]:  # fmt: skip
     """First collision of a machine that arrives in flight."""
     none = Start(0.0, 0.0, 0.0, 0.0)
-    finer = max(ARRIVAL_SHARE * tolerance, FINEST_TOLERANCE)
-    known, x, rate, dx, dv = in_flight(grids, y, turn, waiting, speed, u, w, rest_rate, finer)
+    finer = max(ARRIVAL_SHARE * settings.tolerance, FINEST_TOLERANCE)
+    known, x, rate, dx, dv = in_flight(
+        grids, y, turn, waiting, speed, u, w, settings.rest_rate, finer
+    )
     if not known or not 0.0 < x < tables.high:
         return False, none
     ended, T, v, _, _, a, fastest, changed, left, _, _ = flight(
         grids, work.case, work.mixed, work.poly, work.nodes, tables.equation.shape[3], 0.0, x, rate,
-        tolerance, False,
+        settings.tolerance, x < 0.0,
     )  # fmt: skip
     if int(ended) != AT_REST or v >= 0.0:
         return False, none
@@ -192,33 +162,19 @@ def _flown(grids: FloatArray, tables: Tables, y: Tables, turn: Turn, work: Work,
     return True, Start(speed * T, late, v, wrong)
 
 
-@compiled
-def _clamps(turn: Turn, waiting: Work, speed: float, gravity: float, stiffness: FloatArray,
-            preload: FloatArray, status: int, u: float) -> bool:  # fmt: skip
-    """True if the transition stop is at rest at travel u and pressed shut until the opening."""
-    if status != AT_REST or not u < turn.opening:
-        return False
-    line(turn.clamping, speed, gravity, stiffness, preload, waiting.line)
-    cells, count = turn.clamping.shape[1], turn.clamping.shape[2]
-    return released(waiting.line, cells, count, turn.opening, u, turn.opening) > turn.opening
-
-
-@compiled
-def _scratch(tables: Tables, turn: Turn, most: int) -> Work:
+@part
+def _scratch(tables: Tables, series: FloatArray, line: FloatArray) -> Work:
     """Scratch arrays."""
     _, cells, count_u, count_x = tables.equation.shape
     rows = (3 + tables.gaps.shape[0]) * count_x
     finest = LEVELS[-1]
-    lines = max(turn.waiting.shape[1], turn.clamping.shape[1])
-    longest = max(turn.waiting.shape[2], turn.clamping.shape[2])
     return Work(
         np.zeros(CASE_NUMBERS), np.zeros((cells, count_u, rows)), np.zeros((finest + 1, rows)),
-        np.zeros((SCRATCH_ROWS, finest + 2)), np.zeros((3, most)),
-        np.zeros((SIZES, 3)), np.zeros((lines, longest)),
+        np.zeros((SCRATCH_ROWS, finest + 2)), series, np.zeros((SIZES, 3)), line,
     )  # fmt: skip
 
 
-@compiled
+@part
 def _summary(
     table: FloatArray, status: int, count: int, rest: float, error: float
 ) -> tuple[float, float, float, float]:
@@ -236,59 +192,136 @@ def _summary(
 
 
 @compiled
-def run_one(grids: FloatArray, tables: Tables, y: Tables, turn: Turn, speed: float,
-            restitution: float, stiffness: FloatArray, preload: FloatArray, gravity: float,
-            rest_rate: float, tolerance: float, assumed: bool, most: int,
-            ) -> tuple[int, tuple[float, float, float, float], int, FloatArray]:  # fmt: skip
-    """One transition; see :func:`run_batch`.
+def run_batch(grids: FloatArray, tables: Tables, cases: Cases, settings: Settings,
+              starts: FloatArray, table: FloatArray, status: NDArray[np.int64],
+              counts: NDArray[np.int64], rest: FloatArray) -> None:  # fmt: skip
+    """Transitions of a batch.
 
-    Returns:
-        Status, what :func:`run_batch` writes to ``rest`` and to ``premise``, and the table, shape
-        (COLUMNS, count).
+    Args:
+        tables: The reduced model.
+        starts: What :class:`Start` holds of each case, a rate of zero where that is not known,
+            shape (n, 4); none for first collisions at the touch.
+        table: Written: collisions, shape (n, COLUMNS, most); not beyond the last of a case.
+        status: Written: shape (n,), integers.
+        counts: Written: collisions, shape (n,), integers.
+        rest: Written, shape (n, 4): time of rest and its error [s], share of the first two
+            rebounds in it, bound on the worst relative error.
     """
-    table = np.empty((COLUMNS, most))
-    status, count, rest, error, premise = _solved(
-        grids, tables, y, turn, _scratch(tables, turn, most), _scratch(y, turn, 1), speed,
-        restitution, stiffness, preload, gravity, rest_rate, tolerance, assumed, table,
-    )  # fmt: skip
-    return (
-        status, _summary(table, status, count, rest, error), premise, table[:, :count].copy()
-    )  # fmt: skip
+    work = _scratch(tables, np.zeros((3, table.shape[2])), np.zeros((1, 1)))
+    for i in range(len(cases.speed)):
+        speed = cases.speed[i]
+        start = Start(0.0, 0.0, tables.approach * speed, tables.approach_residual * speed)
+        if len(starts) > 0:
+            start = Start(starts[i, 0], starts[i, 1], starts[i, 2], starts[i, 3])
+        status[i], counts[i], end, error = UNTOLD, 0, np.nan, np.nan
+        if start.rate < 0.0:
+            prepare(tables, work, speed, cases.gravity[i], cases.stiffness[i], cases.preload[i])
+            status[i], counts[i], end, error = _transition(
+                grids, tables, work, speed, cases.restitution[i], settings, start, table[i]
+            )
+        rest[i, 0], rest[i, 1], rest[i, 2], rest[i, 3] = _summary(
+            table[i], status[i], counts[i], end, error
+        )
 
 
 @compiled
-def run_batch(grids: FloatArray, tables: Tables, y: Tables, turn: Turn, speed: FloatArray,
-              restitution: FloatArray, stiffness: FloatArray, preload: FloatArray,
-              gravity: FloatArray, rest_rate: float, tolerance: float, assumed: bool,
-              table: FloatArray, status: NDArray[np.int64], counts: NDArray[np.int64],
-              premise: NDArray[np.int64], rest: FloatArray) -> None:  # fmt: skip
-    """Transitions of a batch.
+def run_arrivals(grids: FloatArray, tables: Tables, y: Tables, turn: Turn, cases: Cases,
+                 settings: Settings, premise: NDArray[np.int64], starts: FloatArray,
+                 status: NDArray[np.int64], rests: FloatArray) -> None:  # fmt: skip
+    """In which phase machines arrive at the touch, and where those in flight collide first.
 
     Args:
         tables: The reduced model.
         y: Its functions between opening and touch.
         turn: The rest of the turn.
-        speed: Cylinder speeds, shape (n,) [rad/s].
-        restitution: Shape (n,).
-        stiffness: Shape (n, springs).
-        preload: Shape (n, springs).
-        gravity: By the gravity of the model, shape (n,).
-        rest_rate: Threshold of rest, or 0 for the limit of the series.
-        tolerance: Relative accuracy of flights and of the limit.
-        assumed: Whether a transition starts in the initial phase even if its premise fails.
-        table: Written: collisions, shape (n, COLUMNS, most), filled with NaN beforehand.
-        status: Written: shape (n,), integers.
-        counts: Written: collisions, shape (n,), integers.
-        premise: Written: HOLDS, FAILS or UNKNOWN, shape (n,), integers.
-        rest: Written, shape (n, 4): time of rest and its error [s], share of the first two
-            rebounds in it, bound on the worst relative error.
+        premise: Written where it is NOT_ASKED: HOLDS, FAILS or UNKNOWN, shape (n,), integers.
+        starts: Written as ``run_batch`` reads it, if there is any.
+        status: Of the transitions, shape (n,).
+        rests: Travels of their rests, shape (n,) [rad], if these are known: the premise becomes
+            UNKNOWN where a stop does not stay at rest until the opening.
     """
-    work, waiting = _scratch(tables, turn, table.shape[2]), _scratch(y, turn, 1)
-    for i in range(len(speed)):
-        status[i], counts[i], end, error, premise[i] = _solved(
-            grids, tables, y, turn, work, waiting, speed[i], restitution[i], stiffness[i],
-            preload[i], gravity[i], rest_rate, tolerance, assumed, table[i],
-        )  # fmt: skip
-        rest[i, 0], rest[i, 1], rest[i, 2], rest[i, 3] = _summary(
-            table[i], status[i], counts[i], end, error
-        )
+    work = _scratch(tables, np.zeros((3, 1)), np.zeros(turn.clamping.shape[1:]))
+    waiting = _scratch(y, np.zeros((3, 1)), np.zeros(turn.waiting.shape[1:]))
+    for i in range(len(cases.speed)):
+        speed, gravity = cases.speed[i], cases.gravity[i]
+        stiffness, preload = cases.stiffness[i], cases.preload[i]
+        u = w = 0.0
+        if premise[i] == NOT_ASKED:
+            prepare(y, waiting, speed, gravity, stiffness, preload)
+            line(turn.waiting, speed, gravity, stiffness, preload, waiting.line)
+            premise[i], u, w = arrives(grids, y, turn, waiting, speed, settings.rest_rate)
+        if len(starts) > 0:
+            start = Start(0.0, 0.0, tables.approach * speed, tables.approach_residual * speed)
+            if premise[i] == FAILS:
+                prepare(tables, work, speed, gravity, stiffness, preload)
+                found, start = _flown(grids, tables, y, turn, work, waiting, speed, u, w, settings)
+                premise[i] = FAILS if found else UNKNOWN
+            if premise[i] == UNKNOWN:
+                start = Start(0.0, 0.0, 0.0, 0.0)
+            starts[i, 0], starts[i, 1], starts[i, 2], starts[i, 3] = start
+        if len(rests) > 0 and premise[i] != UNKNOWN:
+            line(turn.clamping, speed, gravity, stiffness, preload, work.line)
+            if not _clamps(turn, work.line, status[i], rests[i]):
+                premise[i] = UNKNOWN
+
+
+@part
+def _clamps(turn: Turn, line: FloatArray, status: int, rest: float) -> bool:
+    """True if the transition stop is at rest at a travel and pressed shut until the opening."""
+    if status != AT_REST or not rest < turn.opening:
+        return False
+    cells, count = line.shape
+    return released(line, cells, count, turn.opening, rest, turn.opening) > turn.opening
+
+
+def premise_of(tables: Tables, y: Tables, turn: Turn, cases: Cases, settings: Settings,
+               status: NDArray[np.int64], rests: FloatArray) -> NDArray[np.int64]:  # fmt: skip
+    """Whether the machine arrives as a transition from the touch assumes: HOLDS, FAILS or UNKNOWN.
+
+    Args:
+        rests: Travels of the rests, shape (n,) [rad].
+    """
+    if not turn.known:
+        return np.full(len(rests), UNKNOWN)
+    premise = np.full(len(rests), NOT_ASKED)
+    run_arrivals(
+        grids(), tables, y, turn, cases, settings, premise, _AT_TOUCH, status, rests
+    )  # fmt: skip
+    return premise
+
+
+class Solved(NamedTuple):
+    """What :func:`run_batch` writes, and the premise if that decided where transitions begin."""
+
+    status: NDArray[np.int64]
+    counts: NDArray[np.int64]
+    rest: FloatArray
+    premise: NDArray[np.int64] | None
+
+
+def solve(tables: Tables, y: Tables, turn: Turn, cases: Cases, settings: Settings, assumed: bool,
+          table: FloatArray) -> Solved:  # fmt: skip
+    """Transitions from the touch, or as the turn brings the machine there where not ``assumed``.
+
+    Args:
+        table: Written: collisions, shape (n, COLUMNS, most); not beyond the last of a case.
+    """
+    n = len(cases.speed)
+    status, counts = np.zeros((2, n), dtype=np.int64)
+    rest, premise, starts = np.empty((n, 4)), None, _AT_TOUCH
+    if not assumed:
+        premise, starts = np.full(n, NOT_ASKED if turn.known else UNKNOWN), np.zeros((n, 4))
+        if turn.known:
+            run_arrivals(
+                grids(), tables, y, turn, cases, settings, premise, starts, status, _NO_RESTS
+            )
+    run_batch(grids(), tables, cases, settings, starts, table, status, counts, rest)
+    if premise is not None:
+        rests = starts[:, 0] + cases.speed * rest[:, 0]
+        if turn.known:
+            run_arrivals(
+                grids(), tables, y, turn, cases, settings, premise, _AT_TOUCH, status, rests
+            )
+        lost = (premise == UNKNOWN) & (status == AT_REST)
+        status[lost], counts[lost], table[lost], rest[lost] = UNTOLD, 0, np.nan, np.nan
+    return Solved(status, counts, rest, premise)

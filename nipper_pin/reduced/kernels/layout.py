@@ -2,20 +2,30 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from ...arrays import FloatArray
 
+
+def numbered(count: int, first: int = 0) -> Any:
+    """Numbers as NumPy has them: for each of Python's a function is compiled anew."""
+    return np.arange(first, first + count)
+
+
+ZERO: int = numbered(1)[0]
+NO: Any = np.bool_(False)
 # Status of a case.
 (
     AT_REST, LEFT_TRAVEL, LEFT_GAP, OTHER_STOP, NOT_PRESSED, TOO_MANY, UNRESOLVED, UNTOLD, JAM,
     OFF_ROWS,
-) = range(10)  # fmt: skip
+) = numbered(10)  # fmt: skip
 # Rows of the table of collisions.
 (
     TIME, ANGLE, APPROACH, SEPARATION, IMPULSE, ENERGY, AMPLITUDE, REBOUND,
     TIME_ERROR, RATE_ERROR, IMPULSE_ERROR, AMPLITUDE_ERROR, REBOUND_ERROR,
-) = range(13)  # fmt: skip
+) = numbered(13)  # fmt: skip
 COLUMNS = 13
 LEVELS = (4, 7, 13, 25)
 
@@ -23,21 +33,21 @@ LEVELS = (4, 7, 13, 25)
 # (VALUE, INTEGRAL, DOUBLE); REFINE from the coarser grid; SIGMA holds the nodes, then the probes.
 (
     ONCE, TWICE, VALUE, INTEGRAL, DOUBLE, REFINE, PROBE, PROBE_ONCE, PROBE_TWICE, SIGMA,
-) = range(10)  # fmt: skip
+) = numbered(10)  # fmt: skip
 PROBES = 3
 # Rows of the scratch array: values at the nodes, and the coefficients of the panel's motion. A
 # block of the same rows follows for every panel that is kept; see the module that keeps them.
-NODE_A, NODE_NEW, NODE_X, NODE_V, SERIES, SERIES_ONCE, SERIES_TWICE, GROWTH, KEPT = range(9)
+NODE_A, NODE_NEW, NODE_X, NODE_V, SERIES, SERIES_ONCE, SERIES_TWICE, GROWTH, KEPT = numbered(9)
 SCRATCH_ROWS = 9
 # Numbers of a case and its domain. `SCALE` takes x - low to [0, 2]; `SPAN` is the length of all
 # cells, also beyond the end; `TRACED` is 1 where long flights tell how errors grow along them.
-SPEED, TRAVEL_MOST, LOW, HIGH, SCALE, SPAN, TRACED = range(7)
+SPEED, TRAVEL_MOST, LOW, HIGH, SCALE, SPAN, TRACED = numbered(7)
 CASE_NUMBERS = 7
 # Whether the machine arrives in its initial phase at the touch.
-UNKNOWN, FAILS, HOLDS = -1, 0, 1
+NOT_ASKED, UNKNOWN, FAILS, HOLDS = numbered(4, -2)
 # Rows of the sums that bound the error of x'' and its derivatives by x, travel and rate; columns
 # are the powers of the rate.
-RESIDUAL, BY_X, BY_U, BY_V = range(4)
+RESIDUAL, BY_X, BY_U, BY_V = numbered(4)
 SIZES = 4
 
 
@@ -60,6 +70,31 @@ class Tables(NamedTuple):
     touch_angle: float
     sense: float
     lever: float
+
+
+class Cases(NamedTuple):
+    """Numbers of n cases.
+
+    Attributes:
+        speed: Cylinder speeds, shape (n,) [rad/s].
+        restitution: e_N of the transition stop, shape (n,).
+        stiffness: Spring rates, shape (n, springs).
+        preload: Deflections in the springs at zero, likewise.
+        gravity: By the gravity of the model, shape (n,).
+    """
+
+    speed: FloatArray
+    restitution: FloatArray
+    stiffness: FloatArray
+    preload: FloatArray
+    gravity: FloatArray
+
+
+class Settings(NamedTuple):
+    """What all cases of a call share: threshold of rest, 0 for the limit, and relative accuracy."""
+
+    rest_rate: float
+    tolerance: float
 
 
 class Start(NamedTuple):

@@ -15,7 +15,7 @@ from ...chebyshev import evaluate, nodes, prolonged
 from ...tolerances.hybrid import ITERATION_FLOOR
 from ...tolerances.mechanics import EPS
 from ...tolerances.reduced import COARSE_SWEEP, DEFECT_EFFECT
-from .compiled import compiled
+from .compiled import part
 from .layout import (
     DOUBLE,
     INTEGRAL,
@@ -41,6 +41,7 @@ from .layout import (
     TRAVEL_MOST,
     TWICE,
     VALUE,
+    ZERO,
     Tables,
 )
 
@@ -48,7 +49,7 @@ from .layout import (
 OVERSHOOT = 1.01
 
 
-@compiled
+@part
 def mix(tables: Tables, mixed: FloatArray, speed: float, gravity: float, stiffness: FloatArray,
          preload: FloatArray) -> None:  # fmt: skip
     """Combine the functions for the parameters of the case."""
@@ -76,7 +77,7 @@ def mix(tables: Tables, mixed: FloatArray, speed: float, gravity: float, stiffne
                     mixed[cell, i, (3 + stop) * count_x + m] = gaps[stop, cell, i, m]
 
 
-@compiled
+@part
 def contract(mixed: FloatArray, poly: FloatArray, j: int, span: float, u: float) -> None:
     """Polynomials in x at one travel, into row j of ``poly``."""
     cells, count_u, size = mixed.shape
@@ -99,7 +100,7 @@ def contract(mixed: FloatArray, poly: FloatArray, j: int, span: float, u: float)
             poly[j, m] += last * mixed[cell, count_u - 1, m]
 
 
-@compiled
+@part
 def chebyshev(table: FloatArray, row: int, first: int, count: int, place: float) -> float:
     """Chebyshev series in a row of a table at a place in [-1, 1]."""
     high = low = 0.0
@@ -108,7 +109,7 @@ def chebyshev(table: FloatArray, row: int, first: int, count: int, place: float)
     return float(table[row, first] + place * high - low)
 
 
-@compiled
+@part
 def acceleration(case: FloatArray, poly: FloatArray, degree: int, x: float, v: float) -> float:
     """Acceleration at the single point that was contracted last."""
     place = case[SCALE] * (x - case[LOW]) - 1.0
@@ -119,7 +120,7 @@ def acceleration(case: FloatArray, poly: FloatArray, degree: int, x: float, v: f
     return p0 + v * (p1 + v * p2)
 
 
-@compiled
+@part
 def _spread(grids: FloatArray, poly: FloatArray, nodes: FloatArray, level: int) -> None:
     """Move the nodes of the level below to their places in this one, and refine accelerations."""
     coarse, fine = LEVELS[level - 1], LEVELS[level]
@@ -136,7 +137,7 @@ def _spread(grids: FloatArray, poly: FloatArray, nodes: FloatArray, level: int) 
         nodes[NODE_A, j] = nodes[NODE_NEW, j]
 
 
-@compiled
+@part
 def _positions(
     grids: FloatArray, nodes: FloatArray, level: int, h: float, x0: float, v0: float
 ) -> None:
@@ -153,7 +154,7 @@ def _positions(
             nodes[NODE_X, j] += grids[TWICE, level, i, j] * twice
 
 
-@compiled
+@part
 def _sweep(grids: FloatArray, case: FloatArray, poly: FloatArray, nodes: FloatArray, degree: int,
            level: int, h: float, x0: float, v0: float) -> float:  # fmt: skip
     """One Picard sweep; returns the largest change of the accelerations."""
@@ -179,7 +180,7 @@ def _sweep(grids: FloatArray, case: FloatArray, poly: FloatArray, nodes: FloatAr
     return change
 
 
-@compiled
+@part
 def _defect(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatArray,
             nodes: FloatArray, degree: int, level: int, u: float, h: float, x0: float,
             v0: float) -> float:  # fmt: skip
@@ -199,7 +200,7 @@ def _defect(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatA
     return most
 
 
-@compiled
+@part
 def solve_panel(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatArray,
                 nodes: FloatArray, degree: int, u: float, h: float, x0: float, v0: float,
                 a0: float, estimate: bool,
@@ -221,10 +222,10 @@ def solve_panel(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: Fl
         if not estimate:
             break
         for _ in range(3):
-            change = _sweep(grids, case, poly, nodes, degree, 0, h, x0, v0)
+            change = _sweep(grids, case, poly, nodes, degree, ZERO, h, x0, v0)
             if change <= COARSE_SWEEP * abs(a0):
                 break
-        _positions(grids, nodes, 0, h, x0, v0)
+        _positions(grids, nodes, ZERO, h, x0, v0)
         end_x, end_v = nodes[NODE_X, LEVELS[0] - 1], nodes[NODE_V, LEVELS[0] - 1]
         if end_v >= 0.0:
             break
@@ -268,7 +269,7 @@ def solve_panel(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: Fl
     return -1, h, np.inf, np.inf
 
 
-@compiled
+@part
 def coefficients(grids: FloatArray, nodes: FloatArray, level: int) -> None:
     """Series of the accelerations and of their integrals."""
     count = LEVELS[level]
@@ -282,14 +283,14 @@ def coefficients(grids: FloatArray, nodes: FloatArray, level: int) -> None:
             nodes[SERIES_TWICE, i] += grids[DOUBLE, level, j, i] * a
 
 
-@compiled
+@part
 def position(nodes: FloatArray, count: int, h: float, x0: float, v0: float, sigma: float) -> float:
     """Coordinate x at a place sigma of the panel."""
     twice = chebyshev(nodes, SERIES_TWICE, 0, count + 2, 2.0 * sigma - 1.0)
     return x0 + h * (sigma * v0 + h * twice)
 
 
-@compiled
+@part
 def rate_at(nodes: FloatArray, count: int, h: float, v0: float, sigma: float) -> float:
     """Rate x' at a place sigma of the panel."""
     return v0 + h * chebyshev(nodes, SERIES_ONCE, 0, count + 1, 2.0 * sigma - 1.0)

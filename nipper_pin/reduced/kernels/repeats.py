@@ -6,7 +6,7 @@ from math import inf, pi
 
 from ...arrays import FloatArray
 from ...tolerances.reduced import SAME_TURN
-from .compiled import compiled
+from .compiled import part
 from .turn_layout import Begin, Charts
 
 _TURN = 2.0 * pi
@@ -14,7 +14,7 @@ _TURN = 2.0 * pi
 _MOST_PERIOD = 64
 
 
-@compiled
+@part
 def mark(ends: FloatArray, turn: int, rest: tuple[float, float],
          state: tuple[int, float, float, float, float]) -> None:  # fmt: skip
     """Write the end of a turn.
@@ -30,7 +30,7 @@ def mark(ends: FloatArray, turn: int, rest: tuple[float, float],
     row[2], row[3], row[4], row[5], row[6] = state
 
 
-@compiled
+@part
 def begin_at(ends: FloatArray, turn: int) -> tuple[bool, Begin]:
     """How the turn after ``turn`` others begins; False at a collision in that very instant."""
     row = ends[turn]
@@ -39,7 +39,7 @@ def begin_at(ends: FloatArray, turn: int) -> tuple[bool, Begin]:
     return resting or row[3] != 0.0, begin
 
 
-@compiled
+@part
 def repeats(charts: Charts, ends: FloatArray, turn: int) -> int:
     """After how many turns one repeats an earlier one; 0 if it is not known to.
 

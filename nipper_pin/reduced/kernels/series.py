@@ -8,14 +8,14 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...tolerances.reduced import LIMIT_CHANGE_SHARE
-from .compiled import compiled
+from .compiled import part
 from .flight_errors import drift
 from .panel import acceleration
 
 _POINTS = 8
 
 
-@compiled
+@part
 def limit(series: FloatArray, count: int, changes: float) -> tuple[float, float]:
     """Extrapolate times to zero rate by Neville's scheme."""
     first = max(0, count - _POINTS)
@@ -42,7 +42,7 @@ def limit(series: FloatArray, count: int, changes: float) -> tuple[float, float]
     return best, best_error
 
 
-@compiled
+@part
 def still_changes(series: FloatArray, count: int) -> float:
     """By what a limit still changes if its changes with each bounce go on to fall as the last did.
 
@@ -65,7 +65,7 @@ def still_changes(series: FloatArray, count: int) -> float:
     return float(last * min(last / before, 1.0)) if before > 0.0 else 0.0
 
 
-@compiled
+@part
 def settles(case: FloatArray, poly: FloatArray, degree: int, sizes: FloatArray, series: FloatArray,
             count: int, late: bool, w: float, speed: float, restitution: float, rest_rate: float,
             tolerance: float, still: float) -> tuple[bool, float, float]:  # fmt: skip

@@ -19,12 +19,14 @@ from .layout import (
     JAM,
     LEFT_GAP,
     LEFT_TRAVEL,
+    NO,
     OFF_ROWS,
     OTHER_STOP,
     SCRATCH_ROWS,
     TOO_MANY,
     UNRESOLVED,
     UNTOLD,
+    ZERO,
 )
 from .panel import acceleration, contract
 from .repeats import mark, repeats
@@ -89,11 +91,11 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
     c, x, v, resting, dx, dw = begin
     u = t = dt = origin = fastest_rebound = unsure = 0.0
     risen = unsure_top = 0.0
-    n = turn = bounces = hold = 0
+    n = turn = bounces = hold = ZERO
     last = -1
-    touching = free = settled = False
+    touching = free = settled = NO
     rest_chart, rest_end = -1.0, 0.0
-    mark(ends, 0, (float(c) if resting else -1.0, np.inf), (c, x, v, dx, dw))
+    mark(ends, ZERO, (float(c) if resting else -1.0, np.inf), (c, x, v, dx, dw))
     while True:
         visit(charts, work, c, speed, gravity, stiffness, preload)
         case, sizes = work.case[c], work.sizes[c]
@@ -134,7 +136,7 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
                 note(events, n, RELEASE, stop, t, _TURN * turn + charts.begin[c] + u, dt)
                 n += 1
                 rest_chart, rest_end = float(c), u
-                resting, free, touching, bounces, last = False, True, False, 0, -1
+                resting, free, touching, bounces, last = False, True, False, ZERO, -1
         elif x == 0.0 and not free:
             contract(work.mixed[c], work.poly, row, span, u)
             still = acceleration(case, work.poly, degree, 0.0, 0.0)

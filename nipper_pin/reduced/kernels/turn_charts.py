@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from ...arrays import FloatArray
 from .arrival_check import prepare
-from .compiled import compiled
+from .compiled import part
 from .layout import LOW, SCALE, SPAN, TRACED, Tables, Work
 from .turn_layout import Charts, TurnWork
 
 
-@compiled
+@part
 def tables_of(charts: Charts, c: int) -> Tables:
     """One chart as a reduced model."""
     return Tables(
@@ -20,7 +20,7 @@ def tables_of(charts: Charts, c: int) -> Tables:
     )  # fmt: skip
 
 
-@compiled
+@part
 def visit(charts: Charts, work: TurnWork, c: int, speed: float, gravity: float,
           stiffness: FloatArray, preload: FloatArray) -> None:  # fmt: skip
     """Combine a chart for the case when it is first visited."""
@@ -43,7 +43,7 @@ def visit(charts: Charts, work: TurnWork, c: int, speed: float, gravity: float,
     work.ready[c] = True
 
 
-@compiled
+@part
 def surface(table: FloatArray, row: int, span: float, case: FloatArray, u: float,
             x: float) -> float:  # fmt: skip
     """Value of one function of (u, x), shape of ``table`` (functions, cells, Nu, Nx)."""
@@ -63,7 +63,7 @@ def surface(table: FloatArray, row: int, span: float, case: FloatArray, u: float
     return total
 
 
-@compiled
+@part
 def off_rows(charts: Charts, c: int, begin: float, end: float, gaps: tuple[float, float],
              top: float, steepest: float) -> bool:  # fmt: skip
     """Whether a spring may leave the rows of its table between two travels.
@@ -81,22 +81,22 @@ def off_rows(charts: Charts, c: int, begin: float, end: float, gaps: tuple[float
         return False
     width = charts.span[c] / parts
     last = min(int(end / width), parts - 1)
-    for part in range(min(int(begin / width), last), last + 1):
-        before, after = (part + 1) * width - begin, end - part * width
-        if charts.on_rows[c, part] < min(
+    for row in range(min(int(begin / width), last), last + 1):
+        before, after = (row + 1) * width - begin, end - row * width
+        if charts.on_rows[c, row] < min(
             top, gaps[0] + steepest * before, gaps[1] + steepest * after
         ):
             return True
     return False
 
 
-@compiled
+@part
 def off_rows_at(charts: Charts, c: int, x: float) -> bool:
     """Whether a spring is off the rows of its table at a gap, at any travel."""
     return bool(charts.on_rows.shape[1] > 0 and charts.on_rows[c].max() < x)
 
 
-@compiled
+@part
 def seen_by(charts: Charts, work: TurnWork, c: int, s: int, speed: float, u: float, x: float,
              v: float, dx: float, dw: float) -> tuple[float, float, float, float]:  # fmt: skip
     """Gap and rate of another stop, and bounds on their errors, from x and x' of a chart."""
@@ -117,7 +117,7 @@ def seen_by(charts: Charts, work: TurnWork, c: int, s: int, speed: float, u: flo
     return gap, by_x * v + by_u * speed, d_gap, d_rate
 
 
-@compiled
+@part
 def other_of(charts: Charts, c: int, stop: int) -> int:
     """Place of a stop among the others of a chart."""
     for s in range(charts.others.shape[1]):
@@ -126,7 +126,7 @@ def other_of(charts: Charts, c: int, stop: int) -> int:
     return -1
 
 
-@compiled
+@part
 def chart_at(charts: Charts, stop: int, travel: float) -> int:
     """The chart of a stop that holds a travel from the start of the turn, or -1."""
     for c in range(len(charts.stop)):

@@ -10,7 +10,7 @@ from ...arrays import FloatArray
 from ...tolerances.mechanics import EPS
 from ...tolerances.reduced import GROWTH_SAFETY
 from .arrival_check import along
-from .compiled import compiled
+from .compiled import part
 from .flight_errors import size
 from .layout import BY_U, BY_V, BY_X, GROWTH, RESIDUAL
 from .panel import chebyshev
@@ -36,7 +36,7 @@ from .turn_layout import (
 _TURN = 2.0 * pi
 
 
-@compiled
+@part
 def errors_after(nodes: FloatArray, sizes: FloatArray, speed: float, T: float, fastest: float,
                  changed: float, left: float, dt: float, dx: float, dw: float, bend: float,
                  ) -> tuple[float, float]:  # fmt: skip
@@ -60,7 +60,7 @@ def errors_after(nodes: FloatArray, sizes: FloatArray, speed: float, T: float, f
     return x, v + 4.0 * EPS * fastest
 
 
-@compiled
+@part
 def collide(charts: Charts, events: FloatArray, n: int, c: int, speed: float, e_N: float,
              turn: int, t: float, u: float, v: float, dt: float, dv: float) -> None:  # fmt: skip
     """Write a collision of a chart's stop at travel u with rate v before it."""
@@ -83,7 +83,7 @@ def collide(charts: Charts, events: FloatArray, n: int, c: int, speed: float, e_
     row[ENERGY_ERROR] = C * (1.0 - e_N * e_N) * (abs(v) * (dv + abs(v) * relative) + dv * dv)
 
 
-@compiled
+@part
 def note(events: FloatArray, n: int, kind: int, stop: int, t: float, travel: float,
           dt: float) -> None:  # fmt: skip
     """Write a rest or a release."""
@@ -93,7 +93,7 @@ def note(events: FloatArray, n: int, kind: int, stop: int, t: float, travel: flo
     row[TIME_ERROR] = dt + 4.0 * EPS * t
 
 
-@compiled
+@part
 def release_error(line: FloatArray, sizes: FloatArray, cells: int, count: int, span: float,
                    u: float) -> float:  # fmt: skip
     """Bound on the error of the travel at which the force of a stop has fallen to zero."""

@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import FloatArray
+from .layout import numbered
 
 # Kinds of events.
-COLLISION, REST, RELEASE = range(3)
+COLLISION, REST, RELEASE = numbered(3)
 # Columns of the table of events.
 (
     KIND, STOP, TIME, TRAVEL, APPROACH, SEPARATION, IMPULSE, ENERGY, AMPLITUDE,

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ...arrays import FloatArray
 from ...tolerances.mechanics import EPS
 from .arrival_check import along
-from .compiled import compiled
+from .compiled import compiled, part
 from .flight_errors import drift, size
 from .layout import AT_REST, RESIDUAL
 from .turn import follow
@@ -78,7 +78,7 @@ _PLACES = 16
 _SEARCH_STEPS = 60
 
 
-@compiled
+@part
 def _series(table: FloatArray, cell: int, count: int, place: float) -> tuple[float, float]:
     """Chebyshev series of a cell and its derivative at a place in [-1, 1]."""
     high = low = rise = fall = 0.0
@@ -88,7 +88,7 @@ def _series(table: FloatArray, cell: int, count: int, place: float) -> tuple[flo
     return table[cell, 0] + place * high - low, high + place * rise - fall
 
 
-@compiled
+@part
 def force_at(charts: Charts, work: Work, c: int, u: float) -> tuple[float, float]:
     """Normal force of a closed stop [N], along the joint without a contact point, and its slope.
 
@@ -108,7 +108,7 @@ def force_at(charts: Charts, work: Work, c: int, u: float) -> tuple[float, float
     return -C * a / lever, -(C_u * a + C * a_u) * 2.0 / (width * lever)
 
 
-@compiled
+@part
 def wrong_by(charts: Charts, work: Work, c: int) -> tuple[float, float]:
     """Bound on the error of the force of a closed stop: absolute [N], and by the force."""
     C = 2.0 * np.abs(charts.inertia[c, :, 0]).max()
@@ -116,7 +116,7 @@ def wrong_by(charts: Charts, work: Work, c: int) -> tuple[float, float]:
     return wrong, charts.inertia_residual[c] + 16.0 * EPS
 
 
-@compiled
+@part
 def _extreme(charts: Charts, work: Work, c: int, low: float, high: float, rises: bool) -> float:
     """Place between two others where the slope of the force changes its sign."""
     for _ in range(_SEARCH_STEPS):
@@ -151,7 +151,7 @@ class _Stretch(NamedTuple):
     wrong: float
 
 
-@compiled
+@part
 def _passes(at: _Stretch, low: float, high: float, rises: bool) -> float:
     """Place where the force passes the level between two places on either side of it."""
     u = 0.5 * (low + high)
@@ -170,7 +170,7 @@ def _passes(at: _Stretch, low: float, high: float, rises: bool) -> float:
     return u
 
 
-@compiled
+@part
 def _unsure(at: _Stretch, u: float) -> float:
     """Travel to either side of a place beyond which the force is surely off the level."""
     slope = abs(force_at(at.charts, at.work, at.c, u)[1])
@@ -187,7 +187,7 @@ def _unsure(at: _Stretch, u: float) -> float:
     return float(beside)
 
 
-@compiled
+@part
 def _part(at: _Stretch, left: float, old: float, right: float,
           force: float) -> tuple[float, float]:  # fmt: skip
     """Travel with a force above the level, of a part where it rises or falls, and its error."""
@@ -197,7 +197,7 @@ def _part(at: _Stretch, left: float, old: float, right: float,
     return (place - left if old >= at.level else right - place), _unsure(at, place)
 
 
-@compiled
+@part
 def held(charts: Charts, work: Work, hold: FloatArray,
          level: float) -> tuple[float, float, float, float, float, float]:  # fmt: skip
     """Forces of a closed stop on a stretch.
@@ -256,7 +256,7 @@ def held(charts: Charts, work: Work, hold: FloatArray,
 _TURN = 2.0 * pi
 
 
-@compiled
+@part
 def summed(charts: Charts, work: TurnWork, events: FloatArray, count: int, holds: FloatArray,
            hold_count: int, turn: int, clamp: int, level: float, speed: float, limits: bool,
            found: FloatArray) -> None:  # fmt: skip
@@ -313,7 +313,7 @@ def summed(charts: Charts, work: TurnWork, events: FloatArray, count: int, holds
         found[place + MOST_ERROR] += 4.0 * EPS * most - most
 
 
-@compiled
+@part
 def _add_collision(found: FloatArray, row: FloatArray) -> None:
     """Count a collision, its impulse and its loss."""
     place = TURN_NUMBERS + PER_STOP * int(row[STOP])
@@ -327,7 +327,7 @@ def _add_collision(found: FloatArray, row: FloatArray) -> None:
     found[LOSS_ERROR] += row[ENERGY_ERROR] + 4.0 * EPS * row[ENERGY]
 
 
-@compiled
+@part
 def _raise_gap(found: FloatArray, gap: float, wrong: float) -> None:
     """The largest gap so far, and the largest that it can be in truth."""
     if np.isnan(found[LARGEST_GAP]):
@@ -336,7 +336,7 @@ def _raise_gap(found: FloatArray, gap: float, wrong: float) -> None:
     found[GAP_ERROR] = max(found[GAP_ERROR], gap + wrong)
 
 
-@compiled
+@part
 def _add_rest_of_series(charts: Charts, work: TurnWork, found: FloatArray, row: FloatArray,
                         rest: FloatArray, speed: float, clamps: bool) -> None:  # fmt: skip
     """Add impulses, losses and the gap of the bounces beyond the last one that was computed.
@@ -367,7 +367,7 @@ def _add_rest_of_series(charts: Charts, work: TurnWork, found: FloatArray, row: 
         _raise_gap(found, 0.5 * w * w / -a, w * w / -a * (uneven + by_rate))
 
 
-@compiled
+@part
 def _add_hold(charts: Charts, work: TurnWork, found: FloatArray, hold: FloatArray,
               level: float) -> None:  # fmt: skip
     """Add a stretch on which the clamping stop was closed."""

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from ...arrays import FloatArray
 from ...tolerances.reduced import FLAT_EXTREME
 from .arrival_check import along
-from .compiled import compiled
+from .compiled import compiled, part
 from .flight import (
     A_WRONG,
     BOUNCED,
@@ -49,7 +49,7 @@ _PER_NODE, _PER_CELL, _LEAST = 2, 24, 4
 _SEARCH_STEPS = 40
 
 
-@compiled
+@part
 def torque_at(torques: Charts, work: TurnWork, i: int, u: float, x: float, v: float,
               a: float) -> tuple[float, float]:  # fmt: skip
     """Torque of one drive in one chart, and its derivative by x''.
@@ -72,7 +72,7 @@ def torque_at(torques: Charts, work: TurnWork, i: int, u: float, x: float, v: fl
     return p0 + v * (p1 + v * p2) + by_a * a, by_a
 
 
-@compiled
+@part
 def _value(torques: Charts, work: TurnWork, i: int, block: FloatArray, speed: float,
            sigma: float) -> float:  # fmt: skip
     """Torque at a part of a panel that is kept."""
@@ -87,7 +87,7 @@ def _value(torques: Charts, work: TurnWork, i: int, block: FloatArray, speed: fl
     return float(torque_at(torques, work, i, u, x, v, a)[0])
 
 
-@compiled
+@part
 def _extreme(torques: Charts, work: TurnWork, i: int, block: FloatArray, speed: float,
              bracket: tuple[float, float], sign: float) -> float:  # fmt: skip
     """Largest value of sign times the torque between two places that hold one."""
@@ -107,7 +107,7 @@ def _extreme(torques: Charts, work: TurnWork, i: int, block: FloatArray, speed: 
     return best
 
 
-@compiled
+@part
 def _panel(torques: Charts, work: TurnWork, i: int, block: FloatArray, speed: float,
            beaten: float) -> tuple[float, float]:  # fmt: skip
     """Largest torque of a panel and a bound on its error; less may be returned than ``beaten``."""
@@ -140,7 +140,7 @@ def _panel(torques: Charts, work: TurnWork, i: int, block: FloatArray, speed: fl
     return most, rate_of_change * numbers[T_WRONG]
 
 
-@compiled
+@part
 def _wrong(torques: Charts, work: TurnWork, i: int, block: FloatArray, speed: float) -> float:
     """Bound on the error of the torque along a panel, by those of the functions and the motion."""
     numbers, sizes = block[KEPT], work.sizes[i]
@@ -157,7 +157,7 @@ def _wrong(torques: Charts, work: TurnWork, i: int, block: FloatArray, speed: fl
     return float(wrong + _largest_by_a(torques, i) * numbers[A_WRONG])
 
 
-@compiled
+@part
 def _largest_by_a(torques: Charts, i: int) -> float:
     """Largest derivative of a torque by x''."""
     largest = 0.0
@@ -171,7 +171,7 @@ def _largest_by_a(torques: Charts, i: int) -> float:
     return largest
 
 
-@compiled
+@part
 def _after_bounces(charts: Charts, work: TurnWork, torques: Charts, mixed: TurnWork, c: int, i: int,
                    block: FloatArray) -> float:  # fmt: skip
     """Torque in bounces too small to be computed: at rest, but for the acceleration of a flight."""
@@ -182,7 +182,7 @@ def _after_bounces(charts: Charts, work: TurnWork, torques: Charts, mixed: TurnW
     return abs(torque_at(torques, mixed, i, u, 0.0, 0.0, still)[0])
 
 
-@compiled
+@part
 def largest_torques(charts: Charts, work: TurnWork, torques: Charts, mixed: TurnWork,
                     case: tuple[float, float, FloatArray, FloatArray], most: FloatArray,
                     wrong: FloatArray) -> None:  # fmt: skip
