@@ -52,6 +52,7 @@ if TYPE_CHECKING:
     from .study.sweep import read_sweep
     from .study.transitions import TransitionTable, transition_table
     from .study.turns import TurnTable, turn_table
+    from .view.run.plots import figures
     from .view.show import view
 else:
     # Type checkers read the lines above instead: with this function they would accept any name.
@@ -73,6 +74,7 @@ else:
         "study.sweep": ("read_sweep",),
         "study.transitions": ("TransitionTable", "transition_table"),
         "study.turns": ("TurnTable", "turn_table"),
+        "view.run.plots": ("figures",),
     }
     # Public functions with the name of a subpackage, which an import would put in their place.
     _ROOMS = ("view",)
@@ -125,6 +127,7 @@ __all__ = [
     "check",
     "compare",
     "export",
+    "figures",
     "identify",
     "load",
     "load_case",

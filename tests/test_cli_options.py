@@ -112,6 +112,8 @@ SIMULATE = {
                       moves=("print_solution.",), at=("nipper_pin.view.run.print_solution",)),
     "--out": Entry("--out run", {"export.folder": "run"}, "--out a",
                    at=("nipper_pin.view.run.export.export",)),
+    "--units": Entry("--units mm", {"export.units": "mm"}, "--out a",
+                     at=("nipper_pin.view.run.export.export",)),
 }  # fmt: skip
 VIEW = {
     "MODEL": Entry(PENDULUM, {"write_page.solution.mechanism.name": PENDULUM,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import inspect
 import math
 import pickle
@@ -21,6 +22,7 @@ import nipper_pin as nip
 from nipper_pin import frames
 from nipper_pin.study.sweep import SweepReport
 from nipper_pin.view import scene
+from nipper_pin.view.run.export import export
 from nipper_pin.view.scene import server
 from nipper_pin.view.scene.page import scene_page
 
@@ -110,6 +112,59 @@ def test_collisions_as_a_frame(solution: nip.Solution) -> None:
         for hit in hits
     ]  # fmt: skip
     assert str(frame.schema.field("time_s").type) == "double"
+
+
+IN_MM = (
+    ("_rad_s", "_deg_s", 180.0 / np.pi), ("_rad", "_deg", 180.0 / np.pi), ("_N_m_s", "_N_m_s", 1.0),
+    ("_N_m", "_N_m", 1.0), ("_m_s", "_mm_s", 1000.0), ("_m", "_mm", 1000.0),
+)  # fmt: skip
+GAPS = {"approach_rate": "/s", "separation_rate": "/s", "rebound_amplitude": ""}
+
+
+@pytest.mark.parametrize("table", ["collisions", "phases", "links", "motion"])
+def test_tables_of_a_run_in_mm_and_degrees(table: str, tmp_path: Path) -> None:
+    """Frames and CSV files, of hinges and slides: SI numbers by factors that their names tell."""
+    run = nip.simulate(nip.load("e62"), speed_rpm=650.0, window="cycle")
+    plain, other = (run.to_frame(table, "pandas", units=units) for units in ("SI", "mm"))
+    names = {}
+    for name in plain:
+        if name in GAPS:
+            units = [f"{unit}{GAPS[name]}" for unit in ("mm", "deg")]
+            names[f"{name}_{'_or_'.join(units)}".replace("/", "_")] = name, 0.0
+        else:
+            end, new, factor = next((e for e in IN_MM if name.endswith(e[0])), ("", "", 1.0))
+            names[name.removesuffix(end) + new] = name, factor
+    assert list(other) == list(names)
+    for name, (own, factor) in names.items():
+        if plain[own].dtype.kind != "f":
+            assert list(other[name]) == list(plain[own])
+            continue
+        factors = np.where(plain["stop"] == "jaw", 180.0 / np.pi, 1000.0) if own in GAPS else factor
+        np.testing.assert_allclose(other[name], factors * plain[own], rtol=1e-15)
+    export(run, tmp_path, "mm")
+    file = {"links": "link_velocities"}.get(table, table)
+    with (tmp_path / f"{file}.csv").open(encoding="utf-8", newline="") as stream:
+        assert next(csv.reader(stream)) == list(names)
+
+
+def test_the_case_of_a_run_by_its_fields() -> None:
+    """The rated speed if none is given; a case and fields of one, and unknown ones, are refused."""
+    mechanism = nip.load("e62")
+    rated = nip.simulate(mechanism)
+    assert rated.case == nip.Case(speed_rpm=mechanism.cylinder.rated_speed_rpm)
+    faster = nip.simulate(mechanism, speed_rpm=650.0, window="cycle", cycles=2)
+    assert faster.case == nip.Case(speed_rpm=650.0, window="cycle", cycles=2)
+    with pytest.raises(nip.InputError, match="speed_rpm"):
+        nip.simulate(mechanism, rated.case, speed_rpm=650.0)
+    with pytest.raises(nip.UnknownNameError, match="did you mean 'speed_rpm'"):
+        nip.simulate(mechanism, speed_rmp=650.0)
+
+
+def test_coordinates_by_the_names_of_joints(solution: nip.Solution) -> None:
+    motion = solution.trajectory.evaluate([0.001, 0.002])
+    for place, joint in enumerate(solution.mechanism.joints):
+        np.testing.assert_array_equal(motion.joints[joint.name], motion.q[:, place])
+        np.testing.assert_array_equal(motion.rates[joint.name], motion.v[:, place])
 
 
 @pytest.mark.parametrize(

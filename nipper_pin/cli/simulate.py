@@ -44,6 +44,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="write CSV tables, the solution, the case and plots into a folder",
     )
     parser.add_argument(
+        "--units",
+        choices=("SI", "mm"),
+        help="units of the CSV tables of --out: SI (default), or mm and degrees",
+    )
+    parser.add_argument(
         "--case",
         metavar="FILE",
         help="repeat the run of a case.json that --out wrote, its machine included; numbers and "
@@ -55,6 +60,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def _run(options: argparse.Namespace) -> None:
     if options.json == "-":
         refuse_beside(options, "--json -, which writes no table", {"forces": "--forces"})
+    if options.units is not None and options.out is None:
+        message = "--units is that of the CSV tables that --out DIR writes; give both"
+        raise InputError(message, argument="--units")
     if options.out is not None:
         require("view", "matplotlib", what="simulate --out, which draws plots,")
     mechanism, case = _asked(options)
@@ -65,7 +73,7 @@ def _run(options: argparse.Namespace) -> None:
     if options.out is not None:
         from ..view.run.export import export
 
-        export(solution, options.out)
+        export(solution, options.out, options.units or "SI")
     if options.json is not None:
         write_json(record(solution), options.json)
     if options.json != "-":

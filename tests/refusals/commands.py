@@ -61,6 +61,7 @@ simulate --cycles 2
 simulate --start-index 20
 simulate --no-reuse
 simulate --forces --json -
+simulate --units mm
 simulate --restitution 0.1 --set restitution=0.2
 simulate --set restitution=0.1 --set restitution=0.2
 simulate --restitution 0.1 --set stops.jaw.restitution=0.2

@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...errors import InputError
-from ...frames import Column, data_frame
+from ...frames import data_frame
 from ...notebook import html
 from ...terms.shown import counted
 from ...units import MS_PER_S
 from ..event import Event, EventKind, found_after
 from ..run.phase_manager import PhaseManager, go_on
 from ..state import State
+from .columns import TABLES, columns
 from .simulated import Simulated
 
 if TYPE_CHECKING:
@@ -57,7 +58,7 @@ class Solution(Simulated):
         facts = {"case": self._told_case, "outcome": self.outcome.value}
         if self.transitions:
             facts["transition"] = f"{MS_PER_S * self.transitions[0].duration:.6g} ms"
-        table = self._columns()
+        table = columns(self, "collisions")
         shown = {name: table[name] for name in _SHOWN if name in table}
         rows = list(zip(*shown.values(), strict=True))
         return html(self.mechanism.title or self.mechanism.name, facts, list(shown), rows)
@@ -69,24 +70,24 @@ class Solution(Simulated):
         told = counted(case.cycles, "turn") if window == "cycle" else window
         return f"{case.speed_rpm:g} r/min, {told}, {case.drive.value} drive"
 
-    def to_frame(self, library: str | None = None) -> Any:
-        """Collisions as a data frame, with the names and units of the JSON document.
+    def to_frame(
+        self, table: str | None = None, library: str | None = None, *, units: str = "SI"
+    ) -> Any:
+        """A table of the run as a data frame.
 
         Args:
+            table: "collisions", with the names of the JSON document; "phases", "links" (their
+                velocities at collisions) or "motion", as the CSV files of ``simulate --out``. A
+                library alone may stand here, too.
             library: "pandas", "polars" or "pyarrow"; by default the first that is installed.
+            units: "SI", or "mm" for mm and degrees.
 
         Raises:
-            InputError: It is not installed.
+            InputError: There is no such table, or the library is not installed.
         """
-        return data_frame(self._columns(), library)
-
-    def _columns(self) -> dict[str, Column]:
-        """Collisions by the names of the JSON document, shape (collisions,); NaN for none there."""
-        from .json_document import record
-
-        hits = record(self)["collisions"]
-        names = dict.fromkeys(name for hit in hits for name in hit)
-        return {name: _column([hit.get(name) for hit in hits]) for name in names}
+        if library is None and table is not None and table not in TABLES:
+            table, library = None, table
+        return data_frame(columns(self, table or "collisions", units), library)
 
     def motion_at(self, event: Event) -> Motion:
         """State just after an event, at its own time; not computed before it is asked for.
@@ -117,7 +118,8 @@ class Solution(Simulated):
             if reached is not None:
                 q, v = reached.q, reached.v
         times = np.array([t])
-        return Motion(times, system.shaft.angle(times), q[None], v[None])
+        names = tuple(joint.name for joint in self.mechanism.joints)
+        return Motion(times, system.shaft.angle(times), q[None], v[None], names)
 
     def continued(self, to: float) -> Solution:
         """This run with the motion after its last event, until the next one or a later time.
@@ -143,9 +145,3 @@ class Solution(Simulated):
         manager.step(to)
         before = [item for item in self.segments if item.t_start < last.t]
         return replace(self, segments=(*before, *manager.segments))
-
-
-def _column(values: list[Any]) -> Column:
-    if any(isinstance(value, str | int) for value in values):
-        return values
-    return np.array([np.nan if value is None else value for value in values])

@@ -29,12 +29,24 @@ class Motion:
         cylinder_angle: psi [rad], shape (K,).
         q: Configurations [rad or m], shape (K, nv).
         v: Velocities, shape (K, nv).
+        names: Names of the joints, in the order of the coordinates.
     """
 
     t: FloatArray
     cylinder_angle: FloatArray
     q: FloatArray
     v: FloatArray
+    names: tuple[str, ...]
+
+    @property
+    def joints(self) -> dict[str, FloatArray]:
+        """By joint: its coordinate [rad or m], shape (K,)."""
+        return dict(zip(self.names, self.q.T, strict=True))
+
+    @property
+    def rates(self) -> dict[str, FloatArray]:
+        """By joint: its rate [rad/s or m/s], shape (K,)."""
+        return dict(zip(self.names, self.v.T, strict=True))
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,7 +177,8 @@ class Trajectory:
             phase = self.system.constraint_set(segment.closed)
             exact = state_at(self.system, phase, panel, times[chosen])
             q[chosen], v[chosen] = exact.q, exact.v
-        return Motion(times, self.system.shaft.angle(times), q, v)
+        names = tuple(joint.name for joint in self.system.mechanism.joints)
+        return Motion(times, self.system.shaft.angle(times), q, v, names)
 
     def reactions(self, t: FloatArray | float, *, left: bool = False) -> Reactions:
         """Forces at all joints, cut joints, drives and stops; arguments as of ``evaluate``."""

@@ -13,12 +13,13 @@ from .plots import PLOTS, plot_solution
 _FILES = (*TABLES, "solution.npz", "case.json", *(f"{name}.png" for name in PLOTS))
 
 
-def export(solution: Solution, folder: str | Path) -> list[Path]:
+def export(solution: Solution, folder: str | Path, units: str = "SI") -> list[Path]:
     """Write everything about a solution into a folder.
 
     Args:
         folder: Folder, made if it does not exist. Its files of an earlier run are replaced
             together, in one step; what else it holds stays.
+        units: Of the CSV files: "SI", or "mm" for mm and degrees.
 
     Returns:
         The files: collisions, phases, link velocities and motion as CSV, the solution itself, the
@@ -31,7 +32,7 @@ def export(solution: Solution, folder: str | Path) -> list[Path]:
     with complete_folder(folder, _FILES) as target:
         need_sound(solution)
         written = [
-            *(_write(target / name, text) for name, text in tables(solution)),
+            *(_write(target / name, text) for name, text in tables(solution, units)),
             save(solution, target / "solution.npz"),
             save_case(solution.mechanism, solution.case, target / "case.json"),
             *plot_solution(solution, target),

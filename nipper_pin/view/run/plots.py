@@ -18,11 +18,7 @@ PLOTS = ("motion", "phases", "transition", "impulses", "forces")
 
 
 def plot_solution(solution: Solution, folder: str | Path) -> list[Path]:
-    """Write the figures of a solution as PNG files; each appears only when it is complete.
-
-    Of many turns the first two are drawn. There is no figure of what did not happen: motion
-    and phases need motion and a stop, transition needs a completed one with a rebound, impulses
-    need a collision and forces the window "cycle".
+    """Write the figures of a solution as PNG files, each when it is complete.
 
     Args:
         folder: Folder, made if it does not exist; files of the same names are replaced.
@@ -40,21 +36,29 @@ def plot_solution(solution: Solution, folder: str | Path) -> list[Path]:
     except OSError as error:
         message = f"{target}: cannot be made a folder ({error.strerror})"
         raise InputError(message, folder=str(target)) from error
-    return [_write(figure, target / f"{name}.png") for name, figure in _figures(solution).items()]
+    return [_write(figure, target / f"{name}.png") for name, figure in figures(solution).items()]
 
 
-def _figures(solution: Solution) -> dict[str, Figure]:
-    figures = {}
+def figures(solution: Solution) -> dict[str, Figure]:
+    """The figures of a solution, which a notebook shows.
+
+    Of many turns the first two are drawn. There is no figure of what did not happen.
+
+    Returns:
+        By name: "motion" and "phases" need motion and a stop, "transition" a completed one with a
+        rebound, "impulses" a collision, and "forces" the window "cycle".
+    """
+    found = {}
     if solution.segments and solution.mechanism.stops:
-        figures = {"motion": motion_figure(solution), "phases": phase_figure(solution)}
+        found = {"motion": motion_figure(solution), "phases": phase_figure(solution)}
     bounced = [item for item in solution.transitions if item.collisions > 1]
     if bounced:
-        figures["transition"] = transition_figure(solution, bounced[0])
+        found["transition"] = transition_figure(solution, bounced[0])
     if any(item.impulse > 0.0 for item in solution.collisions):
-        figures["impulses"] = impulse_figure(solution)
+        found["impulses"] = impulse_figure(solution)
     if solution.case.window is Window.CYCLE and solution.mechanism.stops:
-        figures["forces"] = force_figure(solution)
-    return figures
+        found["forces"] = force_figure(solution)
+    return found
 
 
 def _write(figure: Figure, path: Path) -> Path:
