@@ -188,6 +188,9 @@ NEW = {
     "--from": Entry("--from toggle_press", {"new_model.target": "press"}, "press",
                     ("new_model.text", "write_skeleton."),
                     (CALLS["new"], "nipper_pin.mechanism.model_files.new_model")),
+    "--urdf": Entry("--urdf a.urdf", {"take_urdf.urdf": "a.urdf", "take_urdf.folder": "press"},
+                    "press", ("write_skeleton.",),
+                    (CALLS["new"], "nipper_pin.mechanism.skeleton.exported.take_urdf")),
 }  # fmt: skip
 EXPORT = {
     "MODEL": Entry("e62_identified mine", {"export.mechanism.name": "e62_identified"},

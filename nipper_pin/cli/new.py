@@ -6,6 +6,7 @@ import argparse
 import shlex
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from ..errors import InputError
 from .arguments import refuse_beside
@@ -28,17 +29,26 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="NAME",
         help="start from this machine of the gallery, not from the commented press",
     )
+    parser.add_argument(
+        "--urdf",
+        metavar="FILE",
+        help="start from a URDF that another program exported: a copy, its meshes, and a TOML",
+    )
     parser.add_argument("--list", action="store_true", help="name the machines of the gallery")
     parser.set_defaults(run=_run)
 
 
 def _run(options: argparse.Namespace) -> None:
     if options.list:
-        refuse_beside(options, "--list", {"folder": "MODEL", "start": "--from"})
+        others = {"folder": "MODEL", "start": "--from", "urdf": "--urdf"}
+        refuse_beside(options, "--list", others)
         _list()
     elif options.folder is None:
         message = "name the folder to write, as in nipper-pin new my_press"
         raise InputError(message)
+    elif options.urdf is not None:
+        refuse_beside(options, "--urdf", {"start": "--from"})
+        _exported(options.urdf, options.folder)
     elif options.start is None and not options.folder.endswith(".toml"):
         _skeleton(options.folder)
     else:
@@ -79,6 +89,34 @@ def _drawing(name: str | None, model: str) -> None:
     new_model(model, file_of(name).read_text(encoding="utf-8") if name else drawing_text())
     head = f"{model}: {name or 'a press, every line explained'}, drawn in millimetres"
     written(head, (), model, "Change its points, bodies and joints, and check after each.")
+
+
+def _exported(urdf: str, model: str) -> None:
+    from ..mechanism.skeleton.exported import take_urdf
+    from ..view.console import paste, say, show_table, unbroken_console
+
+    found, console = take_urdf(urdf, model), unbroken_console()
+    say(console, f"{found.folder}: a copy of {Path(urdf).name}, and a TOML file to complete")
+    rows = [
+        *((f"closure {name}", f"{each['frame_a']} meets {each['frame_b']}, "
+           f"{found.gaps_mm[name]:.3g} mm apart") for name, each in found.closures.items()),
+        *((f"stop {name}", f"{each['side']} limit of {each['joint']}, {_place(each)}; "
+           "restitution guessed") for name, each in found.stops.items()),
+        *((f"joint {name}", "may be driven: see the end of the TOML")
+          for name in found.drives),
+        *((f"frame {name}", "nothing uses it: a pin in a slot?") for name in found.unused),
+        *((f"mesh {name}", "is not there") for name in found.lost),
+    ]  # fmt: skip
+    if rows:
+        show_table(console, ("found", "what it is"), rows, text=(0, 1))
+    if found.wrong:
+        say(console, f"Not yet a machine: {found.wrong}")
+    say(console, "What is left to decide, and what looks like mm or g:")
+    paste(console, f"  {shlex.join(['nipper-pin', 'check', model])}")
+
+
+def _place(stop: dict[str, Any]) -> str:
+    return f"{stop['at_mm']:g} mm" if "at_mm" in stop else f"{stop['at_deg']:g} deg"
 
 
 def written(head: str, files: Sequence[tuple[str, str]], model: str, remark: str = "") -> None:

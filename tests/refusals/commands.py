@@ -120,6 +120,13 @@ new 1st
 new full
 new file
 new file/press
+new mine --urdf missing.urdf
+new mine --urdf file --from bell
+new --urdf file
+new mine --urdf full
+export e62 e62
+export e62 full
+export no-such-model mine
 """
 SETTINGS = """
 check --set points.lip.x_mm=1
