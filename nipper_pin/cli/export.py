@@ -30,4 +30,4 @@ def _run(options: argparse.Namespace) -> None:
         (f"{folder.name}.toml", "drives, springs, stops, closures, phases"),
         SCHEMA,
     )
-    written(f"{folder}: {mechanism.title}", files, options.folder)
+    written(f"{options.folder}: {mechanism.title}", files, options.folder)

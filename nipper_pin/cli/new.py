@@ -96,7 +96,7 @@ def _exported(urdf: str, model: str) -> None:
     from ..view.console import paste, say, show_table, unbroken_console
 
     found, console = take_urdf(urdf, model), unbroken_console()
-    say(console, f"{found.folder}: a copy of {Path(urdf).name}, and a TOML file to complete")
+    say(console, f"{model}: a copy of {Path(urdf).name}, and a TOML file to complete")
     rows = [
         *((f"closure {name}", f"{each['frame_a']} meets {each['frame_b']}, "
            f"{found.gaps_mm[name]:.3g} mm apart") for name, each in found.closures.items()),
