@@ -25,7 +25,7 @@ from nipper_pin import (
 )
 from nipper_pin.mechanism import from_sources
 from nipper_pin.mechanism.gallery import GALLERY, drawn
-from nipper_pin.reduced.kernels.turn_layout import END_COLUMNS, EVENT_COLUMNS, HOLD_COLUMNS
+from nipper_pin.reduced.kernels.turn_layout import EVENT_COLUMNS
 from nipper_pin.reduced.turns import ReducedTurns, TurnStatus, build_turns, turn_model, turns
 from nipper_pin.reduced.turns import turn as module
 
@@ -246,18 +246,17 @@ def test_a_stop_on_a_drive_is_refused(e62: Mechanism) -> None:
 def test_a_run_ends_before_its_table_of_events_is_full(e62: Mechanism) -> None:
     """Whatever its length is: what lies beside it stays as it was."""
     model = turn_model(e62)
-    follow, grids = module._compiled()
+    run, told = module.run_of("turns", 1, None, 1e-10, 64), np.zeros((1, 4), dtype=np.int64)
+    cases = module.turn_cases(model, 650.0, None, None, None)
     for most in range(1, 26):
         beside = np.full((most + 4, EVENT_COLUMNS), 7.0)
-        status, count, _, _, _ = follow(
-            grids, model.charts, module.scratch(model.charts, 64), 650.0 * np.pi / 30.0,
-            model.restitution, model.stiffness, model.preload, 1.0, 0.0, 1e-10, 1,
-            (0, 0.0, 0.0, True, 0.0, 0.0),
-            model.clamp, beside[:most], np.empty((9, HOLD_COLUMNS)), np.empty((2, END_COLUMNS)),
-        )  # fmt: skip
-        assert count <= most
+        records = run.records()._replace(events=beside[:most])
+        module.follow(run, model, cases, records, told, np.empty((1, 0, 0)))
+        assert told[0, 3] <= most
         assert (beside[most:] == 7.0).all()
-        assert status == (TurnStatus.TOO_MANY_COLLISIONS if most < 24 else TurnStatus.FOLLOWED)
+        assert told[0, 0] == (
+            TurnStatus.TOO_MANY_COLLISIONS if most < 24 else TurnStatus.FOLLOWED
+        )  # fmt: skip
 
 
 def test_charts_cover_the_turn_without_gaps(e62: Mechanism) -> None:

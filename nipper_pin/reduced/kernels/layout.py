@@ -77,7 +77,7 @@ class Cases(NamedTuple):
 
     Attributes:
         speed: Cylinder speeds, shape (n,) [rad/s].
-        restitution: e_N of the transition stop, shape (n,).
+        restitution: e_N of the transition stop, shape (n,); of turns those of all stops, (n, K).
         stiffness: Spring rates, shape (n, springs).
         preload: Deflections in the springs at zero, likewise.
         gravity: By the gravity of the model, shape (n,).

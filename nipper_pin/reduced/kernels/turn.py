@@ -10,7 +10,7 @@ from ...arrays import FloatArray
 from ...tolerances.mechanics import EPS
 from ...tolerances.reduced import LIMIT_ERROR_SAFETY
 from .arrival_check import released
-from .compiled import compiled
+from .compiled import part
 from .flight import describe, flight, full, keep_rest, kept
 from .flight_errors import flight_errors
 from .layout import (
@@ -27,6 +27,8 @@ from .layout import (
     UNRESOLVED,
     UNTOLD,
     ZERO,
+    Cases,
+    Settings,
 )
 from .panel import acceleration, contract
 from .repeats import mark, repeats
@@ -48,40 +50,34 @@ from .turn_layout import (
     REST,
     Begin,
     Charts,
+    Records,
     TurnWork,
 )
 
 _TURN = 2.0 * pi
 
 
-@compiled
-def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
-           restitution: FloatArray, stiffness: FloatArray, preload: FloatArray, gravity: float,
-           rest_rate: float, tolerance: float, turns: int, begin: Begin,
-           clamp: int, events: FloatArray, holds: FloatArray, ends: FloatArray,
+@part
+def follow(grids: FloatArray, charts: Charts, work: TurnWork, cases: Cases, case_number: int,
+           settings: Settings, turns: int, begin: Begin, clamp: int, records: Records,
            ) -> tuple[int, int, int, int, int]:  # fmt: skip
-    """Follow whole turns from event to event.
+    """Follow whole turns of one case from event to event.
 
     Args:
         charts: The functions of the machine.
-        speed: Cylinder speed [rad/s].
-        restitution: e_N of the stops, shape (K,).
-        stiffness: Spring rates, shape (springs,).
-        preload: Deflections in the springs at zero, likewise.
-        gravity: By the gravity of the model.
-        rest_rate: Threshold of rest, or 0 for the limit of series.
-        tolerance: Relative accuracy.
         turns: Number of turns.
         begin: Chart, gap, its rate, whether its stop is closed, and errors of gap and rate.
         clamp: Place of the clamping stop among the stops.
-        events: Written, shape (most, EVENT_COLUMNS).
-        holds: Written: stretches on which that stop is closed, shape (most, HOLD_COLUMNS).
-        ends: Written, shape (turns + 1, END_COLUMNS): of the start and of each turn.
+        records: Written.
 
     Returns:
         Status, numbers of events, stretches and turns, and the number of turns after which the last
         one repeats an earlier one; 0 if it does not.
     """
+    speed, restitution = cases.speed[case_number], cases.restitution[case_number]
+    stiffness, preload = cases.stiffness[case_number], cases.preload[case_number]
+    gravity, (rest_rate, tolerance) = cases.gravity[case_number], settings
+    events, holds, ends = records
     work.ready[:] = False
     row = work.poly.shape[0] - 1
     degree = charts.equation.shape[4]

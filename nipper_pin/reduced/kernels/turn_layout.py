@@ -101,6 +101,20 @@ class Charts(NamedTuple):
     lever: FloatArray
 
 
+class Records(NamedTuple):
+    """What a run of turns writes.
+
+    Attributes:
+        events: Shape (most, EVENT_COLUMNS).
+        holds: Stretches on which the clamping stop is closed, shape (most, HOLD_COLUMNS).
+        ends: Of the start and of each turn, shape (turns + 1, END_COLUMNS).
+    """
+
+    events: FloatArray
+    holds: FloatArray
+    ends: FloatArray
+
+
 class TurnWork(NamedTuple):
     """Scratch arrays of a case, combined for it when a chart is first visited.
 

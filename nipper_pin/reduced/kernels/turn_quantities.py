@@ -13,7 +13,7 @@ from ...tolerances.mechanics import EPS
 from .arrival_check import along
 from .compiled import compiled, part
 from .flight_errors import drift, size
-from .layout import AT_REST, RESIDUAL
+from .layout import AT_REST, RESIDUAL, Cases, Settings
 from .turn import follow
 from .turn_charts import chart_at
 from .turn_layout import (
@@ -67,10 +67,8 @@ from .turn_layout import (
     TRAVEL,
     TURN_NUMBERS,
     Charts,
+    Records,
     TurnWork,
-)
-from .turn_layout import (
-    TurnWork as Work,
 )
 
 # Places of a cell between which a force has at most one extreme.
@@ -89,7 +87,7 @@ def _series(table: FloatArray, cell: int, count: int, place: float) -> tuple[flo
 
 
 @part
-def force_at(charts: Charts, work: Work, c: int, u: float) -> tuple[float, float]:
+def force_at(charts: Charts, work: TurnWork, c: int, u: float) -> tuple[float, float]:
     """Normal force of a closed stop [N], along the joint without a contact point, and its slope.
 
     Args:
@@ -109,7 +107,7 @@ def force_at(charts: Charts, work: Work, c: int, u: float) -> tuple[float, float
 
 
 @part
-def wrong_by(charts: Charts, work: Work, c: int) -> tuple[float, float]:
+def wrong_by(charts: Charts, work: TurnWork, c: int) -> tuple[float, float]:
     """Bound on the error of the force of a closed stop: absolute [N], and by the force."""
     C = 2.0 * np.abs(charts.inertia[c, :, 0]).max()
     wrong = size(work.sizes[c], RESIDUAL, 0.0) * C / charts.lever[charts.stop[c]]
@@ -117,7 +115,7 @@ def wrong_by(charts: Charts, work: Work, c: int) -> tuple[float, float]:
 
 
 @part
-def _extreme(charts: Charts, work: Work, c: int, low: float, high: float, rises: bool) -> float:
+def _extreme(charts: Charts, work: TurnWork, c: int, low: float, high: float, rises: bool) -> float:
     """Place between two others where the slope of the force changes its sign."""
     for _ in range(_SEARCH_STEPS):
         middle = 0.5 * (low + high)
@@ -143,7 +141,7 @@ class _Stretch(NamedTuple):
     """
 
     charts: Charts
-    work: Work
+    work: TurnWork
     c: int
     begin: float
     end: float
@@ -198,7 +196,7 @@ def _part(at: _Stretch, left: float, old: float, right: float,
 
 
 @part
-def held(charts: Charts, work: Work, hold: FloatArray,
+def held(charts: Charts, work: TurnWork, hold: FloatArray,
          level: float) -> tuple[float, float, float, float, float, float]:  # fmt: skip
     """Forces of a closed stop on a stretch.
 
@@ -257,24 +255,22 @@ _TURN = 2.0 * pi
 
 
 @part
-def summed(charts: Charts, work: TurnWork, events: FloatArray, count: int, holds: FloatArray,
-           hold_count: int, turn: int, clamp: int, level: float, speed: float, limits: bool,
+def summed(charts: Charts, work: TurnWork, records: Records, count: int, hold_count: int,
+           turn: int, clamp: int, level: float, speed: float, limits: bool,
            found: FloatArray) -> None:  # fmt: skip
     """Quantities of one turn.
 
     Args:
         work: Combined for the case.
-        events: The events, shape (events, columns).
         count: Number of events.
-        holds: Stretches on which the clamping stop was closed, shape (holds, columns).
-        hold_count: Number of those.
+        hold_count: Number of stretches on which the clamping stop was closed.
         turn: Number of the turn, from 0.
         clamp: Place of the clamping stop among the stops.
         level: Force above which it clamps [N].
-        speed: Cylinder speed [rad/s].
         limits: Whether series of bounces end at their limit.
         found: Written, shape (TURN_NUMBERS + PER_STOP stops,).
     """
+    events, holds = records.events, records.holds
     found[:] = np.nan
     found[CLAMPED] = found[LOST_ENERGY] = found[CLAMPED_ERROR] = found[LOSS_ERROR] = 0.0
     found[TURN_NUMBERS:] = 0.0
@@ -392,44 +388,32 @@ def _add_hold(charts: Charts, work: TurnWork, found: FloatArray, hold: FloatArra
 
 
 @compiled
-def run_turns(grids: FloatArray, charts: Charts, work: TurnWork, speed: FloatArray,
-              restitution: FloatArray, stiffness: FloatArray, preload: FloatArray,
-              gravity: FloatArray, rest_rate: float, tolerance: float, turns: int,
-              begin: tuple[int, float, float, float, bool], clamp: int, level: float,
-              events: FloatArray, holds: FloatArray, ends: FloatArray, told: NDArray[np.int64],
-              found: FloatArray) -> None:  # fmt: skip
+def run_turns(grids: FloatArray, charts: Charts, work: TurnWork, cases: Cases, settings: Settings,
+              turns: int, begin: tuple[int, float, float, float, bool], clamp: int, level: float,
+              records: Records, told: NDArray[np.int64], found: FloatArray) -> None:  # fmt: skip
     """Quantities of the last turns of many cases.
 
     Args:
         charts: The functions of the machine.
-        speed: Cylinder speeds, shape (n,) [rad/s].
-        restitution: e_N of the stops, shape (n, K).
-        stiffness: Spring rates, shape (n, springs).
-        preload: Deflections in the springs at zero, likewise.
-        gravity: By the gravity of the model, shape (n,).
-        rest_rate: Threshold of rest, or 0 for the limit of series.
-        tolerance: Relative accuracy.
         turns: Largest number of turns; fewer are followed where they repeat.
         begin: Chart, gap, its rate by time and by the cylinder, and whether its stop is closed.
         clamp: Place of the clamping stop.
         level: Force above which it clamps [N].
-        events: Scratch, shape (most, EVENT_COLUMNS).
-        holds: Scratch, shape (most, HOLD_COLUMNS).
-        ends: Scratch, shape (turns + 1, END_COLUMNS).
-        told: Written: status, turns, and after how many the last repeats, shape (n, 3).
+        records: Scratch; of a single case what it did.
+        told: Written: status, turns, after how many the last repeats, and events, shape (n, 4).
         found: Written, shape (n, last, quantities): the last turn first; NaN before the first one.
     """
-    for i in range(len(speed)):
-        start = begin[0], begin[1], begin[2] + begin[3] * speed[i], begin[4], 0.0, 0.0
+    for i in range(len(cases.speed)):
+        speed = cases.speed[i]
+        start = begin[0], begin[1], begin[2] + begin[3] * speed, begin[4], 0.0, 0.0
         status, count, hold, done, again = follow(
-            grids, charts, work, speed[i], restitution[i], stiffness[i], preload[i], gravity[i],
-            rest_rate, tolerance, turns, start, clamp, events, holds, ends,
-        )  # fmt: skip
-        told[i, 0], told[i, 1], told[i, 2] = status, done, again
+            grids, charts, work, cases, i, settings, turns, start, clamp, records
+        )
+        told[i, 0], told[i, 1], told[i, 2], told[i, 3] = status, done, again, count
         found[i] = np.nan
         if status == AT_REST:
             for j in range(min(found.shape[1], done)):
                 summed(
-                    charts, work, events, count, holds, hold, done - 1 - j, clamp, level,
-                    speed[i], rest_rate == 0.0, found[i, j],
+                    charts, work, records, count, hold, done - 1 - j, clamp, level, speed,
+                    settings.rest_rate == 0.0, found[i, j],
                 )  # fmt: skip

@@ -37,12 +37,14 @@ from .layout import (
     SCRATCH_ROWS,
     SERIES,
     UNTOLD,
+    Cases,
+    Settings,
 )
 from .panel import chebyshev, contract, position, rate_at
 from .repeats import begin_at
 from .turn import follow
 from .turn_charts import visit
-from .turn_layout import Charts, TurnWork
+from .turn_layout import Charts, Records, TurnWork
 
 # Places of a panel by its nodes, and of a rest by cells of its chart.
 _PER_NODE, _PER_CELL, _LEAST = 2, 24, 4
@@ -218,11 +220,9 @@ def largest_torques(charts: Charts, work: TurnWork, torques: Charts, mixed: Turn
 
 @compiled
 def run_torques(grids: FloatArray, charts: Charts, work: TurnWork, keeping: TurnWork,
-                torques: Charts, mixed: TurnWork, speed: FloatArray, restitution: FloatArray,
-                stiffness: FloatArray, preload: FloatArray, gravity: FloatArray, rest_rate: float,
-                tolerance: float, turns: int, begin: tuple[int, float, float, float, bool],
-                clamp: int, events: FloatArray, holds: FloatArray, ends: FloatArray,
-                again: FloatArray, told: NDArray[np.int64], found: FloatArray) -> None:  # fmt: skip
+                torques: Charts, mixed: TurnWork, cases: Cases, settings: Settings, turns: int,
+                begin: tuple[int, float, float, float, bool], clamp: int, records: Records,
+                again: Records, told: NDArray[np.int64], found: FloatArray) -> None:  # fmt: skip
     """Largest torques of the last turns of many cases; arguments as of ``run_turns``.
 
     The turns are followed once more, and the last of them again with their motion kept.
@@ -230,35 +230,23 @@ def run_torques(grids: FloatArray, charts: Charts, work: TurnWork, keeping: Turn
     Args:
         charts: The functions of the machine.
         keeping: Scratch arrays that keep the motion of a turn.
-        mixed: Scratch arrays of these.
-        speed: Cylinder speeds, shape (n,) [rad/s].
-        restitution: e_N of the stops, shape (n, K).
-        stiffness: Spring rates, shape (n, springs).
-        preload: Deflections in the springs at zero, likewise.
-        gravity: By the gravity of the model, shape (n,).
-        rest_rate: Threshold of rest, or 0 for the limit of series.
-        tolerance: Relative accuracy.
-        turns: Largest number of turns.
-        begin: Chart, gap, its rate by time and by the cylinder, and whether its stop is closed.
-        clamp: Place of the clamping stop.
-        events: Scratch, shape (most, EVENT_COLUMNS).
-        holds: Scratch, shape (most, HOLD_COLUMNS).
-        ends: Scratch, shape (turns + 1, END_COLUMNS).
-        again: Scratch, shape (2, END_COLUMNS).
+        mixed: Scratch arrays of the torques.
+        records: Scratch.
+        again: Scratch of one turn.
         told: Written: the status, shape (n,).
         found: Written, shape (n, last, 2, drives): largest torques and bounds on their errors, the
             last turn first; NaN before the first one.
     """
     found[:] = np.nan
-    for i in range(len(speed)):
-        start = begin[0], begin[1], begin[2] + begin[3] * speed[i], begin[4], 0.0, 0.0
+    for i in range(len(cases.speed)):
+        speed = cases.speed[i]
+        start = begin[0], begin[1], begin[2] + begin[3] * speed, begin[4], 0.0, 0.0
         status, _, _, done, _ = follow(
-            grids, charts, work, speed[i], restitution[i], stiffness[i], preload[i], gravity[i],
-            rest_rate, tolerance, turns, start, clamp, events, holds, ends,
-        )  # fmt: skip
-        case = speed[i], gravity[i], stiffness[i], preload[i]
+            grids, charts, work, cases, i, settings, turns, start, clamp, records
+        )
+        case = speed, cases.gravity[i], cases.stiffness[i], cases.preload[i]
         for j in range(min(found.shape[1], done) if status == AT_REST else 0):
-            known, one = begin_at(ends, done - 1 - j)
+            known, one = begin_at(records.ends, done - 1 - j)
             if not known and done - 1 - j > 0:
                 status = UNTOLD
                 break
@@ -267,9 +255,8 @@ def run_torques(grids: FloatArray, charts: Charts, work: TurnWork, keeping: Turn
             keeping.nodes[KEPT, 0] = 0.0
             # A literal 1 would be a type of its own, for which all of it is compiled once more.
             status, _, _, _, _ = follow(
-                grids, charts, keeping, speed[i], restitution[i], stiffness[i], preload[i],
-                gravity[i], rest_rate, tolerance, min(turns, 1), one, clamp, events, holds, again,
-            )  # fmt: skip
+                grids, charts, keeping, cases, i, settings, min(turns, 1), one, clamp, again
+            )
             if status != AT_REST:
                 break
             largest_torques(charts, keeping, torques, mixed, case, found[i, j, 0], found[i, j, 1])

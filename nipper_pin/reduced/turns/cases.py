@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,31 +12,60 @@ from numpy.typing import ArrayLike
 
 from ...arrays import FloatArray
 from ...errors import InputError, UnknownNameError
-from ...given import LARGEST, column, whole
+from ...given import LARGEST, column, number, whole
 from ...units import S_PER_MIN
-from ..inputs import of_all_cases, speeds_of, spring_rows
+from ..inputs import check_run, of_all_cases, speeds_of, spring_rows
+from ..kernels.layout import Cases, Settings
+from ..kernels.turn_layout import END_COLUMNS, EVENT_COLUMNS, HOLD_COLUMNS, Records
 from .model import TurnModel
 
 # Events of a turn that there is room for beyond its collisions.
 BESIDE = 64
 _MOST_TURNS = 10_000
+# Stretches of a turn on which a stop is closed.
+_STRETCHES = 64
 # Rooms for events, which take 104 bytes each.
 _MOST_EVENTS = 4_000_000
 # Numbers of a batch; they and a copy of them take 400 MB.
 _MOST_NUMBERS = 25_000_000
 
 
-def check_size(key: str, turns: int, most: int) -> None:
-    """Refuse more turns than there is memory for.
+@dataclass(frozen=True)
+class Run:
+    """What all cases of a call share.
+
+    Attributes:
+        turns: Largest number of turns.
+        most: Largest number of collisions of a series, and in a turn.
+        least_force: Force above which the clamping stop clamps [N].
+    """
+
+    turns: int
+    settings: Settings
+    most: int
+    least_force: float
+
+    def records(self, turns: int | None = None) -> Records:
+        """Room for what turns do."""
+        count = self.turns if turns is None else turns
+        return Records(
+            np.full((count * (self.most + BESIDE), EVENT_COLUMNS), np.nan),
+            np.empty((count * _STRETCHES, HOLD_COLUMNS)),
+            np.empty((count + 1, END_COLUMNS)),
+        )
+
+
+def run_of(key: str, turns: int, rest_rate: float | None, tolerance: float, most: int,
+           least_force: float = 0.0) -> Run:  # fmt: skip
+    """What cases share, checked.
 
     Args:
         key: Name of the number of turns, for messages.
-        turns: The number.
-        most: Largest number of collisions in one.
 
     Raises:
-        InputError: It is no whole number, or too large.
+        InputError: A number is out of range, or there is no memory for so many turns.
     """
+    check_run(rest_rate, tolerance, most)
     whole(key, turns, 1, _MOST_TURNS)
     if turns * (most + BESIDE) > _MOST_EVENTS:
         message = (
@@ -43,6 +73,8 @@ def check_size(key: str, turns: int, most: int) -> None:
             f"{_MOST_EVENTS:,} events"
         )
         raise InputError(message, key=key, value=turns, max_collisions=most)
+    settings = Settings(float(rest_rate or 0.0), float(tolerance))
+    return Run(turns, settings, most, number("least_force", least_force))
 
 
 def room_for(cases: int, last: int | None, columns: int) -> FloatArray:
@@ -87,7 +119,7 @@ def turn_cases(
     restitution: ArrayLike | Mapping[str, ArrayLike] | None,
     stiffness: ArrayLike | None,
     preload: ArrayLike | None,
-) -> list[FloatArray]:
+) -> Cases:
     """Numbers of n cases; a single number stands for all of them.
 
     Args:
@@ -95,10 +127,6 @@ def turn_cases(
         restitution: e_N of the transition stop, or of stops by name; None: the mechanism's.
         stiffness: Spring rates, shape (n,) with one spring or (n, springs) [N/m or N m/rad].
         preload: Deflections in the springs at zero, likewise [m or rad].
-
-    Returns:
-        Speeds, shape (n,) [rad/s]; restitutions, shape (n, K); spring rates and deflections, shape
-        (n, springs).
 
     Raises:
         InputError: A number is out of range, or the arrays have different lengths.
@@ -115,4 +143,4 @@ def turn_cases(
     lengths = spring_rows("preload", model.preload if preload is None else preload, springs,
                           -LARGEST)  # fmt: skip
     speed, *columns, rates, lengths = of_all_cases(speed, *columns, rates, lengths)
-    return [speed, np.stack(columns, axis=1), rates, lengths]
+    return Cases(speed, np.stack(columns, axis=1), rates, lengths, np.ones(len(speed)))

@@ -11,10 +11,9 @@ sampled on the charts of the turns, and only where torques are asked for.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import cache
-from typing import Any
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,17 +24,16 @@ from ...given import number
 from ...made_once import made_once
 from ...mechanism import Mechanism
 from ...tolerances.reduced import TORQUE_TABLES
-from ..inputs import check_run
-from ..kernels import turn_layout as rows
+from ..kernels.layout import Cases
 from ..kernels.turn_layout import Charts
 from ..results import ENGINE
 from ..tables.functions import Samples
 from ..tables.tables import Domain, checks, resolved, trimmed
-from .cases import BESIDE, check_size, room_for, turn_cases
+from .cases import BESIDE, Run, room_for, run_of, turn_cases
 from .charts import Chart, Surroundings, stacked
 from .model import START_INDEX, TurnModel, surroundings
 from .quantities import widening
-from .turn import STRETCHES, scratch, turn_model
+from .turn import scratch, turn_model
 
 # Nodes across the gap to start with.
 _NODES_X = 8
@@ -190,71 +188,32 @@ def turn_torques(
         InputError: A parameter is out of range, or the mechanism cannot be reduced.
         SimulationError: A point of the turn cannot be reached or is singular.
     """
-    check_run(rest_rate, tolerance, max_collisions)
-    check_size("turns", turns, max_collisions)
+    run = run_of("turns", turns, rest_rate, tolerance, max_collisions)
     start_index = number("start_index", start_index)
-    numbers = turn_cases(turn_model(mechanism, start_index), speed_rpm, restitution, stiffness,
-                         preload)  # fmt: skip
-    n = len(numbers[0])
+    cases = turn_cases(turn_model(mechanism, start_index), speed_rpm, restitution, stiffness,
+                       preload)  # fmt: skip
+    n = len(cases.speed)
     drives = tuple(item.name for item in mechanism.drives)
     told = np.zeros((n, 1), dtype=np.int64)
     found = room_for(n, last, 2 * len(drives)).reshape(n, -1, 2, len(drives))
-    run = _Run(mechanism, turns, rest_rate or 0.0, tolerance, max_collisions)
-    widening(mechanism, start_index, numbers, told, found, run.on)
+    widening(mechanism, start_index, cases, told, found, partial(_follow, mechanism, run))
     table = found[:, 0] if last is None else found
     return TurnTorques(mechanism.name, drives, told[:, 0], table[..., 0, :], table[..., 1, :])
 
 
-@dataclass(frozen=True)
-class _Run:
-    """What all cases of a batch share."""
-
-    mechanism: Mechanism
-    turns: int
-    rest_rate: float
-    tolerance: float
-    most: int
-
-    def on(
-        self,
-        model: TurnModel,
-        room: float,
-        cases: list[FloatArray],
-        told: NDArray[np.int64],
-        found: FloatArray,
-    ) -> None:
-        """Follow cases on the tables with a room, and write their status and torques."""
-        torques = torque_model(self.mechanism, model.start_index, room)
-        run_torques, grids = _compiled()
-        events = self.most + BESIDE
-        run_torques(
-            grids,
-            model.charts,
-            scratch(model.charts, self.most),
-            scratch(model.charts, self.most, _PANELS * events),
-            torques.charts,
-            scratch(torques.charts),
-            *cases,
-            np.ones(len(told)),
-            self.rest_rate,
-            self.tolerance,
-            self.turns,
-            model.begin,
-            model.clamp,
-            np.empty((self.turns * events, rows.EVENT_COLUMNS)),
-            np.empty((self.turns * STRETCHES, rows.HOLD_COLUMNS)),
-            np.empty((self.turns + 1, rows.END_COLUMNS)),
-            np.empty((2, rows.END_COLUMNS)),
-            told[:, 0],
-            found,
-        )
-
-
-@cache
-def _compiled() -> tuple[Callable[..., Any], FloatArray]:
-    """The compiled function of a batch and its grids; numba is loaded here."""
+def _follow(
+    mechanism: Mechanism, run: Run, model: TurnModel, room: float, cases: Cases,
+    told: NDArray[np.int64], found: FloatArray,
+) -> None:  # fmt: skip
+    """Follow cases on the tables with a room, and write their status and torques."""
     require("study", "numba", what="the reduced engine")
     from ..kernels.panel import grids
     from ..kernels.turn_torques import run_torques
 
-    return run_torques, grids()
+    torques = torque_model(mechanism, model.start_index, room).charts
+    panels = _PANELS * (run.most + BESIDE)
+    run_torques(
+        grids(), model.charts, scratch(model.charts, run.most),
+        scratch(model.charts, run.most, panels), torques, scratch(torques), cases, run.settings,
+        run.turns, model.begin, model.clamp, run.records(), run.records(1), told[:, 0], found,
+    )  # fmt: skip

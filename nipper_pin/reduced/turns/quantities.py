@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -16,68 +15,26 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...arrays import FloatArray
 from ...errors import SimulationError
-from ...extras import require
 from ...given import number
 from ...mechanism import Mechanism
-from ..inputs import check_run
 from ..kernels import turn_layout as rows
-from ..results import ENGINE
-from .cases import BESIDE, check_size, room_for, turn_cases
+from ..kernels.layout import Cases
+from ..results import ENGINE, Column
+from .cases import room_for, run_of, turn_cases
 from .model import START_INDEX, TurnModel
 from .results import TurnStatus
-from .turn import ROOMS, STRETCHES, scratch, turn_model, wider
+from .turn import ROOMS, follow, turn_model, wider
 
 _LEFT_GAP = int(TurnStatus.LEFT_GAP)
-
-
-@dataclass(frozen=True)
-class Settings:
-    """What all cases of a batch share."""
-
-    turns: int
-    least_force: float
-    rest_rate: float
-    tolerance: float
-    most: int
-
-
-def _run(
-    settings: Settings,
-    model: TurnModel,
-    _room: float,
-    cases: list[FloatArray],
-    told: NDArray[np.int64],
-    found: FloatArray,
-) -> None:
-    """Follow cases on one model."""
-    run_turns, grids = _compiled()
-    run_turns(
-        grids,
-        model.charts,
-        scratch(model.charts, settings.most),
-        *cases,
-        np.ones(len(told)),
-        settings.rest_rate,
-        settings.tolerance,
-        settings.turns,
-        model.begin,
-        model.clamp,
-        settings.least_force,
-        np.empty((settings.turns * (settings.most + BESIDE), rows.EVENT_COLUMNS)),
-        np.empty((settings.turns * STRETCHES, rows.HOLD_COLUMNS)),
-        np.empty((settings.turns + 1, rows.END_COLUMNS)),
-        told,
-        found,
-    )
 
 
 def widening(
     mechanism: Mechanism,
     start_index: float,
-    cases: list[FloatArray],
+    cases: Cases,
     told: NDArray[np.int64],
     found: FloatArray,
-    run: Callable[[TurnModel, float, list[FloatArray], NDArray[np.int64], FloatArray], None],
+    run: Callable[[TurnModel, float, Cases, NDArray[np.int64], FloatArray], None],
 ) -> None:
     """Run cases, those that leave the tables of a model on the next wider one, if there is one.
 
@@ -95,7 +52,7 @@ def widening(
             break
         here = told[left], found[left]
         try:
-            run(model, room, [item[left] for item in cases], *here)
+            run(model, room, Cases(*(item[left] for item in cases)), *here)
         except SimulationError:
             # It needs tables of its own, and there are none that wide.
             if room == ROOMS[0]:
@@ -103,46 +60,6 @@ def widening(
             break
         told[left], found[left] = here
         left = left[told[left, 0] == _LEFT_GAP]
-
-
-def follow_all(
-    mechanism: Mechanism,
-    start_index: float,
-    cases: list[FloatArray],
-    settings: Settings,
-    told: NDArray[np.int64],
-    found: FloatArray,
-) -> None:
-    """Follow cases on tables that are as wide as each needs.
-
-    Args:
-        start_index: Index at which turns start.
-        cases: As of :func:`~.cases.turn_cases`.
-        settings: What all cases share.
-        told: Written: status, turns, and after how many the last repeats, shape (n, 3).
-        found: Written: quantities of the last turns, shape (n, last, quantities).
-    """
-    widening(mechanism, start_index, cases, told, found, partial(_run, settings))
-
-
-@cache
-def _compiled() -> tuple[Callable[..., Any], FloatArray]:
-    """The compiled function of a batch and its grids; numba is loaded here."""
-    require("study", "numba", what="the reduced engine")
-    from ..kernels.panel import grids
-    from ..kernels.turn_quantities import run_turns
-
-    return run_turns, grids()
-
-
-class _Column:
-    """A quantity of a turn, read by its name."""
-
-    def __init__(self, place: int) -> None:
-        self._place = place
-
-    def __get__(self, result: TurnQuantities, kind: type) -> FloatArray:
-        return np.asarray(result.table[..., self._place])
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,37 +90,37 @@ class TurnQuantities:
     table: FloatArray = field(repr=False)
     engine: str = ENGINE
 
-    closed_at = _Column(rows.CLOSED_AT)
+    closed_at = Column(rows.CLOSED_AT)
     """Travel to the first collision of the clamping stop [rad]."""
-    closed_error = _Column(rows.CLOSED_ERROR)
+    closed_error = Column(rows.CLOSED_ERROR)
     """Bound on the error of that; so are the others called."""
-    rests_at = _Column(rows.RESTS_AT)
+    rests_at = Column(rows.RESTS_AT)
     """Travel to its first rest [rad]; NaN where it does not settle."""
-    rests_error = _Column(rows.RESTS_ERROR)
-    lost_at = _Column(rows.LOST_AT)
+    rests_error = Column(rows.RESTS_ERROR)
+    lost_at = Column(rows.LOST_AT)
     """Travel to where its force falls to zero [rad]; NaN where that does not happen."""
-    lost_error = _Column(rows.LOST_ERROR)
-    opened_at = _Column(rows.OPENED_AT)
+    lost_error = Column(rows.LOST_ERROR)
+    opened_at = Column(rows.OPENED_AT)
     """Travel to where another stop throws it open [rad]; NaN where none does."""
-    opened_error = _Column(rows.OPENED_ERROR)
-    clamped = _Column(rows.CLAMPED)
+    opened_error = Column(rows.OPENED_ERROR)
+    clamped = Column(rows.CLAMPED)
     """Travel with the stop closed and its force above the given one [rad]."""
-    clamped_error = _Column(rows.CLAMPED_ERROR)
-    least_force = _Column(rows.LEAST_FORCE)
+    clamped_error = Column(rows.CLAMPED_ERROR)
+    least_force = Column(rows.LEAST_FORCE)
     """Smallest force while it is closed [N]; along the joint of a stop without a contact point."""
-    most_force = _Column(rows.MOST_FORCE)
+    most_force = Column(rows.MOST_FORCE)
     """Largest force while it is closed [N]."""
-    force_error = _Column(rows.FORCE_ERROR)
+    force_error = Column(rows.FORCE_ERROR)
     """Bound on the errors of both [N]; the next two are those of each."""
-    least_force_error = _Column(rows.LEAST_ERROR)
-    most_force_error = _Column(rows.LARGEST_ERROR)
-    largest_gap = _Column(rows.LARGEST_GAP)
+    least_force_error = Column(rows.LEAST_ERROR)
+    most_force_error = Column(rows.LARGEST_ERROR)
+    largest_gap = Column(rows.LARGEST_GAP)
     """Largest gap of rebounds that end at the same stop [rad or m]; NaN without one."""
-    gap_error = _Column(rows.GAP_ERROR)
+    gap_error = Column(rows.GAP_ERROR)
     """Bound on the error of that."""
-    energy_lost = _Column(rows.LOST_ENERGY)
+    energy_lost = Column(rows.LOST_ENERGY)
     """Kinetic energy lost in all collisions [J], those of a series beyond the last too."""
-    energy_lost_error = _Column(rows.LOSS_ERROR)
+    energy_lost_error = Column(rows.LOSS_ERROR)
 
     @property
     def clamped_time(self) -> FloatArray:
@@ -286,18 +203,19 @@ def turn_quantities(
         InputError: A parameter is out of range, or the mechanism cannot be reduced.
         SimulationError: A point of the turn cannot be reached or is singular.
     """
-    check_run(rest_rate, tolerance, max_collisions)
-    check_size("turns", turns, max_collisions)
+    settings = run_of("turns", turns, rest_rate, tolerance, max_collisions, least_force)
     start_index = number("start_index", start_index)
-    least_force = number("least_force", least_force)
-    settings = Settings(turns, least_force, rest_rate or 0.0, tolerance, max_collisions)
     model = turn_model(mechanism, start_index)
     cases = turn_cases(model, speed_rpm, restitution, stiffness, preload)
-    n = len(cases[0])
-    told = np.zeros((n, 3), dtype=np.int64)
+    n = len(cases.speed)
+    told = np.zeros((n, 4), dtype=np.int64)
     columns = rows.TURN_NUMBERS + rows.PER_STOP * len(model.stops)
-    found = room_for(n, last, columns)
-    follow_all(mechanism, start_index, cases, settings, told, found)
-    status, followed, again = told.T.copy()
+    found, records = room_for(n, last, columns), settings.records()
+
+    def run(model: TurnModel, _room: float, cases: Cases, *written: Any) -> None:
+        follow(settings, model, cases, records, *written)
+
+    widening(mechanism, start_index, cases, told, found, run)
+    status, followed, again, _ = told.T.copy()
     table = found[:, 0] if last is None else found
-    return TurnQuantities(model.name, model.stops, status, followed, again, cases[0], table)
+    return TurnQuantities(model.name, model.stops, status, followed, again, cases.speed, table)

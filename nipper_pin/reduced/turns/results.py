@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...arrays import FloatArray
 from ..kernels import layout, turn_layout
-from ..results import ENGINE
+from ..results import ENGINE, Column
 
 
 class TurnStatus(IntEnum):
@@ -66,6 +66,31 @@ class ReducedTurns:
     table: FloatArray = field(repr=False)
     engine: str = ENGINE
 
+    time = Column(turn_layout.TIME)
+    """Times from the start of the first turn [s]."""
+    travel = Column(turn_layout.TRAVEL)
+    """Travels of the cylinder from there [rad]."""
+    approach_rate = Column(turn_layout.APPROACH)
+    """Rates of the gap before collisions [rad/s or m/s], negative."""
+    separation_rate = Column(turn_layout.SEPARATION)
+    """Rates after them."""
+    impulse = Column(turn_layout.IMPULSE)
+    """Normal impulses at the contact points [N s]; along the joint without one [N m s]."""
+    energy_lost = Column(turn_layout.ENERGY)
+    """Kinetic energy lost [J]."""
+    rebound_amplitude = Column(turn_layout.AMPLITUDE)
+    """Largest gaps of the rebounds that end at the same stop [rad or m]; NaN for others."""
+    time_error = Column(turn_layout.TIME_ERROR)
+    """Bounds on the errors of ``time`` [s]."""
+    rate_error = Column(turn_layout.RATE_ERROR)
+    """Bounds on the errors of ``approach_rate``."""
+    impulse_error = Column(turn_layout.IMPULSE_ERROR)
+    """Bounds on the errors of ``impulse``, in its unit."""
+    amplitude_error = Column(turn_layout.AMPLITUDE_ERROR)
+    """Bounds on the errors of ``rebound_amplitude``."""
+    energy_error = Column(turn_layout.ENERGY_ERROR)
+    """Bounds on the errors of ``energy_lost`` [J]."""
+
     @property
     def kind(self) -> tuple[str, ...]:
         """Each event: collision, rest or release."""
@@ -90,66 +115,3 @@ class ReducedTurns:
     def collisions(self) -> NDArray[np.bool_]:
         """Which events are collisions."""
         return np.asarray(self.table[:, turn_layout.KIND] == turn_layout.COLLISION)
-
-    @property
-    def time(self) -> FloatArray:
-        """Times from the start of the first turn [s]."""
-        return self._column(turn_layout.TIME)
-
-    @property
-    def travel(self) -> FloatArray:
-        """Travels of the cylinder from there [rad]."""
-        return self._column(turn_layout.TRAVEL)
-
-    @property
-    def approach_rate(self) -> FloatArray:
-        """Rates of the gap before collisions [rad/s or m/s], negative."""
-        return self._column(turn_layout.APPROACH)
-
-    @property
-    def separation_rate(self) -> FloatArray:
-        """Rates after them."""
-        return self._column(turn_layout.SEPARATION)
-
-    @property
-    def impulse(self) -> FloatArray:
-        """Normal impulses at the contact points [N s]; along the joint without one [N m s]."""
-        return self._column(turn_layout.IMPULSE)
-
-    @property
-    def energy_lost(self) -> FloatArray:
-        """Kinetic energy lost [J]."""
-        return self._column(turn_layout.ENERGY)
-
-    @property
-    def rebound_amplitude(self) -> FloatArray:
-        """Largest gaps of the rebounds that end at the same stop [rad or m]; NaN for others."""
-        return self._column(turn_layout.AMPLITUDE)
-
-    @property
-    def time_error(self) -> FloatArray:
-        """Bounds on the errors of ``time`` [s]."""
-        return self._column(turn_layout.TIME_ERROR)
-
-    @property
-    def rate_error(self) -> FloatArray:
-        """Bounds on the errors of ``approach_rate``."""
-        return self._column(turn_layout.RATE_ERROR)
-
-    @property
-    def impulse_error(self) -> FloatArray:
-        """Bounds on the errors of ``impulse``, in its unit."""
-        return self._column(turn_layout.IMPULSE_ERROR)
-
-    @property
-    def amplitude_error(self) -> FloatArray:
-        """Bounds on the errors of ``rebound_amplitude``."""
-        return self._column(turn_layout.AMPLITUDE_ERROR)
-
-    @property
-    def energy_error(self) -> FloatArray:
-        """Bounds on the errors of ``energy_lost`` [J]."""
-        return self._column(turn_layout.ENERGY_ERROR)
-
-    def _column(self, number: int) -> FloatArray:
-        return np.asarray(self.table[:, number])

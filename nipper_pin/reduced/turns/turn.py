@@ -2,31 +2,24 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from functools import cache
-from typing import Any
+from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ...arrays import FloatArray
 from ...errors import SimulationError
 from ...extras import require
-from ...given import LARGEST, number
+from ...given import number
 from ...made_once import made_once
 from ...mechanism import Mechanism
-from ...units import S_PER_MIN
-from ..inputs import check_run, one_row, speed_of
-from ..kernels.layout import CASE_NUMBERS, LEFT_GAP, LEVELS, SCRATCH_ROWS, SIZES
-from ..kernels.turn_layout import END_COLUMNS, EVENT_COLUMNS, HOLD_COLUMNS, Charts, TurnWork
-from .cases import BESIDE, by_stop, check_size
+from ..inputs import speed_of
+from ..kernels.layout import CASE_NUMBERS, LEFT_GAP, LEVELS, SCRATCH_ROWS, SIZES, Cases
+from ..kernels.turn_layout import Charts, Records, TurnWork
+from .cases import Run, run_of, turn_cases
 from .model import START_INDEX, TurnModel, build_turns
 from .results import TURN_REASONS, ReducedTurns, TurnStatus
 
-# Stretches of a turn on which a stop is closed.
-STRETCHES = 64
 ROOMS = (1.0, 2.0, 4.0, 8.0, 32.0, 128.0)
 
 
@@ -87,76 +80,41 @@ def turns(
         InputError: A parameter is out of range, or the mechanism cannot be reduced.
         SimulationError: The turns cannot be followed; the reason says why.
     """
-    check_run(rest_rate, tolerance, max_collisions)
-    check_size("cycles", cycles, max_collisions)
-    start_index = number("start_index", start_index)
-    case = _Case(speed_rpm, cycles, restitution, stiffness, preload, rest_rate or 0.0, tolerance,
-                 max_collisions)  # fmt: skip
+    run = run_of("cycles", cycles, rest_rate, tolerance, max_collisions)
+    start_index, speed_rpm = number("start_index", start_index), speed_of(speed_rpm)
+    told, nothing = np.zeros((1, 4), dtype=np.int64), np.empty((1, 0, 0))
     for room in ROOMS:
-        wide = wider(mechanism, start_index, room)
-        if wide is None:
+        model = wider(mechanism, start_index, room)
+        if model is None:
             break
-        status, found = _followed(wide, case)
-        if status != LEFT_GAP:
+        cases = turn_cases(model, speed_rpm, restitution, stiffness, preload)
+        records = run.records()
+        follow(run, model, cases, records, told, nothing)
+        if told[0, 0] != LEFT_GAP:
             break
+    status, done, again, count = told[0].tolist()
     if status:
         name = TurnStatus(status).name
         reason = TURN_REASONS[TurnStatus(status)]
         message = f"{mechanism.name} at {speed_rpm:g} r/min: {reason}; use the direct engine"
         raise SimulationError(message, status=name, speed_rpm=speed_rpm)
-    return found
+    stops = tuple(stop.name for stop in mechanism.stops)
+    return ReducedTurns(mechanism.name, stops, done, again, records.events[:count].copy())
 
 
-@dataclass(frozen=True)
-class _Case:
-    """Arguments of :func:`turns`."""
+def follow(
+    run: Run, model: TurnModel, cases: Cases, records: Records, told: NDArray[np.int64],
+    found: FloatArray,
+) -> None:  # fmt: skip
+    """Follow turns of cases on one model, as ``run_turns`` does."""
+    require("study", "numba", what="the reduced engine")
+    from ..kernels.panel import grids
+    from ..kernels.turn_quantities import run_turns
 
-    speed_rpm: float
-    cycles: int
-    restitution: float | Mapping[str, float] | None
-    stiffness: ArrayLike | None
-    preload: ArrayLike | None
-    rest_rate: float
-    tolerance: float
-    max_collisions: int
-
-
-def _followed(model: TurnModel, case: _Case) -> tuple[int, ReducedTurns]:
-    """Follow the turns of a case on one model; returns the status, too."""
-    follow, grids = _compiled()
-    speed = speed_of(case.speed_rpm)
-    speed *= math.tau / S_PER_MIN
-    chart, gap, rate, by_speed, closed = model.begin
-    events = np.full((case.cycles * (case.max_collisions + BESIDE), EVENT_COLUMNS), np.nan)
-    status, count, _, done, again = follow(
-        grids,
-        model.charts,
-        scratch(model.charts, case.max_collisions),
-        speed,
-        _restitutions(model, case.restitution),
-        one_row("stiffness", case.stiffness, model.stiffness, 0.0),
-        one_row("preload", case.preload, model.preload, -LARGEST),
-        1.0,
-        float(case.rest_rate),
-        float(case.tolerance),
-        case.cycles,
-        (chart, gap, rate + by_speed * speed, closed, 0.0, 0.0),
-        model.clamp,
-        events,
-        np.empty((case.cycles * STRETCHES, HOLD_COLUMNS)),
-        np.empty((case.cycles + 1, END_COLUMNS)),
-    )
-    return status, ReducedTurns(model.name, model.stops, done, again, events[:count].copy())
-
-
-def _restitutions(model: TurnModel, restitution: float | Mapping[str, float] | None) -> FloatArray:
-    """e_N of the stops, shape (K,)."""
-    found = model.restitution.copy()
-    if restitution is None:
-        return found
-    for name, value in by_stop(model, restitution).items():
-        found[model.stops.index(name)] = number(f"restitution of {name}", value, 0.0, 1.0)
-    return found
+    run_turns(
+        grids(), model.charts, scratch(model.charts, run.most), cases, run.settings, run.turns,
+        model.begin, model.clamp, run.least_force, records, told, found,
+    )  # fmt: skip
 
 
 def scratch(charts: Charts, most: int = 1, panels: int = 0) -> TurnWork:
@@ -179,13 +137,3 @@ def scratch(charts: Charts, most: int = 1, panels: int = 0) -> TurnWork:
         np.zeros((SCRATCH_ROWS * (1 + panels), finest + 2)),
         np.zeros((3, most)),
     )
-
-
-@cache
-def _compiled() -> tuple[Callable[..., Any], FloatArray]:
-    """The compiled function of turns and its grids; numba is loaded here."""
-    require("study", "numba", what="the reduced engine")
-    from ..kernels.panel import grids
-    from ..kernels.turn import follow
-
-    return follow, grids()
