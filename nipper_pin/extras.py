@@ -9,7 +9,7 @@ from .errors import InputError
 _SWEEPS = ("numba", "pyarrow")
 EXTRAS = {
     "view": ("meshcat", "umsgpack", "matplotlib", "PIL"),
-    "live": ("viser", "trimesh", "manifold3d"),
+    "live": ("meshcat", "umsgpack", "tornado"),
     "study": ("matplotlib", *_SWEEPS),
     "sweep": _SWEEPS,
     "cluster": (*_SWEEPS, "distributed"),

@@ -67,7 +67,7 @@ def test_all_is_all_that_the_commands_use() -> None:
 def test_modules_come_with_the_packages_that_are_named() -> None:
     owners = metadata.packages_distributions()
     known = [name for name in MODULES if name in owners]
-    assert {"meshcat", "umsgpack", "PIL", "numba", "pyarrow", "viser"} <= set(known)
+    assert {"meshcat", "umsgpack", "PIL", "numba", "pyarrow", "tornado"} <= set(known)
     for name in known:
         assert distribution(name) in {canonicalize_name(owner) for owner in owners[name]}
 
@@ -127,9 +127,8 @@ MISSING = [
     ("view", "umsgpack", ["view", "--no-browser"]),
     ("view", "matplotlib", ["view", "--gif", "film.gif"]),
     ("view", "PIL", ["view", "--gif", "film.gif"]),
-    ("live", "viser", ["live", "--no-browser"]),
-    ("live", "trimesh", ["live", "--no-browser"]),
-    ("live", "manifold3d", ["live", "--no-browser"]),
+    ("live", "tornado", ["live", "--no-browser"]),
+    ("live", "meshcat", ["live", "--no-browser"]),
     ("study", "numba", ["speed-limit"]),
     ("study", "matplotlib", ["speed-limit", "--plot", "limit.svg"]),
     ("study", "matplotlib", ["optimise", OPTIMISE]),
@@ -161,7 +160,7 @@ def test_a_missing_library_is_one_sentence_with_its_install_line(
 
 
 def test_several_missing_libraries_are_one_list(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("nipper_pin.extras.installed", lambda name: name == "trimesh")
+    monkeypatch.setattr("nipper_pin.extras.installed", lambda name: name == "tornado")
     with pytest.raises(nip.InputError) as caught:
         require("view", "meshcat", "umsgpack", "PIL", what="a picture")
     assert caught.value.message == (
@@ -170,8 +169,8 @@ def test_several_missing_libraries_are_one_list(monkeypatch: pytest.MonkeyPatch)
     )
     with pytest.raises(nip.InputError) as caught:
         require("live", what="a page")
-    assert caught.value.evidence == {"extra": "live", "packages": ("viser", "manifold3d")}
-    require("live", "trimesh", what="a page")
+    assert caught.value.evidence == {"extra": "live", "packages": ("meshcat", "u-msgpack-python")}
+    require("live", "tornado", what="a page")
 
 
 def test_calls_of_python_name_the_install_line(

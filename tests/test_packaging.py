@@ -132,7 +132,7 @@ def test_lock_covers_everything_that_is_installed_for_the_package():
     needed.remove("nipper-pin")
     # These live on the far side of several requirements: proof that the walk reaches them.
     assert {"cmeel", "cmeel-boost", "libpinocchio", "libcoal", "eigenpy"} <= needed
-    assert {"llvmlite", "markupsafe", "tornado", "websockets"} <= needed
+    assert {"llvmlite", "markupsafe", "tornado", "httpx"} <= needed
     # Environments bring their own setuptools.
     assert needed - PINNED <= {"setuptools"}
 

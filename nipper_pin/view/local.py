@@ -1,11 +1,24 @@
-"""Requests that a server on this machine answers: those of its own pages."""
+"""What both servers have in common: where they listen, and which requests they answer."""
 
 from __future__ import annotations
 
+import sys
+import webbrowser
 from urllib.parse import urlsplit
+
+from ..errors import InputError
 
 HOST = "127.0.0.1"
 _NAMES = (HOST, "localhost")
+# Nothing is loaded from anywhere, and no other page may show this one.
+HEADERS = {
+    "Content-Type": "text/html; charset=utf-8",
+    "Cache-Control": "no-store",
+    "X-Content-Type-Options": "nosniff",
+    "X-Frame-Options": "DENY",
+    "Cross-Origin-Resource-Policy": "same-origin",
+}
+"""Of each page."""
 
 
 def is_local(host: str | None, origin: str | None, port: int) -> bool:
@@ -22,3 +35,25 @@ def is_local(host: str | None, origin: str | None, port: int) -> bool:
         return True
     parts = urlsplit(origin)
     return parts.scheme == "http" and parts.netloc == host and not parts.path
+
+
+def refused_port(port: int, error: Exception) -> InputError:
+    """The error that says why a port cannot be served at."""
+    message = (
+        f"port {port} cannot be used ({getattr(error, 'strerror', None) or error}): "
+        "another program may hold it; name another one, or --port 0 for any that is free"
+    )
+    return InputError(message, port=port)
+
+
+def announce(what: str, port: int, *, browser: bool) -> None:
+    """Say on stdout where something is served.
+
+    Args:
+        browser: Whether to open it in the user's browser as well.
+    """
+    address = f"http://{HOST}:{port}/"
+    sys.stdout.write(f"the {what} is at {address} ; Ctrl-C ends\n")
+    sys.stdout.flush()
+    if browser:
+        webbrowser.open(address)

@@ -210,7 +210,7 @@ def test_both_lips_are_seen_close_up(
     lever = solution.mechanism.stop("jaw").lever
     closed = next(item for item in solution.phases if item.number == 2)
     rest = 0.5 * (closed.t_start + closed.t_end)
-    high, scale = page.evaluate("[lips.height, lips.scale_mm]")
+    high, scale = page.evaluate("[film.lips.height, film.lips.scale_mm]")
     assert scale / 1e3 < 0.5 * high
     for t in (first.t + 0.5 * first.rebound_time, rest):
         seek(page, float(shown.pace.playback_at(t)))

@@ -152,19 +152,6 @@ def test_no_address_of_a_file_is_sent_to_a_browser(name: str, tmp_path: Path) ->
     assert b"http" not in scene
 
 
-def test_no_address_of_a_file_is_sent_to_the_live_page(tmp_path: Path) -> None:
-    """It is sent corners and faces alone."""
-    pytest.importorskip("trimesh")
-    from nipper_pin.view.live.shapes import shape
-
-    mechanism = skinned(tmp_path, "a.dae", dae("1"))
-    (solid,) = (item for item in solids(mechanism) if item.path and item.path.suffix == ".dae")
-    mesh = shape(solid)
-    assert len(mesh.faces) == 4
-    assert ADDRESS not in repr((mesh.metadata, mesh.visual, mesh.source))
-    assert mesh.visual.kind is None
-
-
 PLY = b"ply\nformat ascii 1.0\nelement vertex 999999999\nproperty float x\nend_header\n0\n"
 OWN_NODES = "".join(
     f'<node id="n{k}">' + f'<instance_node url="#n{k - 1}"/>' * 10 + "</node>" for k in range(1, 9)

@@ -1,7 +1,6 @@
 """Solutions that the tests of this folder look at."""
 
-from collections.abc import Callable, Iterator
-from typing import Any
+from collections.abc import Callable
 
 import pytest
 from runs_shown import run_of, turn
@@ -34,12 +33,3 @@ def page_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., str]:
         return nip.view(shown, file, **look).read_text(encoding="utf-8")
 
     return text
-
-
-@pytest.fixture
-def server() -> Iterator[Any]:
-    """A server of viser, as the live page has one."""
-    viser = pytest.importorskip("viser", reason="viser is not installed (extra `live`)")
-    found = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
-    yield found
-    found.stop()

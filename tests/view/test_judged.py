@@ -8,7 +8,6 @@ columns and texts over time show the motion, with the units that stand beside th
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
@@ -20,7 +19,6 @@ from units_shown import factor, force, index, kind, rows, unit_of
 
 from nipper_pin import Event, Solution, record
 from nipper_pin.hybrid.result.quantities import COLLISION, TRANSITION
-from nipper_pin.view.live.moment import moment_text
 from nipper_pin.view.run.bounces import transition_figure
 from nipper_pin.view.run.timelines import force_figure, motion_figure
 from nipper_pin.view.scene import Look, film
@@ -325,25 +323,9 @@ def page_columns(run: Solution) -> Iterator[Line]:
             yield Line((str(what), stop), t, values, item["unit"], digits=5e-6)
 
 
-def moments(run: Solution) -> Iterator[Line]:
-    """The line of text below the picture of the live page, in the middle of each phase."""
-    main = run.mechanism.transition_stop
-    for item in run.phases:
-        t = np.array([0.5 * (item.t_start + item.t_end)])
-        q = run.trajectory.evaluate(t).q[0]
-        time, number, *rest = moment_text(run, float(t[0]), q).split(", ")
-        assert float(time.removesuffix(" ms")) == pytest.approx(1e3 * t[0], abs=5.1e-3)
-        assert float(number.removeprefix("index ")) == pytest.approx(index(run, t[0]), abs=6e-4)
-        for text in rest:
-            words, value, shown = re.fullmatch(r"(.+?) (-?[\d.e-]+) (.+)", text).groups()  # type: ignore[union-attr]
-            name = {"gap at the contact": ("contact", main), "clamping force": ("force", main)}
-            yield Line(name.get(words, ("gap", words)), t, np.array([float(value)]), shown,
-                       digits=DIGITS)  # fmt: skip
-
-
 LINES = {
     "csv": csv_motion, "motion": motion_lines, "forces": force_lines, "transition": log_lines,
-    "page": page_columns, "live": moments,
+    "page": page_columns,
 }  # fmt: skip
 
 
@@ -377,5 +359,4 @@ def test_lines(name: str, surface: str) -> None:
         "motion": gaps | (levers if run.transitions else set()),
         "forces": forces, "transition": {("gap", main)} if run.transitions else set(),
         "page": gaps | levers | forces | {("index", ""), ("time", "")},
-        "live": gaps | levers | {("force", main)},
     }[surface]  # fmt: skip

@@ -22,7 +22,6 @@ from urdf_shapes import shaped
 
 from nipper_pin import InputError, Mechanism, load
 from nipper_pin.mechanism import collision_model, find_model, from_sources
-from nipper_pin.view.live.shapes import shape
 from nipper_pin.view.scene import CYLINDER, FIXED, Look, Solid, film, solids
 from nipper_pin.view.scene.colours import link_colour
 from nipper_pin.view.scene.meshes import mesh_of
@@ -187,8 +186,8 @@ def test_meshes_that_cannot_be_read(tmp_path: Path) -> None:
     for name, read, words in (
         ("horn.ply", lambda solid: list(solid_commands(made, solid)),
          r": .*\.stl, \.obj, \.dae; convert"),
-        ("gone.stl", shape, ": the mesh cannot be read"),
-        ("horn.xyz_", shape, ": mesh = .* a mesh as STL, OBJ or DAE"),
+        ("gone.stl", mesh_of, ": the mesh cannot be read"),
+        ("horn.xyz_", mesh_of, ": mesh = .* a mesh as STL, OBJ or DAE"),
     ):  # fmt: skip
         if name != "gone.stl":
             (tmp_path / name).write_text("nothing", encoding="utf-8")

@@ -51,8 +51,7 @@ def comparison_page(comparison: Comparison, look: Look) -> str:
     second = [_renamed(message) for message in other]
     clips = second.pop()["animations"]
     film = {**film, "animations": [*_clips(film["animations"]), *clips]}
-    here = resources.files(__package__) / "page_files"
-    files = [Path(str(here / name)) for name in _FILES]
+    files = [resources.files(__package__) / "page_files" / name for name in _FILES]
     return assembled([*background(), *one, *second, film], _readings(comparison, both), files)
 
 

@@ -1,4 +1,5 @@
-"""A page with sliders whose numbers, plots and picture follow them.
+"""A page with sliders whose numbers, curves and film follow them.
 
-Stage, page and server need the extra ``live`` (viser); no other command imports anything of this.
+It is the viewer's page with a panel; a setting is answered over a WebSocket. Page and server need
+the extra ``live``; no other command imports anything of this.
 """

@@ -15,8 +15,8 @@ from ...mechanism import Mechanism
 from ...units import MS_PER_S
 from ..naming import coordinate_shown
 from ..naming import shown as words_of
-from .curves.clamping import followed_on, force_line, gap_line
-from .panel.numbers import Number, Rows
+from .clamping import followed_on, force_line, gap_line
+from .numbers import Number, Rows
 from .settings import SPEED, Knob, changed
 
 # A bounce series converges with fewer collisions.

@@ -1,22 +1,35 @@
-"""Serves the page at one port until Ctrl-C."""
+"""Serves the page at one port until Ctrl-C, and answers each browser over a WebSocket.
+
+A page of another site that the same browser shows may try to connect to a server on this machine.
+Browsers say from where a page comes (Origin) and under which name it asks (Host): both have to be
+the address of this server.
+"""
 
 from __future__ import annotations
 
-import io
+import asyncio
+import json
+import logging
 import os
+import signal
 import socket
 import sys
-import webbrowser
-from contextlib import redirect_stdout
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 
-import viser
+from tornado.httpserver import HTTPServer
+from tornado.web import Application, RequestHandler
+from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
-from ...errors import InputError
 from ...mechanism import Mechanism
-from ..local import HOST
-from .guard import only_local
-from .page import Page
-from .settings import knobs
+from ..local import HEADERS, HOST, announce, is_local, refused_port
+from .page import shown_live
+from .session import Session, Shown
+
+# A browser sends the value of a control.
+_MOST_BYTES = 4 * 1024
+# Seconds without a move until the film is made: it would only delay the numbers of the next one.
+_QUIET = 0.25
 
 
 def serve_live(mechanism: Mechanism, speed_rpm: float, port: int, *, browser: bool) -> None:
@@ -31,49 +44,129 @@ def serve_live(mechanism: Mechanism, speed_rpm: float, port: int, *, browser: bo
     Raises:
         InputError: The port cannot be used, or the mechanism has no transition.
     """
-    controls = knobs(mechanism, speed_rpm)
-    server = _server(port)
+    shown, page = shown_live(mechanism, speed_rpm)
+    place = _listening(port)
+    # Who asks for what is nobody's concern; errors of the program itself are written.
+    for name in ("tornado.access", "tornado.general"):
+        logging.getLogger(name).addHandler(logging.NullHandler())
+    asyncio.run(_serve(shown, page.encode(), place, browser=browser))
+    sys.stdout.write("\n")
+
+
+def _listening(port: int) -> socket.socket:
+    place = socket.socket()
     try:
-        page = Page(server, mechanism, controls)
-        address = f"http://{HOST}:{server.get_port()}/"
-        sys.stdout.write(f"the page is at {address} ; Ctrl-C ends\n")
-        sys.stdout.flush()
-        if browser:
-            webbrowser.open(address)
-        page.turns.start()
-        page.run()
-    except KeyboardInterrupt:
-        sys.stdout.write("\n")
-    finally:
-        with redirect_stdout(io.StringIO()):
-            server.stop()
-
-
-def _server(port: int) -> viser.ViserServer:
-    """The server at a port, and at no other.
-
-    Raises:
-        InputError: The port cannot be used.
-    """
-    problem: object = "another program holds it"
-    try:
-        # viser takes the next port in silence when one is taken, so it is tried out before.
-        with socket.socket() as trial:
-            if os.name == "posix":
-                trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            trial.bind((HOST, port))
+        if os.name == "posix":
+            place.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        place.bind((HOST, port))
+        place.listen()
     except (OSError, OverflowError) as error:
-        problem = getattr(error, "strerror", None) or error
-    else:
-        # viser announces itself on stdout, which belongs to the command.
-        with redirect_stdout(io.StringIO()), only_local():
-            server = viser.ViserServer(host=HOST, port=port, verbose=False)
-        if port in (0, server.get_port()):
-            return server
-        with redirect_stdout(io.StringIO()):
-            server.stop()
-    message = (
-        f"port {port} cannot be used ({problem}): another program may hold it; name another one, "
-        "or --port 0 for any that is free"
-    )
-    raise InputError(message, port=port)
+        place.close()
+        raise refused_port(port, error) from error
+    place.setblocking(False)
+    return place
+
+
+async def _serve(shown: Shown, page: bytes, place: socket.socket, *, browser: bool) -> None:
+    loop, talks = asyncio.get_running_loop(), set[_Talk]()
+    port = place.getsockname()[1]
+    application = Application(
+        [("/", _Page, {"port": port, "page": page}),
+         ("/talk", _Talk, {"port": port, "shown": shown, "talks": talks})],
+        websocket_max_message_size=_MOST_BYTES,
+    )  # fmt: skip
+
+    def turned() -> None:
+        for talk in tuple(talks):
+            talk.turned()
+
+    def made() -> None:
+        # The page may have ended before its tables are there.
+        with suppress(RuntimeError):
+            loop.call_soon_threadsafe(turned)
+
+    server = HTTPServer(application)
+    server.add_socket(place)
+    with _interrupted(loop) as over:
+        announce("page", port, browser=browser)
+        shown.turns.start(made)
+        await over.wait()
+    server.stop()
+
+
+@contextmanager
+def _interrupted(loop: asyncio.AbstractEventLoop) -> Iterator[asyncio.Event]:
+    """Tells of an interrupt, which elsewhere is raised in the middle of whatever is being done."""
+    over, before = asyncio.Event(), signal.getsignal(signal.SIGINT)
+    if before is not signal.SIG_IGN:
+        loop.add_signal_handler(signal.SIGINT, over.set)
+    try:
+        yield over
+    finally:
+        loop.remove_signal_handler(signal.SIGINT)
+        signal.signal(signal.SIGINT, before)
+
+
+def _guard(asked: RequestHandler, port: int) -> None:
+    """Refuse what does not come from a page of this server."""
+    told = asked.request.headers
+    if not is_local(told.get("Host"), told.get("Origin"), port):
+        asked.send_error(403)
+
+
+class _Page(RequestHandler):
+    """Sends the page, to requests of this machine alone."""
+
+    def initialize(self, port: int, page: bytes) -> None:
+        self._port, self._content = port, page
+
+    def prepare(self) -> None:
+        _guard(self, self._port)
+
+    def get(self) -> None:
+        for name, value in HEADERS.items():
+            self.set_header(name, value)
+        self.write(self._content)
+
+
+class _Talk(WebSocketHandler):
+    """Answers one browser."""
+
+    def initialize(self, port: int, shown: Shown, talks: set[_Talk]) -> None:
+        self._port, self._shown, self._talks = port, shown, talks
+        self._later: asyncio.TimerHandle | None = None
+
+    def prepare(self) -> None:
+        _guard(self, self._port)
+
+    def open(self) -> None:
+        self._session = Session(self._shown)
+        self._talks.add(self)
+        self._say({"state": self._session.state()})
+
+    def on_message(self, message: str | bytes) -> None:
+        if not self._session.take(message):
+            return
+        self._say({"state": self._session.state()})
+        if self._later is not None:
+            self._later.cancel()
+        self._later = asyncio.get_running_loop().call_later(_QUIET, self._film)
+
+    def on_close(self) -> None:
+        self._talks.discard(self)
+        if self._later is not None:
+            self._later.cancel()
+
+    def turned(self) -> None:
+        """Whole turns can be followed from now on."""
+        self._session.turned()
+        self._say({"state": self._session.state()})
+
+    def _film(self) -> None:
+        found = self._session.film()
+        if found is not None:
+            self._say(found)
+
+    def _say(self, found: dict[str, object]) -> None:
+        with suppress(WebSocketClosedError):
+            self.write_message(json.dumps(found, allow_nan=False))

@@ -10,8 +10,10 @@ from ...errors import InputError
 from ...hybrid.result.quantities import coordinate_unit
 from ...mechanism import Mechanism, Spring, retuned
 from ...units import M_PER_MM, MM_PER_M, RAD_PER_DEG
+from ..scene.film import LARGEST_EXAGGERATION
 
 SPEED = "speed"
+LARGER = "larger"
 RESTITUTION = "restitution"
 _MOST_RESTITUTION = 0.8
 # A range ends at these parts of the value that the model has.
@@ -90,6 +92,14 @@ def knobs(mechanism: Mechanism, speed_rpm: float) -> tuple[Knob, ...]:
     for spring in mechanism.springs:
         found += _spring_knobs(mechanism, spring)
     return tuple(found)
+
+
+def larger_knob() -> Knob:
+    """How much larger rebounds are drawn."""
+    return Knob(
+        key=LARGER, name="gap drawn larger", unit="times", factor=1.0, low=1.0,
+        high=LARGEST_EXAGGERATION, step=1.0, start=10.0,
+    )  # fmt: skip
 
 
 def changed(mechanism: Mechanism, values: Mapping[str, float]) -> Mechanism:

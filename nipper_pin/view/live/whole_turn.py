@@ -21,7 +21,7 @@ from ...reduced.turns.results import TURN_REASONS
 from ...reduced.turns.turn import ROOMS
 from ...terms import TERMS
 from ...units import MS_PER_S
-from .panel.numbers import Number, Rows
+from .numbers import Number, Rows
 from .settings import RESTITUTION, SPEED, Knob, changed
 
 # Turns until they repeat, and collisions of a turn.
@@ -35,19 +35,25 @@ class WholeTurns:
     Args:
         mechanism: The mechanism as loaded.
         controls: The knobs.
-        told: Called, in another thread, when the tables are there.
     """
 
-    def __init__(
-        self, mechanism: Mechanism, controls: Sequence[Knob], told: Callable[[], None]
-    ) -> None:
+    def __init__(self, mechanism: Mechanism, controls: Sequence[Knob]) -> None:
         """Prepare; nothing is made before :meth:`start`."""
-        self._mechanism, self._controls, self._told = mechanism, controls, told
+        self._mechanism, self._controls = mechanism, controls
         self._why: str | None = None
 
-    def start(self) -> None:
-        """Make the tables, in a thread that ends with the process."""
-        threading.Thread(target=self._make, daemon=True).start()
+    def start(self, told: Callable[[], None]) -> None:
+        """Make the tables, in a thread that ends with the process.
+
+        Args:
+            told: Called, in that thread, when they are there.
+        """
+
+        def make() -> None:
+            self._why = unusable(self._mechanism)
+            told()
+
+        threading.Thread(target=make, daemon=True).start()
 
     def rows(self, shown: Mapping[str, float]) -> Rows:
         """Rows of a setting, or that they are to come.
@@ -58,10 +64,6 @@ class WholeTurns:
         if self._why is None:
             return (Number("turn", "whole turn", _PENDING),)
         return turn_rows(self._mechanism, self._controls, shown, self._why)
-
-    def _make(self) -> None:
-        self._why = unusable(self._mechanism)
-        self._told()
 
 
 def unusable(mechanism: Mechanism) -> str:

@@ -77,6 +77,29 @@ def paced(events: FloatArray, end: float, period: float, slow: float | None) -> 
     return Pace(np.interp(machine, knots, playback), machine, slopes[place])
 
 
+def steady(solution: Solution, slow: float) -> Pace:
+    """Frames of a film that is equally slow from its start to its end.
+
+    Args:
+        slow: Stretch of time [-].
+    """
+    end = shown_until(solution)
+    events = [event.t for event in solution.events if event.t <= end]
+    count = min(int(FRAMES_PER_SECOND * slow * end) + 2, _MOST_FRAMES)
+    machine = np.unique([*np.linspace(0.0, end, count), *events])
+    return Pace(slow * machine, machine, np.full(len(machine), slow))
+
+
+def round_slow(end: float, longest: float) -> float:
+    """The largest round stretch of time with which a film takes no longer than it may.
+
+    Args:
+        end: End of the film on the machine's clock [s].
+        longest: Longest playback [s].
+    """
+    return next((slow for slow in _SLOW if slow * end <= longest), _SLOW[-1])
+
+
 def _clocks(
     events: FloatArray, end: float, period: float, slow: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -7,6 +7,7 @@ import hashlib
 import json
 from collections.abc import Mapping, Sequence
 from importlib import resources
+from importlib.resources.abc import Traversable
 from pathlib import Path
 
 import meshcat
@@ -58,8 +59,16 @@ def scene_page(shown: Film) -> str:
     return assembled([*background(), *machine_messages(shown)], found)
 
 
+def encoded(message: Mapping[str, object]) -> str:
+    """A message to meshcat's viewer as text."""
+    return base64.b64encode(umsgpack.packb(message)).decode("ascii")
+
+
 def assembled(
-    messages: Sequence[Mapping[str, object]], found: Mapping[str, object], more: Sequence[Path] = ()
+    messages: Sequence[Mapping[str, object]],
+    found: Mapping[str, object],
+    more: Sequence[Traversable] = (),
+    connect: str = "data: blob:",
 ) -> str:
     """The page of messages to meshcat's viewer and of what is written beside it.
 
@@ -67,6 +76,7 @@ def assembled(
         messages: Commands that draw the scene and play its animation.
         found: What the page's script reads (:func:`~.readings.readings`, and cameras).
         more: Further scripts and style sheets, after those of every page.
+        connect: Where the page's script may connect to, as a browser's policy has it.
     """
     here = resources.files(__package__) / "page_files"
     files = [*((here / name) for name in (*_SCRIPTS, "style.css")), *more]
@@ -74,12 +84,11 @@ def assembled(
     viewer = (_VIEWER / "dist" / "main.min.js").read_text(encoding="utf-8")
     script = "".join(text for name, text in texts.items() if name.endswith(".js"))
     parts = {
-        "policy": _policy(viewer, script),
+        "policy": _policy(viewer, script, connect=connect),
         "licence": _licences(),
         "style": "".join(text for name, text in texts.items() if name.endswith(".css")),
         "viewer": viewer,
-        "scene": json.dumps([base64.b64encode(umsgpack.packb(item)).decode("ascii")
-                             for item in messages]),
+        "scene": json.dumps([encoded(item) for item in messages]),
         "film": _in_script(json.dumps(found, allow_nan=False)),
         "script": script,
     }  # fmt: skip
@@ -132,13 +141,13 @@ def cameras(mechanism: Mechanism, position: FloatArray) -> dict[str, object]:
     return found
 
 
-def _policy(*scripts: str) -> str:
+def _policy(*scripts: str, connect: str) -> str:
     """What a browser lets the page do: run these scripts alone, and load nothing from anywhere."""
     digests = (hashlib.sha256(script.encode()).digest() for script in scripts)
     own = " ".join(f"'sha256-{base64.b64encode(digest).decode()}'" for digest in digests)
     return (
         f"default-src 'none'; script-src {own}; style-src 'unsafe-inline'; "
-        "img-src data: blob:; connect-src data: blob:"
+        f"img-src data: blob:; connect-src {connect}"
     )
 
 

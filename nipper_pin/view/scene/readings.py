@@ -9,7 +9,7 @@ from itertools import groupby
 import numpy as np
 
 from ...arrays import FloatArray
-from ...hybrid import Collision, Solution
+from ...hybrid import Collision, Solution, Window
 from ...hybrid.result.quantities import force_unit
 from ...mechanism import Mechanism, Stop
 from ...terms import digits
@@ -63,8 +63,8 @@ def readings(film: Film) -> dict[str, object]:
             for item, text in _told(solution) if pace.machine[0] <= item.t <= last
         ],
         "ticks": [
-            {"at": float(pace.playback_at(t)), "text": f"{MS_PER_S * t:.10g}", "number": number}
-            for number, t in enumerate(_ticks(last).tolist()) if t >= pace.machine[0]
+            {"at": float(pace.playback_at(t)), **tick}
+            for t, tick in ticks(last) if t >= pace.machine[0]
         ],
         "curves": [curve_record(curve) for curve in curves(film)],
         "names": names(mechanism),
@@ -85,11 +85,12 @@ def curve_record(curve: Curve) -> dict[str, object]:
     }
 
 
-def _ticks(end: float) -> FloatArray:
-    """Times of the scale from the start of the window [s]: multiples of a round step."""
+def ticks(end: float) -> Iterator[tuple[float, dict[str, object]]]:
+    """Times of the scale from the start of the window [s], multiples of a round step, in words."""
     step = 10.0 ** math.floor(math.log10(end / _TICKS))
     step *= next(part for part in (1.0, 2.0, 5.0, 10.0) if part * step >= end / _TICKS)
-    return np.asarray(step * np.arange(math.floor(end / step * (1.0 + 1e-12)) + 1))
+    for number in range(math.floor(end / step * (1.0 + 1e-12)) + 1):
+        yield step * number, {"text": f"{MS_PER_S * step * number:.10g}", "number": number}
 
 
 def collision_text(mechanism: Mechanism, hits: Sequence[Collision]) -> str:
@@ -116,7 +117,10 @@ def columns(film: Film) -> Iterator[tuple[str, str, FloatArray]]:
     yield "time", "ms", MS_PER_S * pace.machine
     yield "slow motion 1 :", "", pace.stretch
     for stop in mechanism.stops:
-        term = coordinate_shown(mechanism, stop.index)
+        # In a transition there are rebounds alone, which are small.
+        bounces = stop.name == mechanism.transition_stop
+        small = bounces and film.solution.case.window is Window.TRANSITION
+        term = coordinate_shown(mechanism, stop.index, small=small)
         gap = stop.gaps(film.q)
         yield f"{stop.name} {gap_noun(mechanism, stop)}", term.unit, term.value(gap)
         if stop.contact is not None:

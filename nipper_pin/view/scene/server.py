@@ -4,20 +4,9 @@ from __future__ import annotations
 
 import os
 import sys
-import webbrowser
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
-from ...errors import InputError
-from ..local import HOST, is_local
-
-# Nothing is loaded from anywhere, and no other page may show this one.
-_HEADERS = {
-    "Content-Type": "text/html; charset=utf-8",
-    "Cache-Control": "no-store",
-    "X-Content-Type-Options": "nosniff",
-    "X-Frame-Options": "DENY",
-    "Cross-Origin-Resource-Policy": "same-origin",
-}
+from ..local import HEADERS, HOST, announce, is_local, refused_port
 
 
 def serve(page: str, port: int, *, browser: bool) -> None:
@@ -39,18 +28,10 @@ def serve(page: str, port: int, *, browser: bool) -> None:
     try:
         server = _Server((HOST, port), Handler)
     except (OSError, OverflowError) as error:
-        message = (
-            f"port {port} cannot be used ({getattr(error, 'strerror', None) or error}): "
-            "another program may hold it; name another one, or --port 0 for any that is free"
-        )
-        raise InputError(message, port=port) from error
+        raise refused_port(port, error) from error
     with server:
-        address = f"http://{HOST}:{server.server_port}/"
         try:
-            sys.stdout.write(f"the scene is at {address} ; Ctrl-C ends\n")
-            sys.stdout.flush()
-            if browser:
-                webbrowser.open(address)
+            announce("scene", server.server_port, browser=browser)
             server.serve_forever(poll_interval=0.1)
         except KeyboardInterrupt:
             sys.stdout.write("\n")
@@ -75,7 +56,7 @@ class _Handler(BaseHTTPRequestHandler):
             self.send_error(404)
             return
         self.send_response(200)
-        for name, value in _HEADERS.items():
+        for name, value in HEADERS.items():
             self.send_header(name, value)
         self.send_header("Content-Length", str(len(self.body)))
         self.end_headers()

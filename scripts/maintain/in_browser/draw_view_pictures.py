@@ -28,14 +28,6 @@ VIEW, LIVE = (1120, 860), (1400, 900)  # pixels
 LIVE_SPEEDS = (675.0, 700.0)  # r/min, one after the other, beside the pinned curves of SPEED
 COMPARED = (450.0, 520.0)  # r/min
 COLOURS = 256  # of the palette of a file
-# Stops the film where the arrow of the first collision is still at its full length.
-STOP_EARLY = """() => {
-    const now = parseFloat(document.querySelector('#now')?.textContent);
-    if (!(now > 0.1 && now < 0.4)) return false;
-    const label = [...document.querySelectorAll('label')].find(item => item.textContent === 'play');
-    document.getElementById(label.htmlFor).click();
-    return true;
-}"""
 
 
 def moments(shown: Film) -> dict[str, float]:
@@ -94,9 +86,7 @@ def opened(browser: Browser, file: Path) -> Page:
     """A page of the viewer, once it plays."""
     page = browser.new_page(viewport={"width": VIEW[0], "height": VIEW[1]})
     page.goto(file.as_uri())
-    # The page runs no text but its own, which the browser's own waiting would need.
-    while not page.evaluate("animator.time > 0.1"):
-        page.wait_for_timeout(50)
+    wait(page, "animator.time > 0.1")
     return page
 
 
@@ -109,31 +99,29 @@ def stop_at(page: Page, time: float) -> None:
 
 
 def live_picture(browser: Browser, path: Path) -> None:
-    """The live page, a moment after the first collision, beside a pinned setting."""
+    """The live page in the first rebound, beside a pinned setting."""
     with live("--speed", f"{SPEED:g}") as address:
         page = browser.new_page(viewport={"width": LIVE[0], "height": LIVE[1]})
-        page.set_default_timeout(120_000)
         page.goto(address)
-        page.wait_for_selector("#setting")
-        # Closes the notice that there is no graphics card.
-        notice = page.locator(".mantine-Notification-closeButton")
-        page.wait_for_timeout(2000)
-        if notice.count():
-            notice.first.click()
         # The whole turn comes when its tables are made.
-        page.wait_for_selector("[data-key=rest]")
-        page.get_by_role("button", name="pin this curve").click()
-        page.wait_for_selector("[data-curve=pinned]")
-        field = page.locator("div:has(> div > #layout) input:not([type])").first
+        wait(page, "state.turn.length > 1")
+        page.click("#pin")
+        field = page.locator(".control input[type=text]").first
         for speed in LIVE_SPEEDS:
             # Moves that follow each other at once are one change.
             page.wait_for_timeout(1000)
             field.fill(f"{speed:g}")
-            page.wait_for_selector(f"#setting:has-text('speed {speed:g}')")
-        page.wait_for_function(STOP_EARLY, polling=20)
-        page.wait_for_timeout(1500)
+        wait(page, f"film.case.startsWith('{LIVE_SPEEDS[-1]:g}')")
+        # In the middle of the first rebound.
+        stop_at(page, 3.0)
         save(page, path)
         page.close()
+
+
+def wait(page: Page, what: str) -> None:
+    """Wait for a condition; the browser's own waiting would need a page that may run any text."""
+    while not page.evaluate(what):
+        page.wait_for_timeout(50)
 
 
 def main(folder: str | None = None) -> None:

@@ -51,13 +51,12 @@ if (film.other_lips) {
   const pair = document.createElement("div");
   pair.id = "closeups";
   aside.prepend(pair);
-  if (lips) {
-    byId("lips").classList.add("lips");
-    pair.append(byId("lips"));
-    closeUps[0].hidden = [rootOf("b")];
-  }
+  byId("lips").classList.add("lips");
+  pair.append(byId("lips"));
+  closeUps[0].hidden = [rootOf("b")];
   pair.append(figure);
-  addCloseUp(film.other_lips, figure, [rootOf("a")]);
+  addCloseUp("other_lips", figure, [rootOf("a")]);
+  tellLips();
   // Alone it need not be transparent.
   closeUps[closeUps.length - 1].around = (draw) => {
     const clear = [];

@@ -1,33 +1,40 @@
 // Texts, names, buttons and keys, and what is written in every frame.
-byId("title").textContent = film.title;
-byId("case").textContent = film.case;
-byId("note").textContent = film.note;
-const cells = film.columns.map((column) => {
-  const row = byId("numbers").insertRow();
-  row.insertCell().textContent = column.label;
-  // Of two machines there are two numbers in a row.
-  const values = [column.values, ...(film.compare ? [column.other] : [])];
-  const places = values.map((list) => [row.insertCell(), list]);
-  row.insertCell().textContent = column.unit;
-  return places;
-});
-for (const [name, colour] of film.legend) {
-  const item = document.createElement("span"), box = document.createElement("i");
-  box.style.background = colour;
-  item.append(box, name);
-  byId("legend").append(item);
+const scrub = byId("scrub");
+let cells, names, hitTimes, written = null;
+// What is written once for a film.
+function tell() {
+  document.title = film.title;
+  for (const id of ["title", "case", "note"]) byId(id).textContent = film[id];
+  byId("numbers").replaceChildren();
+  cells = film.columns.flatMap((column) => {
+    const row = byId("numbers").insertRow();
+    row.insertCell().textContent = column.label;
+    // Of two machines there are two numbers in a row.
+    const values = [column.values, ...(film.compare ? [column.other] : [])];
+    const places = values.map((list) => [row.insertCell(), list]);
+    row.insertCell().textContent = column.unit;
+    return places;
+  });
+  byId("legend").replaceChildren(...film.legend.map(([name, colour]) => {
+    const item = document.createElement("span"), box = document.createElement("i");
+    box.style.background = colour;
+    item.append(box, name);
+    return item;
+  }));
+  names = film.names.map((name) => {
+    const label = document.createElement("span");
+    label.textContent = name.text;
+    return { label, ...name };
+  });
+  byId("labels").replaceChildren(...names.map((name) => name.label));
+  hitTimes = film.collisions.map((hit) => hit.at);
+  scrub.max = axisEnd();
+  written = null;
 }
-const names = film.names.map((name) => {
-  const label = document.createElement("span");
-  label.textContent = name.text;
-  byId("labels").append(label);
-  return { label, ...name };
-});
+tell();
 byId("names").checked = byId("pane").clientWidth > 600;
 byId("names").addEventListener("change", () => { written = null; });
 
-const scrub = byId("scrub");
-scrub.max = film.duration;
 scrub.addEventListener("input", () => go(Number(scrub.value)));
 const toggle = () => (animator.playing ? animator.pause() : animator.play());
 byId("play").addEventListener("click", toggle);
@@ -39,7 +46,7 @@ function step(by) {
   go(film.playback[Math.min(Math.max(at, 0), film.playback.length - 1)]);
 }
 document.addEventListener("keydown", (event) => {
-  if (event.target.tagName === "SELECT" || event.ctrlKey || event.altKey || event.metaKey) return;
+  if (event.target.closest("select, #panel") || event.ctrlKey || event.altKey || event.metaKey) return;
   const keys = {
     " ": toggle, ArrowRight: () => step(event.shiftKey ? 10 : 1), Home: () => go(0),
     ArrowLeft: () => step(event.shiftKey ? -10 : -1), End: () => go(film.duration),
@@ -49,10 +56,9 @@ document.addEventListener("keydown", (event) => {
   keys[event.key]();
 });
 
-const hitTimes = hits.map((hit) => hit.at);
 function write(time) {
   const frame = Math.max(last(film.playback, time + 1e-6), 0);
-  for (const [cell, values] of cells.flat()) {
+  for (const [cell, values] of cells) {
     const value = values ? values[frame] : null;
     cell.textContent = value === null ? "-" : value === 0 ? "0" : Math.abs(value) < 1e-3
       ? value.toExponential(2) : String(Number(value.toPrecision(4)));
@@ -77,7 +83,6 @@ function drawNames() {
     name.label.style.top = `${(0.5 - 0.5 * place.y) * pane.clientHeight}px`;
   }
 }
-let written = null;
 function follow() {
   requestAnimationFrame(follow);
   const eye = viewer.camera.position, at = [eye.x, eye.y, eye.z, window.innerWidth, window.innerHeight];

@@ -1,6 +1,8 @@
 // Curves over the film's time with a cursor, and the strip of phases with a scale.
-const LEFT = 112, RIGHT = 8, hits = film.collisions;
-const across = (canvas, time) => LEFT + (time / film.duration) * (canvas.clientWidth - LEFT - RIGHT);
+const LEFT = 112, RIGHT = 8;
+// The axis of time ends with the film, unless it is to stand still while films of other lengths come.
+const axisEnd = () => film.until || film.duration;
+const across = (canvas, time) => LEFT + (time / axisEnd()) * (canvas.clientWidth - LEFT - RIGHT);
 
 function go(time) {
   const to = Math.min(Math.max(time, 0), film.duration);
@@ -58,7 +60,9 @@ function drawCurves() {
   const lane = canvas.clientHeight / film.curves.length;
   film.curves.forEach((curve, place) => {
     const top = place * lane + 5, bottom = (place + 1) * lane - 5;
-    const y = (value) => bottom - Math.min(value / curve.most, 1) * (bottom - top);
+    const [low, high] = curve.decades || [];
+    const share = low ? (value) => Math.log(value / low) / Math.log(high / low) : (value) => value / curve.most;
+    const y = (value) => bottom - Math.min(share(value), 1) * (bottom - top);
     pen.strokeStyle = "#dde2e9";
     pen.strokeRect(LEFT, top, canvas.clientWidth - LEFT - RIGHT, bottom - top);
     pen.fillStyle = "#1c2430";
@@ -67,23 +71,32 @@ function drawCurves() {
     curve.label.forEach((text, row) => pen.fillText(text, 0, top + 10 + 12 * row));
     pen.textAlign = "right";
     pen.fillText(curve.text, LEFT - 3, top + 6);
-    pen.fillText("0", LEFT - 3, bottom + 1);
+    pen.fillText(low || "0", LEFT - 3, bottom + 1);
+    pen.fillText(curve.right || "", canvas.clientWidth - RIGHT - 4, top + 11);
     // Of two machines there are two lines in one lane.
     for (const line of [curve, ...(curve.more || [])]) {
       pen.strokeStyle = line.colour;
       pen.lineWidth = 1.5;
+      const times = line.at || film.playback;
+      if (low) {
+        pen.fillStyle = line.colour;
+        line.values.forEach((value, hit) => pen.fillRect(across(canvas, times[hit]) - 3, y(value) - 3, 6, 6));
+        continue;
+      }
+      pen.setLineDash(line.dash || []);
       pen.beginPath();
       // A value beyond the lane is not drawn: an open jaw would hide its rebounds.
       let drawing = false;
       line.values.forEach((value, frame) => {
-        const inside = value !== null && value <= 1.001 * curve.most, x = across(canvas, film.playback[frame]);
+        const inside = value !== null && value <= 1.001 * curve.most, x = across(canvas, times[frame]);
         if (inside && drawing) pen.lineTo(x, y(value)); else pen.moveTo(x, y(value));
         drawing = inside;
       });
       pen.stroke();
     }
     pen.lineWidth = 1;
-    for (const hit of hits) {
+    pen.setLineDash([]);
+    for (const hit of film.collisions) {
       if (hit.stop !== curve.stop) continue;
       pen.fillStyle = hit.colour || "#d55e00";
       const x = across(canvas, hit.at);
@@ -100,11 +113,11 @@ function drawCurves() {
 // A click near a collision goes to it; elsewhere the cursor follows the pointer.
 function timeAt(canvas, x) {
   const wide = canvas.clientWidth - LEFT - RIGHT;
-  return Math.min(Math.max((x - LEFT) / wide, 0), 1) * film.duration;
+  return Math.min(Math.max((x - LEFT) / wide, 0), 1) * axisEnd();
 }
 function nearest(canvas, x) {
   let found = null;
-  for (const hit of hits) {
+  for (const hit of film.collisions) {
     const off = Math.abs(across(canvas, hit.at) - x);
     if (off <= 6 && (found === null || off < Math.abs(across(canvas, found) - x))) found = hit.at;
   }

@@ -1,20 +1,27 @@
 // The lips close up: the same scene through a second camera, which follows the lower lip.
 // From far away with a long lens: what lies behind the cut is to have the same scale.
-const lips = film.lips, FIELD = 0.05, closeUps = [];
+const FIELD = 0.05, closeUps = [];
 const arrowNodes = film.arrows.map((path) => viewer.scene_tree.find(path).object);
-// Of two machines each close-up hides the other one.
-function addCloseUp(lips, figure, hidden = []) {
+// Of two machines each close-up, `lips` or `other_lips` of the film, hides the other one.
+function addCloseUp(whose, figure, hidden = []) {
+  closeUps.push({ whose, figure, hidden, camera: new viewer.camera.constructor(FIELD), around: (draw) => draw() });
+}
+function tellLips() {
+  for (const { whose, figure } of closeUps) {
+    const lips = film[whose], times = film.exaggerate === 1 ? "true size" : `rebounds x ${film.exaggerate}`;
+    figure.hidden = !lips;
+    if (!lips) continue;
+    const name = lips.name ? `${lips.name}: ` : "";
+    figure.querySelector("figcaption").textContent =
+      `${name}${lips.stop} along its hinge, near half cut away; ${times}`;
+  }
+}
+function drawLips({ whose, figure, camera, hidden, around }) {
+  const lips = film[whose], canvas = figure.querySelector("canvas");
+  if (!lips) return;
   const distance = lips.height / 2 / Math.tan(FIELD / 2 * Math.PI / 180);
   // What is nearer than the cut is not drawn, nor the arrows of impulses, which are larger than lips.
-  const camera = new viewer.camera.constructor(FIELD, 4 / 3, distance, distance + 10);
-  const times = film.exaggerate === 1 ? "true size" : `rebounds x ${film.exaggerate}`;
-  const name = lips.name ? `${lips.name}: ` : "";
-  figure.querySelector("figcaption").textContent =
-    `${name}${lips.stop} along its hinge, near half cut away; ${times}`;
-  const canvas = figure.querySelector("canvas");
-  closeUps.push({ lips, camera, distance, canvas, hidden, around: (draw) => draw() });
-}
-function drawLips({ lips, camera, distance, canvas, hidden, around }) {
+  Object.assign(camera, { near: distance, far: distance + 10 });
   const pen = sized(canvas), renderer = viewer.renderer, time = animator.time;
   const pane = renderer.domElement, ratio = renderer.getPixelRatio();
   const x = between(lips.x, time), z = between(lips.z, time), angle = between(lips.angle, time);
@@ -46,15 +53,12 @@ function drawLips({ lips, camera, distance, canvas, hidden, around }) {
   pen.font = "12px system-ui, sans-serif";
   pen.fillText(`${lips.scale_mm} mm`, 16, high - 20);
 }
-if (!lips) {
-  byId("lips").remove();
-  byId("near").remove();
-} else {
-  addCloseUp(lips, byId("lips"));
-  const drawWhole = viewer.render.bind(viewer);
-  viewer.render = () => { closeUps.forEach(drawLips); drawWhole(); };
-  byId("near").addEventListener("click", () => {
-    const time = animator.time, target = [between(lips.x, time), lips.across, between(lips.z, time)];
-    look([target[0] + 0.01, target[1] - 25 * lips.height, target[2] + 0.02], target);
-  });
-}
+addCloseUp("lips", byId("lips"));
+tellLips();
+const drawWhole = viewer.render.bind(viewer);
+viewer.render = () => { closeUps.forEach(drawLips); drawWhole(); };
+byId("near").hidden = !film.lips;
+byId("near").addEventListener("click", () => {
+  const { lips } = film, time = animator.time, target = [between(lips.x, time), lips.across, between(lips.z, time)];
+  look([target[0] + 0.01, target[1] - 25 * lips.height, target[2] + 0.02], target);
+});

@@ -1,6 +1,7 @@
 "use strict";
 // Sends the scene to meshcat's viewer and places the cameras.
-const film = JSON.parse(document.getElementById("film").textContent);
+// What is shown; the live page puts another film in its place.
+let film = JSON.parse(document.getElementById("film").textContent);
 const byId = (id) => document.getElementById(id);
 let viewer;
 try {
@@ -9,9 +10,8 @@ try {
   byId("title").textContent = "This browser gives no WebGL, which the picture needs; try another one.";
   throw error;
 }
-for (const message of JSON.parse(byId("scene").textContent)) {
-  viewer.handle_command_bytearray(Uint8Array.from(atob(message), (c) => c.charCodeAt(0)));
-}
+const draw = (message) => viewer.handle_command_bytearray(Uint8Array.from(atob(message), (c) => c.charCodeAt(0)));
+JSON.parse(byId("scene").textContent).forEach(draw);
 const animator = viewer.animator;
 // meshcat takes the height of the window for that of its pane.
 const fit = viewer.set_3d_pane_size.bind(viewer);

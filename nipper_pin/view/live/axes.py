@@ -56,12 +56,6 @@ class SteadyDecades:
         self.ends = (0.1, 1.0)
         self._fresh = True
 
-    @property
-    def marks(self) -> tuple[float, ...]:
-        """All powers of ten from end to end."""
-        low, high = (round(math.log10(end)) for end in self.ends)
-        return tuple(10.0**power for power in range(low, high + 1))
-
     def hold(self, values: Iterable[float]) -> None:
         """Grow, if one of these positive values would not fit."""
         logs = [math.log10(value) for value in values]

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import re
-from html import escape
 
-from ..settings import Knob
+from .settings import Knob
 
 # Thousands may be set apart by commas; a comma in another place is no decimal point.
 _NUMBER = re.compile(
@@ -41,13 +40,6 @@ def refusal(knob: Knob, text: str, shown: float) -> str:
         reason = f"“{found}”: decimals follow a point"
     now = f"{field_text(shown)} {knob.unit}".rstrip()
     return f"{knob.name}: {_range(knob)}. Refused: {reason}. Shown: {now}."
-
-
-def refusal_html(words: str) -> str:
-    """A refusal under its field, whose frame the style of the page then colours; none if empty."""
-    if not words:
-        return ""
-    return f'<div class="refused" role="alert">{escape(words)}</div>'
 
 
 def _range(knob: Knob) -> str:

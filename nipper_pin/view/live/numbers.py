@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from html import escape
 from typing import NamedTuple
 
-from ....mechanism import index_difference
+from ...mechanism import index_difference
 
 
 class Number(NamedTuple):
@@ -60,19 +59,13 @@ def _signed(value: float, decimals: int) -> str:
     return f"{rounded:+.{decimals}f}" if rounded else f"{0.0:.{decimals}f}"
 
 
-def table(name: str, rows: Sequence[Number], others: Sequence[Number] = ()) -> str:
-    """Rows as HTML, each with its difference.
+def told(rows: Sequence[Number], others: Sequence[Number] = ()) -> list[tuple[str, ...]]:
+    """Key, label, text and difference of each row.
 
     Args:
-        name: Identity of the table.
-        others: Those of the setting that they are compared with.
+        others: Rows of the setting that they are compared with.
     """
     known = {item.key: item for item in others}
-    lines = "".join(
-        f'<tr><td>{escape(item.label)}</td><td data-key="{item.key}" style="text-align:right">'
-        f'<b>{escape(item.text)}</b></td><td data-difference="{item.key}" style="'
-        f'text-align:right;white-space:nowrap;padding-left:0.6em">'
-        f"{difference(item, known.get(item.key))}</td></tr>"
-        for item in rows
-    )
-    return f'<table id="{name}" style="width:100%;border-spacing:0">{lines}</table>'
+    return [
+        (item.key, item.label, item.text, difference(item, known.get(item.key))) for item in rows
+    ]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..answer import Answer
+from .answer import Answer
 from .numbers import Rows
 
 # Moves of a slider that follow each other within this time are one change [s].
@@ -52,6 +52,19 @@ class Memory:
             self.before = self.present
         self._changed = now
         self.present = Kept(answer, turn)
+
+    def against(self) -> str:
+        """What numbers are compared with, in words; empty without anything."""
+        if self.other is None:
+            return ""
+        which = "the pinned setting" if self.pinned else "the setting before"
+        return f"at right: difference to {which} ({self.unlike(self.other)})"
+
+    def unlike(self, kept: Kept) -> str:
+        """The numbers of a setting that are others now."""
+        now = () if self.present is None else self.present.answer.parts
+        other = [item for item in kept.answer.parts if item not in now]
+        return ", ".join(other) or "the same setting"
 
     def turned(self, turn: Rows) -> None:
         """Note the numbers of the whole turn of the present setting, which came later."""

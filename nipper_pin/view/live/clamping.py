@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....arrays import FloatArray
-from ....errors import NipperError
-from ....hybrid import Solution
-from ....mechanism import INDEX_PER_TURN
-from ...run.sampling import sample_coordinates
+from ...arrays import FloatArray
+from ...errors import NipperError
+from ...hybrid import Solution
+from ...mechanism import INDEX_PER_TURN
+from ..run.sampling import sample_coordinates
 
 # The force of a closed stop is as smooth as the drives: straight lines between so many of its
 # values are off by less than a line of a plot is wide.

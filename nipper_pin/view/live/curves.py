@@ -1,0 +1,112 @@
+"""Curves of the present setting, of the one before it and of the pinned one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ...arrays import FloatArray
+from ...hybrid.result.quantities import force_unit
+from ...mechanism import Mechanism
+from ...terms import digits
+from ...units import MM_PER_M, S_PER_MS
+from ..naming import coordinate_shown
+from ..reading import gap_noun
+from ..scene.readings import rounded, ticks
+from .answer import Answer
+from .axes import SteadyAxis, SteadyDecades
+from .memory import Kept, Memory
+
+PINNED, BEFORE, NOW = "#E69F00", "#A6CDE6", "#0072B2"
+"""Colours of the curves; of the dots as well."""
+_DASH = (6, 3)
+_Record = dict[str, object]
+
+
+class Curves:
+    """Jaw angle with the gap at the contact, clamping force and impulses over one time.
+
+    Args:
+        mechanism: The mechanism as loaded.
+        slow: Seconds of the film in a second of the machine.
+    """
+
+    def __init__(self, mechanism: Mechanism, slow: float) -> None:
+        """Begin with axes that fit what comes first."""
+        stop = mechanism.stop(mechanism.transition_stop)
+        term = coordinate_shown(mechanism, stop.index, small=True)
+        unit = force_unit(mechanism, stop)
+        self._stop = stop.name
+        self._per_ms = slow * S_PER_MS
+        self._lips = MM_PER_M * stop.lever / term.factor if stop.contact is not None else 0.0
+        self._gap = (f"{stop.name} {gap_noun(mechanism, stop)}", f"[{term.unit}]")
+        self._force = ("clamping", f"force [{unit}]")
+        self._impulse = ("impulse", f"[{unit} s]")
+        self._time, self._high, self._most = SteadyAxis(), SteadyAxis(), SteadyAxis()
+        self._decades = SteadyDecades()
+
+    def forget(self) -> None:
+        """Fit the axes to what is shown next."""
+        for axis in (self._time, self._high, self._most, self._decades):
+            axis.forget()
+
+    def record(self, memory: Memory) -> _Record:
+        """End and marks of the axis of time, and a lane for each quantity, as plain data."""
+        kept = [
+            (item, colour, dash)
+            for item, colour, dash in (
+                (memory.pinned, PINNED, _DASH), (memory.before, BEFORE, ()),
+                (memory.present, NOW, ()),
+            )
+            if item is not None and not item.answer.message
+        ]  # fmt: skip
+        self._hold([item.answer for item, _, _ in kept])
+
+        def lane(label: tuple[str, str], stop: str, most: float, line: Callable[[Answer], _Line],
+                 **more: object) -> _Record:  # fmt: skip
+            drawn = [self._line(line(item.answer), colour, dash) for item, colour, dash in kept]
+            first, *others = drawn or [{"colour": NOW, "values": []}]
+            return {"label": label, "stop": stop, "most": most, "text": f"{most:g}", **first,
+                    "more": others, **more}  # fmt: skip
+
+        high, until = self._high.top, self._time.top
+        lips = f"{digits(self._lips * high)} mm at the contact" if self._lips else ""
+        low, top = self._decades.ends
+        lanes = [
+            lane(self._gap, self._stop, high, lambda item: (item.time, item.gap), right=lips),
+            lane(self._force, "", self._most.top, lambda item: (item.force_time, item.force)),
+            lane(self._impulse, "", top, lambda item: (item.hit_time, item.impulse),
+                 decades=(low, top)),
+        ]  # fmt: skip
+        marks = [{"at": self._per_ms * t / S_PER_MS, **mark} for t, mark in ticks(S_PER_MS * until)]
+        return {"until": self._per_ms * until, "ticks": marks, "curves": lanes}
+
+    def _hold(self, shown: list[Answer]) -> None:
+        """Let the axes hold all that is shown."""
+        for item in shown:
+            self._time.hold(float(item.force_time[-1]))
+            self._high.hold(float(item.gap.max(initial=0.0)))
+            self._most.hold(float(item.force.max(initial=0.0)))
+        self._decades.hold(value for item in shown for value in item.impulse)
+
+    def _line(self, line: _Line, colour: str, dash: tuple[int, ...]) -> _Record:
+        time, values = line
+        at = rounded(self._per_ms * time)
+        return {"colour": colour, "dash": dash, "at": at, "values": rounded(values)}
+
+
+_Line = tuple[FloatArray, FloatArray]
+
+
+def legend(memory: Memory) -> list[_Record]:
+    """Which curve is which, with what is another number than now."""
+
+    def entry(name: str, colour: str, kept: Kept, style: str = "solid") -> _Record:
+        return {"name": name, "colour": colour, "style": style,
+                "words": f"{name}: {memory.unlike(kept)}"}  # fmt: skip
+
+    found: list[_Record] = [{"name": "now", "colour": NOW, "style": "solid", "words": "now"}]
+    if memory.before is not None:
+        found.append(entry("before", BEFORE, memory.before))
+    if memory.pinned is not None:
+        found.append(entry("pinned", PINNED, memory.pinned, "dashed"))
+    return found

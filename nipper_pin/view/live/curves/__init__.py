@@ -1,1 +1,0 @@
-"""Curves of the live page, and the motion behind the rest that they need."""

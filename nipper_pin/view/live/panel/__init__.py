@@ -1,1 +1,0 @@
-"""What stands beside the picture: sliders, fields, buttons, numbers, and their layout."""
