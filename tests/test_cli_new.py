@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nipper_pin import Case, Mechanism, Outcome, Window, load, simulate
+from nipper_pin import Case, Mechanism, Outcome, Window, export, load, simulate
 from nipper_pin.cli import main
-from nipper_pin.mechanism.skeleton import skeleton, write_skeleton
+from nipper_pin.mechanism.skeleton import write_skeleton
 
 ROOT = Path(__file__).resolve().parents[1]
 TUTORIAL = (ROOT / "docs" / "tutorial.md").read_text(encoding="utf-8")
@@ -184,12 +184,13 @@ def test_a_path_of_any_length_is_printed_whole(
     for letters in range(1, 121, 5):
         path = str(tmp_path / (letters * "q"))
         assert main(["new", path]) == 0
-        heading, end, rest = capsys.readouterr().out.partition("explained\n")
+        heading, end, rest = capsys.readouterr().out.partition("in mm\n")
         assert all(len(line) <= width or path in line for line in heading.splitlines())
         headings.add(" ".join(f"{heading}{end}".replace(path, "PATH").split()))
         commands.add(rest.partition("as it stands:\n")[2].replace(path, "PATH"))
     assert headings == {
-        "PATH: a press with one stop to strike and one to come back to, every line explained"
+        "PATH: a press with one stop to strike and one to come back to, every line explained; "
+        "one drawing, in mm"
     }
     assert [line.split()[1:3] for line in commands.pop().splitlines()] == [
         ["check", "PATH"], ["simulate", "PATH"], ["view", "PATH"]
@@ -197,22 +198,22 @@ def test_a_path_of_any_length_is_printed_whole(
     assert not commands
 
 
-def test_new_writes_the_name_into_the_urdf_and_the_schema_beside_it(press: Mechanism) -> None:
-    assert press.model.name == "press"
-    folder = Path(press.mesh_folder)
-    first = (folder / "press.toml").read_text(encoding="utf-8").splitlines()[0]
-    assert first == "#:schema ./model.schema.json"
-    assert (folder / "model.schema.json").read_text(encoding="utf-8") == (
-        ROOT / "docs" / "model.schema.json"
-    ).read_text(encoding="utf-8")
+def test_schemas_lie_beside_what_is_written(tmp_path: Path, press: Mechanism) -> None:
+    """That of a drawing, and that of a model; both are those of the documents."""
+    whole = export(press, tmp_path / "whole")
+    for folder, name in ((Path(press.mesh_folder), "drawing"), (whole, "model")):
+        text = (folder / f"{folder.name}.toml").read_text(encoding="utf-8")
+        assert text.splitlines()[0] == f"#:schema ./{name}.schema.json"
+        shown = (ROOT / "docs" / f"{name}.schema.json").read_text(encoding="utf-8")
+        assert (folder / f"{name}.schema.json").read_text(encoding="utf-8") == shown
 
 
-def test_every_table_of_the_skeleton_is_explained() -> None:
-    text = skeleton("press")["press.toml"]
-    tables = re.findall(r"(?m)^(\[+\w+[^\n]*)$", text)
-    assert len(tables) > 8
+def test_every_table_of_the_skeleton_is_explained(press: Mechanism) -> None:
+    text = Path(press.mesh_folder, "press.toml").read_text(encoding="utf-8")
+    tables = re.findall(r"(?m)^(\[\w[^\n]*)$", text)
+    assert len(tables) > 6
     for table in tables:
-        above = text[: text.index(table)].rstrip().splitlines()[-1]
+        above = text[: text.index(f"\n{table}")].rstrip().splitlines()[-1]
         assert above.startswith("#") or table == "[stops.buffer]", table
 
 

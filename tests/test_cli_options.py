@@ -183,8 +183,8 @@ CHECK = {
                        "--drawing a.svg", at=("nipper_pin.view.sketch.write_sketch",)),
 }  # fmt: skip
 NEW = {
-    "MODEL": Entry("press", {"write_skeleton.folder": "press"}, without="other"),
-    "--list": Entry("--list", {"write_skeleton.folder": GONE}, without="other"),
+    "MODEL": Entry("press", {"write_skeleton.target": "press"}, without="other"),
+    "--list": Entry("--list", {"write_skeleton.target": GONE}, without="other"),
     "--from": Entry("--from toggle_press", {"new_model.target": "press"}, "press",
                     ("new_model.text", "write_skeleton."),
                     (CALLS["new"], "nipper_pin.mechanism.model_files.new_model")),

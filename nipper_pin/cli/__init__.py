@@ -53,7 +53,7 @@ _PLACES = {
     "view": (".view", "show a run in the browser, or write it as one page"),
     "compare": (".compare", "two machines, settings or saved runs side by side"),
     "live": (".live", "a page with sliders whose numbers and picture follow them"),
-    "new": (".new", "write a commented model to start from"),
+    "new": (".new", "write a machine to start from: a drawing in mm, or of an exported URDF"),
     "export": (".export", "write a model, or a drawing, as a folder of URDF and TOML"),
     "check": (".check", "report what a model is, and what is wrong with it"),
     "speed-limit": (".speed_limit", "how fast a machine can run: where it settles, turns repeat"),

@@ -21,7 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "folder",
         metavar="MODEL",
         nargs="?",
-        help="folder to write, or NAME.toml for a drawing; its name becomes the model's",
+        help="folder or NAME.toml to write; its name becomes the machine's",
     )
     parser.add_argument(
         "--from",
@@ -49,8 +49,6 @@ def _run(options: argparse.Namespace) -> None:
     elif options.urdf is not None:
         refuse_beside(options, "--urdf", {"start": "--from"})
         _exported(options.urdf, options.folder)
-    elif options.start is None and not options.folder.endswith(".toml"):
-        _skeleton(options.folder)
     else:
         _drawing(options.start, options.folder)
 
@@ -66,29 +64,18 @@ def _list() -> None:
     paste(console, f"Next: nipper-pin new my_machine --from {rows[0][0]}")
 
 
-def _skeleton(model: str) -> None:
-    from ..mechanism.skeleton import write_skeleton
-
-    folder = write_skeleton(Path(model))
-    head = (
-        f"{folder}: a press with one stop to strike and one to come back to, every line explained"
-    )
-    files = (
-        (f"{folder.name}.urdf", "links, joints, masses, shapes"),
-        (f"{folder.name}.toml", "drive, spring, stops, closures, phases"),
-        SCHEMA,
-    )
-    written(head, files, model, "Then replace its parts by yours, and check after each.")
-
-
 def _drawing(name: str | None, model: str) -> None:
     from ..mechanism.gallery import file_of
     from ..mechanism.model_files import new_model
-    from ..mechanism.skeleton import drawing_text
+    from ..mechanism.skeleton import write_skeleton
 
-    new_model(model, file_of(name).read_text(encoding="utf-8") if name else drawing_text())
-    head = f"{model}: {name or 'a press, every line explained'}, drawn in millimetres"
-    written(head, (), model, "Change its points, bodies and joints, and check after each.")
+    if name is None:
+        write_skeleton(model)
+    else:
+        new_model(model, file_of(name).read_text(encoding="utf-8"))
+    what = name or "a press with one stop to strike and one to come back to, every line explained"
+    remark = "Change its points, bodies and joints, and check after each."
+    written(f"{model}: {what}; one drawing, in mm", (), model, remark)
 
 
 def _exported(urdf: str, model: str) -> None:

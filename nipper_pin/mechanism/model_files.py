@@ -259,7 +259,7 @@ def new_folder(folder: str | Path) -> Iterator[Path]:
 
 
 def new_model(target: str | Path, text: str) -> Path:
-    """Write a model of one TOML file, alone or in a folder of its name.
+    """Write a drawing: one TOML file, alone or in a folder of its name, with a schema for editors.
 
     Args:
         target: ``NAME.toml``, or a folder to write; its name becomes the model's.
@@ -271,11 +271,14 @@ def new_model(target: str | Path, text: str) -> Path:
         InputError: The name cannot be a model's, or it is there or cannot be written.
     """
     from ..outputs import complete_file
+    from .files.schema import DRAWING_SCHEMA_FILE, drawing_schema_text
 
     if Path(target).suffix != ".toml":
         folder = check_model_folder(target)
+        first = f"#:schema ./{DRAWING_SCHEMA_FILE}\n"
         with new_folder(folder) as partial:
-            (partial / f"{folder.name}.toml").write_text(text, encoding="utf-8")
+            (partial / f"{folder.name}.toml").write_text(first + text, encoding="utf-8")
+            (partial / DRAWING_SCHEMA_FILE).write_text(drawing_schema_text(), encoding="utf-8")
         return folder
     file = check_model_folder(Path(target).with_suffix("")).with_suffix(".toml")
     if file.exists():

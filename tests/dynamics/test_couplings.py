@@ -175,7 +175,8 @@ def test_a_gear_pair_of_drives_needs_a_drive() -> None:
 
 def test_check_names_what_a_joint_follows(tmp_path: Any, capsys: Any) -> None:
     folder = tmp_path / "pair"
-    main(["new", str(folder)])
+    main(["new", f"{tmp_path / 'drawn'}"])
+    main(["export", f"{tmp_path / 'drawn'}", str(folder)])
     urdf = folder / "pair.urdf"
     text = urdf.read_text(encoding="utf-8")
     wheel = link("wheel", 0.1, 1e-4) + following(

@@ -14,17 +14,24 @@ import jsonschema
 import msgspec
 import pytest
 
-from nipper_pin import InputError, ModelError
+from nipper_pin import Drawing, InputError, ModelError
 from nipper_pin.mechanism import find_model
 from nipper_pin.mechanism.drives import DriveTable, register_drive
 from nipper_pin.mechanism.files import description, first_refusal, register
 from nipper_pin.mechanism.files.describe import describe
 from nipper_pin.mechanism.files.description import Description
-from nipper_pin.mechanism.files.schema import model_schema, schema_text
+from nipper_pin.mechanism.files.schema import (
+    drawing_schema,
+    drawing_schema_text,
+    model_schema,
+    schema_text,
+)
+from nipper_pin.mechanism.gallery import GALLERY, drawn
+from nipper_pin.mechanism.skeleton import write_skeleton
 
 ROOT = Path(__file__).resolve().parents[2]
 
-SCHEMA = model_schema()
+SCHEMA, DRAWING = model_schema(), drawing_schema()
 
 VALID = jsonschema.Draft202012Validator(SCHEMA)
 
@@ -33,8 +40,10 @@ def test_document_is_the_schema_of_the_structs() -> None:
     """docs/model.schema.json is what the structs give; after a change of them, write it anew:
 
     python -c "from nipper_pin.mechanism.files import schema as s; print(s.schema_text(), end='')"
+    and with drawing_schema_text() docs/drawing.schema.json.
     """
-    assert (ROOT / "docs" / "model.schema.json").read_text(encoding="utf-8") == schema_text()
+    for name, text in (("model", schema_text()), ("drawing", drawing_schema_text())):
+        assert (ROOT / "docs" / f"{name}.schema.json").read_text(encoding="utf-8") == text
     jsonschema.Draft202012Validator.check_schema(SCHEMA)
     assert json.loads(schema_text()) == SCHEMA
 
@@ -61,7 +70,7 @@ def test_tables_and_keys_are_those_of_the_structs() -> None:
 
 def test_every_key_says_what_it_means() -> None:
     """An editor shows a sentence for each key; one that the docstrings forgot would show none."""
-    for name, table in SCHEMA["$defs"].items():
+    for name, table in [*SCHEMA["$defs"].items(), *DRAWING["$defs"].items()]:
         assert table["description"].endswith("."), name
         for key, value in table["properties"].items():
             assert value["description"].endswith("."), f"{name}.{key}"
@@ -192,3 +201,23 @@ def test_the_place_is_the_one_that_the_converter_names(model: str) -> None:
             assert (found.unknown or found.missing or "") == key
             refused += 1
     assert refused > 250
+
+
+def test_the_schema_of_a_drawing_marks_no_drawing_that_is_read(tmp_path: Path) -> None:
+    """All of the gallery; and of a spoiled press none that still makes a machine."""
+    valid = jsonschema.Draft202012Validator(DRAWING)
+    jsonschema.Draft202012Validator.check_schema(DRAWING)
+    for name in GALLERY:
+        assert valid.is_valid(drawn(name).tables)
+    press: Any = Drawing.load(write_skeleton(tmp_path / "press.toml")).tables
+    press = json.loads(json.dumps(press))
+    counts = {True: 0, False: 0}
+    for document in itertools.islice(spoiled(press), 0, None, 7):
+        try:
+            Drawing(document).mechanism()
+        except InputError:
+            counts[valid.is_valid(document)] += 1
+        else:
+            assert valid.is_valid(document)
+    # What it cannot know are names that are not there, and loops that do not close.
+    assert counts[False] > 2 * counts[True] > 0

@@ -66,7 +66,7 @@ def test_commands_write_a_machine(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["export", "mine", "whole"]) == 0
     machine = drawn("watt_1").mechanism()
     for folder, files in (
-        ("mine", {"mine.toml"}),
+        ("mine", {"mine.toml", "drawing.schema.json"}),
         ("whole", {"whole.toml", "whole.urdf", "model.schema.json"}),
     ):
         assert {item.name for item in Path(folder).iterdir()} == files

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nipper_pin import Case, DriveMode, Mechanism, Outcome, Window, load, simulate
+from nipper_pin import Case, DriveMode, Mechanism, Outcome, Window, export, load, simulate
 from nipper_pin.mechanism.skeleton import write_skeleton
 
 ARM = 0.1
@@ -24,7 +24,7 @@ POINTER = f"""
 YOKE = """
 [closures.yoke]
 frame_a = "pointer"
-frame_b = "ram_pin"
+frame_b = "ram_B"
 slot_axis = "x"
 block_mass_kg = 0.01
 """
@@ -33,7 +33,8 @@ block_mass_kg = 0.01
 @pytest.fixture(scope="module")
 def press(tmp_path_factory: pytest.TempPathFactory) -> Mechanism:
     """The press with a pointer whose slot follows the ram; on the anvil ram and pointer stand."""
-    folder = write_skeleton(tmp_path_factory.mktemp("locked") / "press")
+    home = tmp_path_factory.mktemp("locked")
+    folder = export(load(write_skeleton(home / "drawn")), home / "press")
     urdf, toml = folder / "press.urdf", folder / "press.toml"
     urdf.write_text(urdf.read_text().replace("</robot>", POINTER))
     toml.write_text(toml.read_text() + YOKE)
@@ -73,7 +74,7 @@ def test_a_pointer_without_mass_changes_nothing(drive: DriveMode, tmp_path: Path
     What they carry is a share of 1e-9 of the ram's mass, and times of a turn change with it by as
     much; a wrong reaction of the locked loop would show in the releases.
     """
-    folder = write_skeleton(tmp_path / "press")
+    folder = export(load(write_skeleton(tmp_path / "drawn")), tmp_path / "press")
     case = Case(speed_rpm=120.0, window=Window.CYCLE, drive=drive)
     alone = simulate(load(folder), case)
     urdf, toml = folder / "press.urdf", folder / "press.toml"

@@ -10,6 +10,8 @@ from ..files.description import Name, NotNegative, PlanePoint, Positive, TomlTab
 
 FRAME = "frame"
 """Name of the link that does not move."""
+MADE = ("format", "degrees_of_freedom", "cylinder", "closures")
+"""Of a model's file, these follow from the drawing."""
 
 
 class PointTable(TomlTable, frozen=True, kw_only=True):

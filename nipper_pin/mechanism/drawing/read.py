@@ -11,7 +11,7 @@ from ...errors import InputError, ModelError, meant
 from ..files.describe import converted, kind_of_entry, refuse_unusable
 from ..files.description import Description
 from ..files.other_units import in_known_units
-from .layout import FRAME, BodyTable, DrawingTable, JointTable, PointTable, ShapeTable
+from .layout import FRAME, MADE, BodyTable, DrawingTable, JointTable, PointTable, ShapeTable
 from .places import Place, place
 from .points import found_points
 
@@ -19,8 +19,6 @@ _WORD = re.compile(r"\w+(?:[.-]\w+)*")
 # Most points, bodies and joints: each is compared with all others.
 _MOST = 1000
 _OWN = frozenset(DrawingTable.__struct_fields__)
-# Of a model's file, these follow from the drawing.
-_MADE = ("format", "degrees_of_freedom", "cylinder", "closures")
 _KEYS = {
     "pin": ("pin", "parent", "child"),
     "slide": ("slide", "parent", "child", "at", "along"),
@@ -98,7 +96,7 @@ def read(document: Mapping[str, Any], name: str) -> Drawn:
     top = {*_OWN, *Description.__struct_fields__}
     document = in_known_units(document, file, top, _table_of)
     own = {key: value for key, value in document.items() if key in _OWN}
-    for key in _MADE:
+    for key in MADE:
         if key in document:
             allowed = "nothing: a drawing makes it, of its points, bodies, joints and shaft"
             raise ModelError(file=file, key=key, value=document[key], allowed=allowed)

@@ -1,4 +1,4 @@
-"""JSON schema of a model's TOML file, made from the tables that read it.
+"""JSON schemas of the TOML files of models and drawings, made from the tables that read them.
 
 Editors complete keys, show what they mean and mark mistakes by it. The words are those of the
 docstrings in :mod:`.description`, so that neither text nor limits are written twice.
@@ -9,6 +9,7 @@ from __future__ import annotations
 import inspect
 import json
 import re
+from importlib import import_module
 from typing import Any
 
 import msgspec
@@ -20,12 +21,36 @@ from .register import DRIVES, FORCES, RESTITUTIONS, STOPS
 
 SCHEMA_FILE = "model.schema.json"
 """Name of the file beside a model that its first line refers to."""
+DRAWING_SCHEMA_FILE = "drawing.schema.json"
+"""The same of a drawing."""
 
 _ATTRIBUTE = re.compile(r"(?P<name>\w+): (?P<text>.*?)(?=\n\w+: |\Z)", re.DOTALL)
 
 
 def model_schema() -> dict[str, Any]:
     """Return the JSON schema (draft 2020-12) of a model's TOML file."""
+    return _schema(Description, "nipper_pin model")
+
+
+def drawing_schema() -> dict[str, Any]:
+    """Return that of a drawing: its own tables, and those of a model that it does not make."""
+    from ..drawing.layout import MADE, DrawingTable
+
+    schema = _schema(DrawingTable, "nipper_pin drawing")
+    tables = schema["$defs"]
+    own, others = tables["DrawingTable"]["properties"], tables.pop("Description")["properties"]
+    own |= {key: value for key, value in others.items() if key not in (*own, *MADE)}
+    ends = {"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2}
+    words = "Link and point of either end, in place of its frames."
+    for name in ("SpringDescription", "DamperDescription"):
+        tables[name]["properties"]["ends"] = {"description": words, **ends}
+    for name in ("CylinderDescription", "ClosureDescription"):
+        del tables[name]
+    return schema
+
+
+def _schema(of_file: type, title: str) -> dict[str, Any]:
+    """Schema of a file, with the tables of a model and of all laws."""
     registers = {
         "drives": DRIVES,
         "forces": FORCES,
@@ -35,7 +60,7 @@ def model_schema() -> dict[str, Any]:
     laws = {key: list(register.tables().values()) for key, register in registers.items()}
     tables = {kind.__name__: kind for kinds in laws.values() for kind in kinds}
     (whole, *_), parts = msgspec.json.schema_components(
-        [Description, *tables.values()], ref_template="#/$defs/{name}"
+        [of_file, Description, *tables.values()], ref_template="#/$defs/{name}"
     )
     schema = json.loads(msgspec.json.encode({**whole, "$defs": parts}))
     choices = {
@@ -48,24 +73,27 @@ def model_schema() -> dict[str, Any]:
     of_stop = schema["$defs"]["StopDescription"]["properties"]
     for key in ("restitution_law", "adjusted"):
         of_stop[key] |= choices[key]
+    homes = (description, import_module(of_file.__module__))
     for name, table in schema["$defs"].items():
-        kind = tables.get(name) or getattr(description, name)
+        found = (getattr(home, name, None) for home in homes)
+        kind = tables.get(name) or next(each for each in found if each is not None)
         table["description"] = _summary(kind)
         del table["title"]
         words = {"law": table["description"], **_attributes(kind)}
         for key, value in table["properties"].items():
             table["properties"][key] = _plain(value, words.get(key))
         table |= _in_other_units(table["properties"])
-    return {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "nipper_pin model",
-        **schema,
-    }
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": title, **schema}
 
 
 def schema_text() -> str:
-    """Return the schema as the text of its file."""
+    """Return the schema of a model as the text of its file."""
     return json.dumps(model_schema(), indent=1) + "\n"
+
+
+def drawing_schema_text() -> str:
+    """Return the schema of a drawing as the text of its file."""
+    return json.dumps(drawing_schema(), indent=1) + "\n"
 
 
 def _plain(value: dict[str, Any], words: str | None) -> dict[str, Any]:
