@@ -50,16 +50,11 @@ def speeds_of(value: ArrayLike) -> FloatArray:
 
 
 def one_row(key: str, value: ArrayLike | None, default: FloatArray, low: float) -> FloatArray:
-    """Values of all springs in one case, shape (springs,)."""
+    """Values of all springs in one case, shape (1, springs)."""
     if value is None:
-        return default
-    if type(value) is float and low <= value <= LARGEST:
-        return np.full(len(default), value)
+        return default[None]
     given = numbers(key, value)
-    row: FloatArray = spring_rows(
-        key, given if given.ndim == 0 else given[None], len(default), low
-    )[0]
-    return row
+    return np.array(spring_rows(key, given if given.ndim == 0 else given[None], len(default), low))
 
 
 def spring_rows(key: str, value: ArrayLike, springs: int, low: float) -> FloatArray:

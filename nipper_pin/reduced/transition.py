@@ -22,6 +22,8 @@ from .results import REASONS, ReducedTransition, Status, TransitionBatch
 
 _AT_REST = int(Status.AT_REST)
 _ENGINE = "the reduced engine"
+# Gravity of one case by that of the model.
+_ALL = np.ones(1)
 
 
 def transition(
@@ -63,9 +65,9 @@ def transition(
     cases = Cases(
         np.array([speed_of(speed_rpm) * (math.tau / S_PER_MIN)]),
         np.array([number("restitution", e_N, 0.0, 1.0)]),
-        np.array([one_row("stiffness", stiffness, model.stiffness, 0.0)]),
-        np.array([one_row("preload", preload, model.preload, -LARGEST)]),
-        np.ones(1) if gravity is None else _weight(model, gravity)[:1],
+        one_row("stiffness", stiffness, model.stiffness, 0.0),
+        one_row("preload", preload, model.preload, -LARGEST),
+        _ALL if gravity is None else _weight(model, gravity)[:1],
     )
     table = np.empty((1, COLUMNS, max_collisions))
     found, tell = _solved(model, cases, rest_rate, tolerance, assumed, table)

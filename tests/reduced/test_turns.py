@@ -247,7 +247,7 @@ def test_a_run_ends_before_its_table_of_events_is_full(e62: Mechanism) -> None:
     """Whatever its length is: what lies beside it stays as it was."""
     model = turn_model(e62)
     run, told = module.run_of("turns", 1, None, 1e-10, 64), np.zeros((1, 4), dtype=np.int64)
-    cases = module.turn_cases(model, 650.0, None, None, None)
+    cases = module.one_case(model, 650.0, None, None, None)
     for most in range(1, 26):
         beside = np.full((most + 4, EVENT_COLUMNS), 7.0)
         records = run.records()._replace(events=beside[:most])

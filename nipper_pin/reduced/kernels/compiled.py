@@ -9,10 +9,14 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
-from typing import TypeVar, cast
+from typing import Any, TypeVar, cast
 
 import numba
 from numba.core.caching import FunctionCache, IndexDataCacheFile
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import CompilerBase, DefaultPassBuilder
+from numba.core.compiler_machinery import register_pass
+from numba.core.typed_passes import NativeLowering
 
 _Function = TypeVar("_Function", bound=Callable[..., object])
 _DIGEST = hashlib.sha256
@@ -27,23 +31,67 @@ def compiled(function: _Function) -> _Function:
     IEEE arithmetic in the order of the source: no fast-math, so a case gives the same bits alone
     and in a batch.
     """
-    return _compiled(function)
-
-
-def part(function: _Function) -> _Function:
-    """Compile a function that only compiled ones call.
-
-    A call from Python ends the process: what would serve it takes a fifth of the time to compile.
-    """
-    return _compiled(function, no_cpython_wrapper=True)
-
-
-def _compiled(function: _Function, **options: bool) -> _Function:
-    wrapped = numba.njit(error_model="numpy", no_cfunc_wrapper=True, **options)(function)
+    wrapped = numba.njit(error_model="numpy", no_cfunc_wrapper=True)(function)
     kept = _kept(function)
     if kept is not None:
         wrapped._cache = kept
     return cast("_Function", wrapped)
+
+
+def part(function: _Function) -> _Function:
+    """Compile a function that only compiled ones call; called from Python it does nothing.
+
+    It is typed, and becomes machine code in those that call it: machine code of its own, which
+    nobody runs, would take half of the time of a first use.
+    """
+    wrapped = numba.njit(
+        error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, pipeline_class=_Typed
+    )(function)
+    return cast("_Function", wrapped)
+
+
+class _PartLibrary(JITCodeLibrary):  # type: ignore[misc]
+    """Code of a part, which those that link it optimise with their own."""
+
+    def _optimize_final_module(self) -> None:
+        pass
+
+    def _finalize_final_module(self) -> None:
+        self._finalize_dynamic_globals()
+        self._finalized = True
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class _PartLowering(NativeLowering):  # type: ignore[misc]
+    """Lowering of a part without machine code."""
+
+    _name = "part_lowering"
+
+    def run_pass(self, state: Any) -> bool:
+        """Lower a part, and tell its callers of it."""
+        state.library = _PartLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
+        state.flags.no_compile = True
+        super().run_pass(state)
+        # In the place of a function for Python, by which callers know this one.
+        door: Any = [].append
+        state.targetctx.insert_user_function(door, state.cr.fndesc, [state.library])
+        state.reload_init.extend(state.library._reload_init)
+        state["cr"] = state.cr._replace(cfunc=door)
+        return True
+
+
+class _Typed(CompilerBase):  # type: ignore[misc]
+    """The steps of a compilation up to what is linked."""
+
+    def define_pipelines(self) -> list[Any]:
+        """Those of numba, but for the last but one."""
+        steps = DefaultPassBuilder.define_nopython_pipeline(self.state)
+        steps.passes = [
+            (_PartLowering if step is NativeLowering else step, why) for step, why in steps.passes
+        ]
+        steps._finalized = False
+        steps.finalize()
+        return [steps]
 
 
 def _kept(function: Callable[..., object]) -> _KeptCode | None:

@@ -14,7 +14,7 @@ from ...arrays import FloatArray
 from ...errors import InputError, UnknownNameError
 from ...given import LARGEST, column, number, whole
 from ...units import S_PER_MIN
-from ..inputs import check_run, of_all_cases, speeds_of, spring_rows
+from ..inputs import check_run, of_all_cases, one_row, speed_of, speeds_of, spring_rows
 from ..kernels.layout import Cases, Settings
 from ..kernels.turn_layout import END_COLUMNS, EVENT_COLUMNS, HOLD_COLUMNS, Records
 from .model import TurnModel
@@ -111,6 +111,27 @@ def by_stop(model: TurnModel, restitution: Any) -> Mapping[str, Any]:
         if name not in model.stops:
             raise UnknownNameError(kind="stop", name=name, known=model.stops)
     return restitution
+
+
+def one_case(
+    model: TurnModel,
+    speed_rpm: float,
+    restitution: float | Mapping[str, float] | None,
+    stiffness: ArrayLike | None,
+    preload: ArrayLike | None,
+) -> Cases:
+    """Numbers of a single case, as of :func:`turn_cases`."""
+    e_N = model.restitution.copy()
+    given = {} if restitution is None else by_stop(model, restitution)
+    for name, value in given.items():
+        e_N[model.stops.index(name)] = number(f"restitution of {name}", value, 0.0, 1.0)
+    return Cases(
+        np.array([speed_of(speed_rpm) * (math.tau / S_PER_MIN)]),
+        e_N[None],
+        one_row("stiffness", stiffness, model.stiffness, 0.0),
+        one_row("preload", preload, model.preload, -LARGEST),
+        np.ones(1),
+    )
 
 
 def turn_cases(

@@ -13,10 +13,9 @@ from ...extras import require
 from ...given import number
 from ...made_once import made_once
 from ...mechanism import Mechanism
-from ..inputs import speed_of
 from ..kernels.layout import CASE_NUMBERS, LEFT_GAP, LEVELS, SCRATCH_ROWS, SIZES, Cases
 from ..kernels.turn_layout import Charts, Records, TurnWork
-from .cases import Run, run_of, turn_cases
+from .cases import Run, one_case, run_of
 from .model import START_INDEX, TurnModel, build_turns
 from .results import TURN_REASONS, ReducedTurns, TurnStatus
 
@@ -81,13 +80,13 @@ def turns(
         SimulationError: The turns cannot be followed; the reason says why.
     """
     run = run_of("cycles", cycles, rest_rate, tolerance, max_collisions)
-    start_index, speed_rpm = number("start_index", start_index), speed_of(speed_rpm)
+    start_index = number("start_index", start_index)
     told, nothing = np.zeros((1, 4), dtype=np.int64), np.empty((1, 0, 0))
     for room in ROOMS:
         model = wider(mechanism, start_index, room)
         if model is None:
             break
-        cases = turn_cases(model, speed_rpm, restitution, stiffness, preload)
+        cases = one_case(model, speed_rpm, restitution, stiffness, preload)
         records = run.records()
         follow(run, model, cases, records, told, nothing)
         if told[0, 0] != LEFT_GAP:
