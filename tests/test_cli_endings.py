@@ -61,6 +61,7 @@ def once(call: Callable[..., object]) -> Callable[..., object]:
         "simulate",
         "check",
         "compare e62 --set-b stiffness=11000",
+        "levers",
         "speed-limit --from 450 --to 600 --speeds 2 --turns 4",
         "identify fit.toml --starts 1 --profiles 0 --workers 1",
         pytest.param("optimise one.toml --starts 1 --no-check --workers 1", marks=pytest.mark.slow),

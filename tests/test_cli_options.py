@@ -59,6 +59,7 @@ CALLS = {
     "export": "nipper_pin.mechanism.export.export",
     "check": "nipper_pin.study.check.check_model",
     "paper": "benchmarks.paper.study.paper_study",
+    "levers": "nipper_pin.study.levers.levers",
     "speed-limit": "nipper_pin.study.speed_limit.speed_limit",
     "identify": "nipper_pin.study.identify.identify",
     "optimise": "nipper_pin.study.optimise.optimise",
@@ -204,6 +205,11 @@ PAPER = {
     "--out": Entry("--out run", {"check_outputs.folder": "run"}, "--out a",
                    at=("benchmarks.commands.paper.check_outputs",)),
 }  # fmt: skip
+LEVERS = {
+    "MODEL": another_model("levers"),
+    **of_a_model("levers.mechanism"),
+    "--speed": Entry("--speed 500", {"levers.speed_rpm": 500.0}),
+}
 SPEED_LIMIT = {
     "MODEL": another_model("speed_limit", "e62_identified"),
     "--set": of_a_model("speed_limit.mechanism")["--set"],
@@ -273,7 +279,8 @@ TABLE = {
     f"{command} {option}": entry
     for command, entries in {
         "simulate": SIMULATE, "view": VIEW, "compare": COMPARE, "live": LIVE, "new": NEW,
-        "export": EXPORT, "check": CHECK, "paper": PAPER, "speed-limit": SPEED_LIMIT,
+        "export": EXPORT, "check": CHECK, "paper": PAPER, "levers": LEVERS,
+        "speed-limit": SPEED_LIMIT,
         "identify": IDENTIFY, "optimise": OPTIMISE, "sweep": SWEEP, "plot": PLOT,
         "stress": STRESS, "run": BENCHMARK,
     }.items()

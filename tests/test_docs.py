@@ -27,20 +27,13 @@ def test_page_is_short(page):
 
 
 @pytest.mark.usefixtures("here")
-@pytest.mark.parametrize(
-    ("page", "whole"),
-    [("README.md", False), ("docs/index.md", False), ("docs/python.md", False),
-     ("docs/paper.md", False), pytest.param("docs/paper.md", True, marks=pytest.mark.campaign)],
-)  # fmt: skip
-def test_listings_run(page, whole, capsys):
-    """All Python of a page, one listing after the other, with a shorter table and fewer numbers."""
+@pytest.mark.parametrize("page", ["README.md", "docs/index.md", "docs/python.md"])
+def test_listings_run(page, capsys):
+    """All Python of a page, one listing after the other, with a shorter table."""
     text = (ROOT / page).read_text(encoding="utf-8")
     listings = re.findall(r"^```python\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
     assert listings
     text = "\n".join(listings).replace("20_000", "8")
-    if not whole:
-        few = 'paths=["stops.jaw.restitution", "points.eccentric_pin.radius_mm"])'
-        text = re.sub(r"(sensitivities\(machine, speed_rpm=650.0)\)", rf"\1, {few}", text)
     exec(text, {})
     assert nip.Outcome.COMPLETED in capsys.readouterr().out or page != "README.md"
 

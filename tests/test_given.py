@@ -12,8 +12,8 @@ import pytest
 import nipper_pin as nip
 from nipper_pin.given import read_number, read_whole
 from nipper_pin.study.identify import identify
+from nipper_pin.study.levers import levers
 from nipper_pin.study.optimise import optimise
-from nipper_pin.study.sensitivity import sensitivities
 from nipper_pin.study.speed_limit import speed_limit
 from nipper_pin.view.scene import Look
 
@@ -43,7 +43,7 @@ turns = of(nip.turn_table, E62, speed_rpm=450.0)
 # Nothing is computed before the arguments are checked.
 design, fit = of(optimise, None), of(identify, None)
 limit = of(speed_limit, E62, low_rpm=440.0, high_rpm=450.0, speeds=2)
-sensitive = of(sensitivities, E62, speed_rpm=450.0)
+lever = of(levers, E62, speed_rpm=450.0)
 CALLS: list[tuple[Callable[..., object], str, tuple[Any, ...]]] = [
     (case, "speed_rpm start_index", NOT_ONE),
     (case, "rest_rate", but_none(NOT_ONE)),
@@ -70,8 +70,7 @@ CALLS: list[tuple[Callable[..., object], str, tuple[Any, ...]]] = [
     (limit, "low_rpm high_rpm", (*NOT_ONE, 0.0, -1.0)),
     (limit, "speeds", (*NOT_WHOLE, 1)),
     (limit, "turns", (*NOT_WHOLE, 0)),
-    (sensitive, "speed_rpm", (*NOT_ONE, 0.0)),
-    (sensitive, "workers", (*NOT_WHOLE, 0)),
+    (lever, "speed_rpm", (*but_none(NOT_ONE), 0.0)),
     (look, "slow", (*but_none(NOT_ONE), 0.5)),
     (look, "exaggerate", (*NOT_ONE, 99.0)),
     (of(nip.read_sweep, "nowhere"), "most", (0, -1, 2.5, "3", True, [2])),

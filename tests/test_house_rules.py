@@ -98,7 +98,7 @@ def test_no_circle_of_imports() -> None:
 ROOMS = [f"nipper_pin/{room}" for room in ("mechanism", "dynamics", "hybrid", "reduced", "study")]
 OF_JUDGES = JUDGES / "tolerances.py"
 SETTINGS = {
-    "study/steps.py": "_KINDS",  # steps of differences, each for a unit of the document
+    "study/levers.py": "_KINDS",  # steps, each for a unit of the document
     "benchmarks/paper/counts.py": "LOWEST, HIGHEST",  # range of thresholds
     "benchmarks/paper/fixed_step.py": "STEPS_S",  # steps of the schemes that are compared
     "benchmarks/run_time/reduced_work.py": "_TOLERANCES",

@@ -79,6 +79,7 @@ COMMANDS = {
     "page of two": "compare {m} --speed 60 80 --window cycle --html page.html",
     "curves": "compare {m} --speed 60 80 --window cycle --out compared",
     "kept run": "simulate {m} --window cycle --out run",
+    "levers": "levers {m}",
     "speed limit": "speed-limit {m}",
     "live page": "live {m} --no-browser --port 0",
 }
@@ -94,6 +95,9 @@ LACKS = {
        for of in ("transition", "page of a transition") for m in BOUNCING},
     ("free shafts", "driven"): "drives.cam.reflected_mass_kg is missing",
     **{("curves", m): "neither A nor B has a stop" for m in STOPLESS},
+    **{("levers", m): "has no stop, so nothing bounces" for m in STOPLESS},
+    **{("levers", m): "does not bounce, so that nothing calms it"
+       for m in ("ball_without_rebound", "ball_that_lies")},
     **{("speed limit", m): "has no stop, and a speed limit" for m in STOPLESS},
     **{("speed limit", m): "has no drive, and a speed limit" for m in BOUNCING},
     **{("live page", m): "has no transition stop" for m in STOPLESS},

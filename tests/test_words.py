@@ -52,6 +52,7 @@ COMMANDS = {
     "compare_the_same": ((80,), "compare e62 --set preload=9 --start-index 22"),
     "compare_without_rest": ((80,), "compare e62 --speed 450 1900"),
     "compare_saved": ((80,), "compare saved.npz --set-b speed=620"),
+    "levers": ((60, 80), "levers e62 --speed 650"),
     "new": ((60,), "new a_press"),
     "new_of_the_gallery": ((80,), "new --from toggle_press another"),
     "export": ((60,), "export sieve a_sieve"),

@@ -56,6 +56,7 @@ _PLACES = {
     "new": (".new", "write a machine to start from: a drawing in mm, or of an exported URDF"),
     "export": (".export", "write a model, or a drawing, as a folder of URDF and TOML"),
     "check": (".check", "report what a model is, and what is wrong with it"),
+    "levers": (".levers", "what bounces, and which changes calm it most"),
     "speed-limit": (".speed_limit", "how fast a machine can run: where it settles, turns repeat"),
     "identify": (".identify", "find numbers of a model from published ratios or measured rebounds"),
     "optimise": (".optimise", "find the least rebound or transition time inside limits"),

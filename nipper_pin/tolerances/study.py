@@ -1,15 +1,10 @@
 """Tolerances of studies: fits, designs and what is said of them."""
 
 STUDY_TOLERANCE = 1e-12
-"""[1] Tolerance of the runs of sensitivities and of levers. The default of a case."""
-DOUBTFUL = 1e-3
-"""[1] Disagreement of two ways to a sensitivity, by the largest effect of the number, beyond which
-it is not used. A choice: the second way has truncation, and sentences name two digits."""
-SMALL_EFFECT = 0.1
-"""[% per unit] Effects that are smaller are weighed as if they were this large. A choice: of
-effects that nobody would use the relative disagreement says nothing."""
+"""[1] Tolerance of the runs of levers. The default of a case."""
 NO_EFFECT = 1e-6
-"""[% per unit] Effects that are smaller count as none. A choice: 1e-5 of ``SMALL_EFFECT``."""
+"""[1] Relative changes of a rebound that are smaller count as none. A choice: a million times the
+accuracy of a run, and below what anybody would use."""
 OVERLAP_M = 1e-6
 """[m] Links overlap when they are deeper in one another. The distances come from an iteration with
 this tolerance, the default of the library Coal."""

@@ -23,6 +23,8 @@ optimise two.toml --points 0
 plot full
 plot nowhere
 study speed-limit e62 --plot x.svg
+levers e62 --set restitution=0
+levers e62 --speed 0
 speed-limit --speeds 1000000000
 speed-limit --turns 1000000000
 speed-limit --least-force nan

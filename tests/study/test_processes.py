@@ -152,13 +152,6 @@ def test_nothing_runs_after_a_failure() -> None:
 
 
 FILMED = Path(__file__).resolve().parents[2] / "scripts" / "identify_camera.toml"
-SENSITIVITIES = """
-from nipper_pin import load
-from nipper_pin.study.sensitivity import sensitivities
-paths = ["stops.jaw.restitution", "springs.steeve.preload_length_mm"]
-found = sensitivities(load("e62"), 650.0, paths, workers=1)
-print([(row.per.tolist(), row.control.tolist()) for row in found.rows])
-"""
 DESIGN = """
 format = 1
 model = "e62"
@@ -192,10 +185,10 @@ def said(threads: str, words: list[str], folder: Path) -> str:
         [*COMMAND[1:], "identify", str(FILMED), "--starts", "1", "--workers", "1", "--profiles",
          "1", "--json", "-"],
         # By a caller whose BLAS has several threads, too.
-        ["-c", SENSITIVITIES], ["-c", OPTIMUM],
+        ["-c", OPTIMUM],
         ["-m", "benchmarks", "paper", "--json", "-"],
     ],
-    ids=["identify", "sensitivities", "optimum", "published study"],
+    ids=["identify", "optimum", "published study"],
 )  # fmt: skip
 def test_threads_change_no_bit(words: list[str], tmp_path: Path) -> None:
     (tmp_path / "design.toml").write_text(DESIGN, encoding="utf-8")

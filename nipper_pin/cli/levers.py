@@ -1,0 +1,33 @@
+"""``nipper-pin levers``."""
+
+from __future__ import annotations
+
+import argparse
+import shlex
+
+from .arguments import MODEL, add_model, check_outputs, load_mechanism, machine_words, write_json
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Define the arguments of the command."""
+    add_model(parser)
+    parser.set_defaults(run=_run)
+
+
+def _run(options: argparse.Namespace) -> None:
+    from ..study.levers import levers
+    from ..view.progress import progress
+
+    check_outputs(None, options.json)
+    mechanism = load_mechanism(options)
+    with progress("numbers") as tell:
+        found = levers(mechanism, options.speed, tell)
+    if options.json is not None:
+        write_json(found.record(), options.json)
+    if options.json == "-":
+        return
+    from ..view.console import Terminal
+    from ..view.studies.levers_report import print_levers
+
+    again = ["nipper-pin", "compare", options.model or MODEL, *machine_words(options)]
+    print_levers(found, Terminal(), shlex.join(again))

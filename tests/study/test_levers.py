@@ -1,0 +1,186 @@
+"""Levers: the strongest numbers of a machine, changed by one unit, against machines loaded so."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import mpmath
+import pytest
+from small_machines import SLED, link, machine, slide
+
+from nipper_pin import Case, InputError, Mechanism, SimulationError, load, simulate
+from nipper_pin.hybrid.result.turns import reported_turn
+from nipper_pin.mechanism import number_of
+from nipper_pin.study.levers import Bounce, Lever, Levers, every_path, levers
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "reference"))
+
+from events import Settings, transition
+from planar import PARAMETERS, Machine
+
+SPEED = 650.0
+GALLERY = Path(__file__).parents[2] / "nipper_pin" / "mechanism" / "gallery"
+CHANGEABLE = ("springs.", "points.", "drives.", "stops.jaw.")
+
+
+@pytest.fixture(scope="module")
+def found(e62: Mechanism) -> Levers:
+    done: list[tuple[int, int]] = []
+    result = levers(e62, SPEED, progress=lambda *counts: done.append(counts))
+    count = len(every_path(e62))
+    assert done == [(k, count) for k in range(1, count + 1)]
+    return result
+
+
+def test_every_number_is_asked_for_once(e62: Mechanism) -> None:
+    """Each dimension that is not in the frame appears once, a cut pin under one name."""
+    paths = every_path(e62)
+    assert len(set(paths)) == len(paths)
+    pins = [path.removeprefix("points.") for path in paths if path.startswith("points.")]
+    # A point that a crank turns by its radius and angle, others by their coordinates.
+    assert sorted(pins) == sorted([
+        *(f"{pin}.{axis}" for pin in ("nipper_pivot", "rocker_pin", "jaw", "rod_pin")
+          for axis in ("x_mm", "z_mm")),
+        "eccentric_pin.radius_mm", "eccentric_pin.angle_deg",
+    ])  # fmt: skip
+    assert {path.split(".")[1] for path in paths if path.startswith("links.")} == set(e62.links)
+    heads = ("points.", "links.")
+    assert {path for path in paths if not path.startswith(heads)} == {
+        "drives.pendulum.crank_radius_mm", "drives.pendulum.guide_offset_mm",
+        "drives.tension.ratio", "stops.jaw.restitution", "springs.steeve.stiffness_N_per_m",
+        "springs.steeve.preload_length_mm", "stops.steeve.restitution",
+    }  # fmt: skip
+
+
+def test_levers_are_the_strongest_of_machines_loaded_so(e62: Mechanism, found: Levers) -> None:
+    """All numbers of the nipper, each changed both ways by one unit, loaded and run."""
+
+    def bounce(path: str, value: float) -> tuple[float, float]:
+        run = simulate(load("e62", {path: value}), Case(speed_rpm=SPEED))
+        first = run.collisions[0].rebound_amplitude
+        assert first is not None
+        return first, run.transitions[0].duration
+
+    here = simulate(e62, Case(speed_rpm=SPEED))
+    assert found.bounce.amplitude == pytest.approx(here.collisions[0].rebound_amplitude, rel=1e-8)
+    assert found.bounce.duration_s == pytest.approx(here.transitions[0].duration, rel=1e-8)
+    assert found.approach_rate == here.collisions[0].approach_rate
+    best: dict[str, tuple[float, float, str]] = {}
+    for path in every_path(e62):
+        if not path.startswith(CHANGEABLE):
+            continue
+        value = number_of(e62, path)
+        unit = 1.0 if path.endswith(("_mm", "_deg")) else 0.01 * abs(value)
+        for new in (value - unit, value + unit):
+            try:
+                lower = bounce(path, new)[0]
+            except SimulationError:
+                continue
+            part = path.rpartition(".")[0]
+            best[part] = min(best.get(part, (lower, new, path)), (lower, new, path))
+    wanted = sorted(best.values())[:3]
+    assert [item.path for item in found.found] == [path for _, _, path in wanted]
+    for item, (lower, new, path) in zip(found.found, wanted, strict=True):
+        assert item.new == pytest.approx(new, rel=1e-12)
+        assert item.after.amplitude == pytest.approx(lower, rel=1e-8)
+        assert item.after.duration_s == pytest.approx(bounce(path, new)[1], rel=1e-8)
+        turns = Case(speed_rpm=SPEED, window="cycle", cycles=20)
+        turn = reported_turn(simulate(load("e62", {path: new}), turns), least_force=0.0)
+        assert item.after.clamped_time_s == pytest.approx(turn.clamped_time, rel=1e-9)
+
+
+@pytest.mark.slow
+def test_levers_are_those_of_the_planar_reference(found: Levers) -> None:
+    """Machines that share no equation with the package, by Taylor series in 24 digits."""
+    with mpmath.workdps(24):
+        radius, angle = mpmath.mpf(4), 176 * mpmath.pi / 180
+        old = [mpmath.mpf(PARAMETERS[f"eccentric_pin_{axis}_mm"]) for axis in "xz"]
+        changes = {
+            "points.eccentric_pin.radius_mm": {
+                "eccentric_pin_x_mm": str(old[0] + (radius - 5) * mpmath.cos(angle)),
+                "eccentric_pin_z_mm": str(old[1] + (radius - 5) * mpmath.sin(angle)),
+            },
+            "springs.steeve.preload_length_mm": {"preload_length_mm": "12"},
+        }
+        for item in found.found[:2]:
+            one = Machine(mpmath.mp, {"speed_rpm": "650", **changes[item.path]})
+            settings = Settings(order=16, tolerance="1e-17", shortest="1e-12")
+            true = transition(one, settings)
+            amplitude = float(true.collisions[0].rebound_amplitude)
+            assert item.after.amplitude == pytest.approx(amplitude, rel=1e-8)
+            assert item.after.duration_s == pytest.approx(float(true.rests[0][1]), rel=1e-8)
+
+
+def test_a_document_holds_what_was_found(found: Levers) -> None:
+    record = found.record()
+    assert (record["model"], record["stop"], record["speed_rpm"]) == ("e62", "jaw", SPEED)
+    assert record["premise_holds"] is True
+    assert record["rebound_amplitude_1"] == found.bounce.amplitude
+    for row, item in zip(record["levers"], found.found, strict=True):
+        assert (row["path"], row["old"], row["new"]) == (item.path, item.old, item.new)
+        told = row["rebound_amplitude_1"], row["duration_s"], row["clamped_time_s"]
+        assert told == (item.after.amplitude, item.after.duration_s, item.after.clamped_time_s)
+        assert item.amplitude_change < 0.0
+
+
+def test_a_machine_without_transition_is_judged_by_its_turns() -> None:
+    """A lever that is struck somewhere along the turn, and none in the touch configuration."""
+    own = load(GALLERY / "chebyshev.toml")
+    result = levers(own)
+    turn = reported_turn(simulate(own, window="cycle", cycles=20), least_force=0.0)
+    assert (result.bounce.amplitude, result.bounce.duration_s) == (turn.largest_gap, None)
+    assert result.bounce.clamped_time_s == turn.clamped_time
+    assert result.found
+    for item in result.found:
+        other = simulate(load(GALLERY / "chebyshev.toml", {item.path: item.new}), window="cycle",
+                         cycles=20)  # fmt: skip
+        after = reported_turn(other, least_force=0.0)
+        assert item.after.amplitude == pytest.approx(after.largest_gap or 0.0, rel=1e-12)
+        assert item.duration_change is None
+
+
+def test_the_bounce_of_the_turn_where_the_machine_arrives_otherwise() -> None:
+    """12.6 mrad in the turn, and 7.1 as a transition assumes."""
+    own = load("e62", {"preload": 9.25486, "stiffness": 7065.98, "restitution": 0.18674})
+    result = levers(own, 681.27)
+    assert result.premise_holds is False
+    assert result.bounce.amplitude == pytest.approx(12.614e-3, rel=1e-3)
+
+
+def test_what_does_not_bounce_is_refused() -> None:
+    with pytest.raises(InputError, match="does not bounce"):
+        levers(load("e62", {"restitution": 0.0}), SPEED)
+    sled = {"joint": "rail", "law": "fourier", "sine_mm": [0.5], **SLED}
+    bare = machine([link("sled"), slide("rail", "frame", "sled")], 1, drives={"feed": sled})
+    with pytest.raises(InputError, match="has no stop"):
+        levers(bare)
+
+
+BEFORE, AFTER = Bounce(4e-3, 8e-3, 0.02), Bounce(3e-3, 6e-3, 0.03)
+
+
+@pytest.mark.parametrize(
+    ("path", "unit", "old", "new", "words", "values"),
+    [
+        ("points.rocker_pin.x_mm", "1 mm", 3.0, 2.0, "rocker pin 1 mm backward", "3 to 2 mm"),
+        ("points.rocker_pin.z_mm", "1 mm", 3.0, 4.0, "rocker pin 1 mm upward", "3 to 4 mm"),
+        ("points.jaw.x_mm", "0.1 mm", 3.0, 3.1, "pin jaw 0.1 mm forward", "3 to 3.1 mm"),
+        ("points.nipper_pivot.radius_mm", "1 mm", 5.0, 4.0,
+         "nipper pivot 1 mm nearer to its shaft", "5 to 4 mm"),
+        ("points.a_pin.angle_deg", "1 deg", 5.0, 4.0, "a pin 1 deg clockwise about its shaft",
+         "5 to 4 deg"),
+        ("springs.steeve.preload_length_mm", "1 mm", 11.0, 12.0,
+         "preload length of spring steeve 1 mm more", "11 to 12 mm"),
+        ("stops.jaw.restitution", "1 %", 0.2, 0.198, "restitution of stop jaw 1 % less",
+         "0.2 to 0.198"),
+        ("links.top.mass_kg", "0.1 g", 0.0, 1e-4, "mass of top 0.1 g more", "0 to 0.0001 kg"),
+    ],
+)  # fmt: skip
+def test_a_lever_in_words(
+    path: str, unit: str, old: float, new: float, words: str, values: str
+) -> None:
+    lever = Lever(path, unit, old, new, BEFORE, AFTER)
+    assert (str(lever), lever.values) == (words, values)
+    assert lever.setting == f"{path}={new:.9g}"
+    assert (lever.amplitude_change, lever.duration_change) == (-0.25, pytest.approx(-0.25))
