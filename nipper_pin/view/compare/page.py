@@ -88,7 +88,6 @@ def _moved(path: str) -> str:
 def _readings(comparison: Comparison, both: Pair) -> dict[str, object]:
     """What the page's script reads: that of A's film, with B's beside it."""
     one, other = readings(both.a), readings(both.b)
-    places = np.concatenate([item.position.reshape(-1, 2) for item in (both.a, both.b)])
     return {
         **one,
         "title": "A and B",
@@ -98,7 +97,7 @@ def _readings(comparison: Comparison, both: Pair) -> dict[str, object]:
         "collisions": _collisions(one["collisions"], other["collisions"]),
         "curves": [_lane_record(lane) for lane in lanes(both)],
         "arrows": [*_paths(one), *([_OTHER, *path[1:]] for path in _paths(other))],
-        "cameras": cameras(both.a.solution.mechanism, places),
+        "cameras": cameras(both.a, both.b),
         **_lips(one["lips"], other["lips"]),
         "compare": {
             "a": {"name": label(comparison.a), "colour": COLOUR_A, "root": [ROOT]},

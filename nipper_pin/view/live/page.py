@@ -46,7 +46,7 @@ def shown_live(mechanism: Mechanism, speed_rpm: float) -> tuple[Shown, str]:
     played, remark = filmed(shown, solution, larger.start)
     found = {
         **read(played, remark),
-        "cameras": cameras(mechanism, played.position),
+        "cameras": cameras(played),
         "live": {
             "controls": [_control(item) for item in (*controls, larger)],
             "state": Session(shown).state(),

@@ -1,62 +1,81 @@
-"""Camera position from which a whole mechanism is visible, from front and above."""
+"""Camera positions from which all that is drawn is in sight, in every frame of a film."""
 
 from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from ...arrays import FloatArray
-from ...mechanism import Mechanism, joint_placements
-from .solids import Solid, plain_solids
+from .film import Film, worlds
+from .meshes import mesh_of
+from .solids import Solid
 
 OBLIQUE, ALONG = (0.38, -1.0, 0.34), (0.0, -1.0, 0.0)
 """Directions from the mechanism to the camera: from the front and above, and along the hinges."""
+# The page shows 40 degrees from top to bottom, half of it here with a margin, and in width at least
+# a quarter more: in a pane that is less wide it moves the camera back.
+_HALF, _WIDE = math.radians(19.3), 1.25
+_FRAMES = 200  # of a film that are looked at, evenly spaced on the machine's clock
 
 
-def camera(
-    mechanism: Mechanism,
-    points: FloatArray,
-    near: float,
-    direction: tuple[float, float, float] = OBLIQUE,
-    lower: float = 0.0,
-) -> tuple[FloatArray, FloatArray]:
-    """Target and position of the camera.
+def corners(shown: Film, drawn: Sequence[Solid]) -> FloatArray:
+    """Corners of what stands, and of boxes around what moves in frames all over a film.
 
     Args:
-        points: Places (x, z) that are to be seen besides the shapes, shape (K, 2) [m].
-        near: Distance, by the size of what is to be seen [-].
+        drawn: What the mechanism is drawn with.
+
+    Returns:
+        Shape (N, 3) [m].
+
+    Raises:
+        InputError: A mesh cannot be read.
+    """
+    t = shown.pace.machine
+    places = np.unique(np.searchsorted(t, np.linspace(t[0], t[-1], _FRAMES)))
+    planes = worlds(shown.position[places], shown.angle[places])
+    heights = [float(item.translation[1])
+               for item in shown.solution.system.body.placements(shown.q[0])]  # fmt: skip
+    return np.concatenate([np.zeros((0, 3)), *_boxes(drawn, planes, heights)])
+
+
+def _boxes(
+    drawn: Sequence[Solid], planes: FloatArray, heights: Sequence[float]
+) -> Iterator[FloatArray]:
+    for solid in drawn:
+        points = (mesh_of(solid)[0] * solid.scale) @ solid.placement[:3, :3].T
+        points += solid.placement[:3, 3]
+        # Frame and cylinder stand where they are.
+        if solid.body < 0:
+            yield points
+            continue
+        ends = points.min(axis=0), points.max(axis=0)
+        box = np.array(list(itertools.product(*zip(*ends, strict=True))))
+        moved = planes[:, solid.body, :2, :2] @ box[:, [0, 2]].T + planes[:, solid.body, :2, 2:]
+        x, z = moved.transpose(1, 0, 2).reshape(2, -1)
+        yield np.column_stack([x, np.tile(heights[solid.body] + box[:, 1], len(planes)), z])
+
+
+def camera(points: FloatArray, direction: tuple[float, float, float]) -> tuple[FloatArray, ...]:
+    """Target and position of the nearest camera that has all points in sight.
+
+    Args:
+        points: Shape (N, 3) [m].
         direction: From the mechanism to the camera (x, y, z).
-        lower: How far below the middle to look, by the size of what is to be seen [-].
 
     Returns:
         Target and position (x, y, z), each of shape (3,) [m].
     """
-    seen = np.concatenate([points, _corners(mechanism)])
-    low, high = seen.min(axis=0), seen.max(axis=0)
-    size = max(float(np.linalg.norm(high - low)), 0.5 * mechanism.reach_m)
-    middle = 0.5 * (low + high)
-    target = np.array([middle[0], 0.0, middle[1] - lower * size])
     towards = np.array(direction) / np.linalg.norm(direction)
-    return target, target + near * size * towards
-
-
-def _corners(mechanism: Mechanism) -> FloatArray:
-    """Corners (x, z) of boxes around all plain collision shapes at q = 0, shape (2 S, 2) [m]."""
-    world = joint_placements(mechanism.model)
-    found = [np.zeros((0, 2))]
-    for solid in plain_solids(mechanism):
-        place = solid.placement
-        if solid.body >= 0:
-            joint = mechanism.model.getJointId(mechanism.joints[solid.body].name)
-            place = world[joint].homogeneous @ place
-        reach = _reach(solid, place[:3, :3])
-        found.append(np.array([place[:3, 3] - reach, place[:3, 3] + reach])[:, [0, 2]])
-    return np.concatenate(found)
-
-
-def _reach(solid: Solid, rotation: FloatArray) -> FloatArray:
-    """Half extents of a shape along the axes of the world, shape (3,) [m]."""
-    if solid.kind == "box":
-        return np.asarray(np.abs(rotation) @ (0.5 * np.array(solid.sizes)))
-    radius, length = solid.sizes if solid.kind == "cylinder" else (solid.sizes[0], 0.0)
-    along = np.abs(rotation[:, 2]) if length else np.zeros(3)
-    return np.asarray(0.5 * length * along + radius * np.sqrt(np.maximum(0.0, 1.0 - along**2)))
+    across = np.cross([0.0, 0.0, 1.0], towards)
+    across /= np.linalg.norm(across)
+    axes = np.array([across, np.cross(towards, across), towards])
+    seen = points @ axes.T
+    middle = 0.5 * (seen.min(axis=0) + seen.max(axis=0))
+    off = seen - middle
+    reach = np.maximum(np.abs(off[:, 0]) / _WIDE, np.abs(off[:, 1])) / math.tan(_HALF)
+    distance = float((reach + off[:, 2]).max())
+    target = middle @ axes
+    return target, target + distance * towards

@@ -11,15 +11,14 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 
 import meshcat
+import numpy as np
 import umsgpack
 
-from ...arrays import FloatArray
 from ...hybrid import Solution
-from ...mechanism import Mechanism
 from ...outputs import complete_file
 from .arrows import arrow_stops
 from .film import Film, Look, film
-from .framing import ALONG, OBLIQUE, camera
+from .framing import ALONG, OBLIQUE, camera, corners
 from .objects import arrow_commands, solid_commands, strut_command
 from .readings import readings
 from .solids import solids
@@ -27,9 +26,6 @@ from .tracks import animation
 
 _VIEWER = Path(meshcat.__file__).parent / "viewer"
 _SCRIPTS = ("scene.js", "lips.js", "curves.js", "controls.js")
-_NEAR = 1.55  # distance of the camera by the size of the mechanism
-# Machines stand on frames, which are not among the places that are to be seen.
-_LOWER = 0.1
 
 
 def write_page(solution: Solution, path: str | Path, look: Look | None = None) -> Path:
@@ -54,8 +50,7 @@ def scene_page(shown: Film) -> str:
     Returns:
         HTML with script, scene and animation inside.
     """
-    mechanism = shown.solution.mechanism
-    found = {**readings(shown), "cameras": cameras(mechanism, shown.position)}
+    found = {**readings(shown), "cameras": cameras(shown)}
     return assembled([*background(), *machine_messages(shown)], found)
 
 
@@ -127,16 +122,12 @@ def _property(path: str, name: str, value: object) -> dict[str, object]:
     return {"type": "set_property", "path": f"/{path}", "property": name, "value": value}
 
 
-def cameras(mechanism: Mechanism, position: FloatArray) -> dict[str, object]:
-    """Positions and targets of the cameras (x, y, z) [m], for views of all moving parts.
-
-    Args:
-        position: Places (x, z) that are to be seen, shape (..., 2) [m].
-    """
-    points = position.reshape(-1, 2)
+def cameras(*films: Film) -> dict[str, object]:
+    """Positions and targets of the cameras (x, y, z) [m], for views of all that is drawn."""
+    points = np.concatenate([corners(item, solids(item.solution.mechanism)) for item in films])
     found: dict[str, object] = {}
     for name, direction in (("whole", OBLIQUE), ("side", ALONG)):
-        target, place = camera(mechanism, points, _NEAR, direction, _LOWER)
+        target, place = camera(points, direction)
         found[name] = {"target": target.tolist(), "position": place.tolist()}
     return found
 

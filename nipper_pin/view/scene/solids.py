@@ -91,21 +91,6 @@ def solids(mechanism: Mechanism) -> tuple[Solid, ...]:
     return tuple(found)
 
 
-def plain_solids(mechanism: Mechanism) -> tuple[Solid, ...]:
-    """The collision shapes but for meshes, whatever is drawn.
-
-    Raises:
-        ModelError: A shape of the URDF cannot be read.
-    """
-    robot = parse_xml(mechanism.urdf, f"{mechanism.name}.urdf")
-    return tuple(
-        item
-        for link, body, frame in _links(mechanism, robot)
-        for item in _shapes(mechanism, link, "collision", body, frame, {})
-        if item.path is None
-    )
-
-
 def _links(
     mechanism: Mechanism, robot: ElementTree.Element
 ) -> Iterator[tuple[ElementTree.Element, int, pin.SE3]]:
