@@ -11,6 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import coal
 import meshcat
 import numpy as np
 import pinocchio as pin
@@ -18,7 +19,7 @@ import pytest
 from page_words import film_of, said
 from runs_shown import run_of
 from snapshots import Words
-from three_js import Scene
+from three_js import Scene, ring
 
 import nipper_pin as nip
 from nipper_pin import (
@@ -123,7 +124,7 @@ def test_the_camera_sees_the_whole_turn(name: str, page_of: Callable[..., str]) 
 
 
 def corners(mechanism: Mechanism, q: np.ndarray) -> list[np.ndarray]:
-    """Of boxes around collision shapes, and points where loops close, in a configuration."""
+    """Of collision shapes, and points where loops close, in a configuration."""
     geometry, _ = collision_model(mechanism)
     model, placed = mechanism.model, geometry.createData()
     data = model.createData()
@@ -135,10 +136,14 @@ def corners(mechanism: Mechanism, q: np.ndarray) -> list[np.ndarray]:
     found = [data.oMf[model.getFrameId(item.frame_a)].translation.copy()
              for item in mechanism.closures]  # fmt: skip
     for item, place in zip(geometry.geometryObjects, placed.oMg, strict=True):
-        item.geometry.computeLocalAABB()
-        low, high = item.geometry.aabb_local.min_, item.geometry.aabb_local.max_
-        found += [place.act(np.array(corner))
-                  for corner in itertools.product(*zip(low, high, strict=True))]  # fmt: skip
+        shape = item.geometry
+        shape.computeLocalAABB()
+        low, high = shape.aabb_local.min_, shape.aabb_local.max_
+        points = np.array(list(itertools.product(*zip(low, high, strict=True))))
+        if isinstance(shape, coal.Cylinder):
+            ends = np.array([[0.0, 0.0, -shape.halfLength], [0.0, 0.0, shape.halfLength]])
+            points = (ring(shape.radius)[::20] + ends[:, None]).reshape(-1, 3)
+        found += [place.act(point) for point in points]
     return found
 
 
