@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import re
 import shlex
 from pathlib import Path
@@ -255,6 +256,39 @@ def test_what_is_advised_works(
         assert words[2:6] == ["--set", gravity, "--speed", "61.5"]
         assert main(words) == 0
     assert ("--window" in advised[0]) != transition
+
+
+def test_check_watches_what_is_saved(
+    here: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Again after each save, be it wrong, not while nothing happens; until Ctrl-C."""
+    assert main(["new", "press.toml"]) == 0
+    file = here / "press.toml"
+    right = file.read_text(encoding="utf-8")
+    texts = iter([None, right.replace("A = [-15.0", "A = [-15.O"), None,
+                  right.replace("restitution = 0.2 ", "restitution = 0.4 ")])  # fmt: skip
+    at = file.stat().st_mtime
+
+    def sleep(_: float) -> None:
+        nonlocal at
+        text = next(texts, "")
+        if text == "":
+            raise KeyboardInterrupt
+        if text is not None:
+            file.write_text(text, encoding="utf-8")
+            at += 1.0
+            os.utime(file, (at, at))
+
+    monkeypatch.setattr("time.sleep", sleep)
+    capsys.readouterr()
+    assert main(["check", "press.toml", "--watch", "--drawing", "press.svg"]) == 130
+    first, wrong, second, rest = capsys.readouterr().out.split("Watching")
+    assert "restitution 0.2" in first
+    assert "press.toml" in wrong
+    assert "restitution" not in wrong
+    assert "stop anvil: restitution 0.4" in second
+    assert "restitution" not in rest
+    assert (here / "press.svg").is_file()
 
 
 def test_a_start_that_cannot_be_assembled_names_the_loop_and_the_phase(

@@ -289,7 +289,7 @@ TABLE = {
 # By what they write, in test_cli_endings.py, test_words.py and study/.
 ELSEWHERE = {
     "identify --profiles", "identify --out", "optimise --out", "optimise --format",
-    "speed-limit --plot", "--version",
+    "speed-limit --plot", "--version", "check --watch",
 }  # fmt: skip
 STUDY = 'format = 1\nchunk = 2\ntitle = "{title}"\n[parameters.{name}]\nvalues = [0.1, 0.2, 0.3]\n'
 DESIGN = """format = 1

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import argparse
+import sys
+import time
 from pathlib import Path
 
+from ..errors import NipperError
 from ..extras import require
 from ..hybrid import START_INDEX
+from ..mechanism.model_files import find_files
 from ..outputs import check_file
 from .arguments import (
     MODEL,
@@ -19,6 +23,8 @@ from .arguments import (
     write_json,
 )
 from .case_options import add_start
+
+_PAUSE_S = 0.3
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -33,10 +39,45 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--provenance", action="store_true", help="print where each number of the model comes from"
     )
+    parser.add_argument(
+        "--watch",
+        action="store_true",
+        help="check, and draw, again whenever a file of the model is saved; Ctrl-C ends",
+    )
     parser.set_defaults(run=_run)
 
 
 def _run(options: argparse.Namespace) -> None:
+    if options.watch:
+        _watch(options)
+    else:
+        _check(options)
+
+
+def _watch(options: argparse.Namespace) -> None:
+    """Check now, and whenever a file of the model is saved."""
+    from ..view.console import Terminal, say
+
+    if options.json == "-":
+        refuse_beside(options, "--json -, which is one document", {"watch": "--watch"})
+    files, seen = find_files(options.model or MODEL), dict[Path, float]()
+    while True:
+        there = [files.toml, *files.folder.glob("*.csv")]
+        there += [] if files.urdf is None else [files.urdf]
+        # A program may save by writing another file in its place.
+        saved = {file: file.stat().st_mtime for file in there if file.is_file()}
+        if files.toml in saved and saved != seen:
+            seen = saved
+            try:
+                _check(options)
+            except NipperError as error:
+                say(Terminal(), error.message)
+            say(Terminal(), "Watching: it is checked again when it is saved; Ctrl-C ends.")
+            sys.stdout.flush()
+        time.sleep(_PAUSE_S)
+
+
+def _check(options: argparse.Namespace) -> None:
     from ..study.check import check_model
 
     if options.json == "-":

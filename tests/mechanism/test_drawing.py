@@ -17,10 +17,8 @@ from snapshots import Words
 
 from nipper_pin import Case, Drawing, InputError, ModelError, Outcome, export, load, simulate
 from nipper_pin.cli import main
-from nipper_pin.mechanism.drawing import between, direction, distance, meet, on_line, polar
 from nipper_pin.mechanism.drawing.layout import BodyTable
 from nipper_pin.mechanism.drawing.mass import mass_of
-from nipper_pin.mechanism.drawing.places import place, vector
 from nipper_pin.mechanism.files import toml
 from nipper_pin.mechanism.gallery import GALLERY, drawn
 from nipper_pin.view.sketch import sketch
@@ -113,22 +111,6 @@ def test_a_written_drawing_is_read_back(tmp_path: Path) -> None:
         assert (load(model).name, load(model).title) == (name, "a <yoke>")
         assert load(model).description == YOKE.mechanism().description
     assert YOKE.points == POINTS
-
-
-def test_points_that_circles_and_lines_give() -> None:
-    """3-4-5 triangles, and a line beside a circle's centre."""
-    assert meet((0.0, 0.0), 3.0, (5.0, 0.0), 4.0, left=True) == pytest.approx((1.8, 2.4))
-    assert meet((0.0, 0.0), 3.0, (5.0, 0.0), 4.0, left=False) == pytest.approx((1.8, -2.4))
-    assert on_line((0.0, 3.0), 5.0, (9.0, 0.0), (2.0, 0.0), ahead=True) == pytest.approx((4.0, 0.0))
-    assert on_line((0.0, 3.0), 5.0, (9.0, 0.0), (-2.0, 0.0), ahead=True)[0] == pytest.approx(-4.0)
-    assert polar((1.0, 1.0), 2.0, 90.0) == pytest.approx((1.0, 3.0))
-    assert between((0.0, 0.0), (4.0, 0.0), 0.25, 2.0) == pytest.approx((1.0, 2.0))
-    assert direction((1.0, 1.0), (1.0, 5.0)) == pytest.approx(90.0)
-    assert distance((1.0, 1.0), (4.0, 5.0)) == pytest.approx(5.0)
-    points = {"A": (0.0, 2.0), "B": (4.0, 6.0)}
-    assert place(points, "B/A") == (2.0, 4.0)
-    assert vector(points, "A B") == (4.0, 4.0)
-    assert vector(points, (1.0, 3.0)) == (1.0, 3.0)
 
 
 def test_mass_of_rods_and_discs() -> None:
@@ -309,31 +291,6 @@ def test_several_elements_on_one_joint() -> None:
     assert nodes["lift"] == "lift, lift_2"
 
 
-def test_what_cannot_be_found(words: Words) -> None:
-    points = {"A": (0.0, 2.0), "Bc": (4.0, 6.0)}
-    refused = {
-        "circles apart": lambda: meet((0.0, 0.0), 1.0, (5.0, 0.0), 1.0, left=True),
-        "line apart": lambda: on_line((0.0, 3.0), 1.0, (0.0, 0.0), (1.0, 0.0), ahead=True),
-        **{f"point {name!r}": lambda name=name: place(points, name)
-           for name in ("Bd", "A/C", "A/Bc/A", "")},
-    }  # fmt: skip
-    text = ""
-    for name, find in refused.items():
-        with pytest.raises(InputError) as caught:
-            find()
-        text += f"{name}\n    {caught.value.message}\n"
-    words(text)
-
-
-def test_any_plain_document_reads_back() -> None:
-    """Both truth values, quotes, strokes and line breaks, odd keys, lists and tables in lists."""
-    document = {
-        "yes": True, "no": False, "text": 'a "b" \\ c\nd', "list": [1, 2.5, [True, "x"]],
-        "a key": {"x.y": 1, "deep": {"er": [{"n": 1}, {"n": 2, "in": {"m": False}}]}}, "last": {},
-    }  # fmt: skip
-    assert tomllib.loads(toml(document)) == document
-
-
 def _numpy(value: Any) -> Any:
     """The same data with numbers and places of numpy."""
     if isinstance(value, Mapping):
@@ -369,6 +326,7 @@ def test_numbers_of_numpy_are_written_as_plain_ones(name: str) -> None:
         ('{ meet = ["A", "B"], radii_mm = [3.0, 4.0], side = "right" }', (1.8, -2.4)),
         ('{ between = ["A", "B"], share = 0.4 }', (2.0, 0.0)),
         ('{ between = ["A", "C"], share = 0.5, left_mm = 2.0 }', (-2.0, 1.5)),
+        ('{ centre = "B/C", radius_mm = 2.0, angle_deg = 180.0 }', (0.5, 1.5)),
         ('{ beside = "A/B", right_mm = 0.5, up_mm = -1.0 }', (3.0, -1.0)),
         ('{ centre = "C", radius_mm = 5.0, line = "B", along = [2.0, 0.0], side = "ahead" }',
          (4.0, 0.0)),
@@ -394,10 +352,18 @@ WRONG = {
     "no such key": ("right_mm", "rigth_mm"),
     "no such point": ('beside = "O"', 'beside = "Q"'),
     "found from itself": ('beside = "O"', 'beside = "A/O"'),
-    "nowhere": ('beside = "O", right_mm = 20.0, up_mm = 0.0',
-                'meet = ["O", "Y"], radii_mm = [9.0, 9.0], side = "left"'),
-    "the other kind of side": ('beside = "O", right_mm = 20.0, up_mm = 0.0',
-                               'meet = ["O", "Y"], radii_mm = [30.0, 30.0], side = "ahead"'),
+    **{name: ('beside = "O", right_mm = 20.0, up_mm = 0.0', new) for name, new in {
+        "nowhere": 'meet = ["O", "Y"], radii_mm = [9.0, 9.0], side = "left"',
+        "beside a line": 'centre = "O", radius_mm = 1, line = "F", along = [1, 0], side = "ahead"',
+        "around one point": 'meet = ["O", "O"], radii_mm = [9.0, 9.0], side = "left"',
+        "beside one point": 'between = ["O", "O"], share = 0.5, left_mm = 1.0',
+        "no line": 'centre = "O", radius_mm = 1.0, line = "O", along = [0, 0], side = "ahead"',
+        "the other kind of side": 'meet = ["O", "Y"], radii_mm = [30.0, 30.0], side = "ahead"',
+    }.items()},
+    "halfway to nowhere": ('points = "O A"', 'points = "O A/Q"'),
+    "halfway of three": ('points = "O A"', 'points = "O A/O/Y"'),
+    "forces that are none": ("drawing = 1", "drawing = 1\nforces = 3"),
+    "a spring that is none": ("[springs]", "[springs]\nsoft = 3"),
     "no words": ("Y = [10.0", '"Y Y" = [10.0'),
     "two strokes": ("Y = [10.0", '"Y--Y" = [10.0'),
     "no kind of joint": ('pin = "O"', 'hinge = "O"'),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import shutil
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ import pytest
 
 from nipper_pin import InputError, Mechanism, ModelError, UnknownNameError, load
 from nipper_pin.mechanism import find_model, from_sources
+from nipper_pin.mechanism.files import toml
 from nipper_pin.mechanism.model_files import check_new_folder, new_folder
 from nipper_pin.texts import no_file
 
@@ -244,3 +246,12 @@ def test_folders_that_cannot_be_made(name: str, tmp_path: Path) -> None:
         pass
     assert caught.value.evidence == {"folder": str(target)}
     assert [item.name for item in tmp_path.iterdir()] == ["file"]
+
+
+def test_any_plain_document_reads_back() -> None:
+    """Both truth values, quotes, strokes and line breaks, odd keys, lists and tables in lists."""
+    document = {
+        "yes": True, "no": False, "text": 'a "b" \\ c\nd', "list": [1, 2.5, [True, "x"]],
+        "a key": {"x.y": 1, "deep": {"er": [{"n": 1}, {"n": 2, "in": {"m": False}}]}}, "last": {},
+    }  # fmt: skip
+    assert tomllib.loads(toml(document)) == document

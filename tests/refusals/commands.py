@@ -76,6 +76,8 @@ check full
 check no-such-model
 check loop
 check --json - --provenance
+check --json - --watch
+check no-such-model --watch
 view --json -
 view --solution missing.npz --html page.html
 view --slow nan --html page.html

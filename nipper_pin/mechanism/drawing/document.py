@@ -75,16 +75,17 @@ def document(tree: Tree) -> dict[str, Any]:
     return {key: value for key, value in found.items() if value or key == "gravity_m_s2"}
 
 
-def _with_frames(drawn: Drawn, section: str) -> Any:
+def _with_frames(drawn: Drawn, section: str) -> dict[str, Any]:
     """Entries of a section, the ends of springs and dampers as frames."""
     entries = drawn.model.get(section, {})
     if not isinstance(entries, Mapping):
-        # What reads the document says what is wrong.
-        return {section: entries}
+        drawn.refuse(section, entries, "a table of tables")
     found = {}
     for name, entry in entries.items():
+        if not isinstance(entry, Mapping):
+            drawn.refuse(f"{section}.{name}", entry, "a table")
         found[name] = entry
-        if isinstance(entry, Mapping) and "ends" in entry:
+        if "ends" in entry:
             ends = ends_of(drawn, entry["ends"], f"{section}.{name}.ends")
             frames = [frame_name(*end) for end in ends]
             rest = {key: value for key, value in entry.items() if key != "ends"}

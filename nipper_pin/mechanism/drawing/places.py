@@ -12,13 +12,7 @@ Place = tuple[float, float]
 
 
 def polar(centre: Place, radius: float, angle_deg: float) -> Place:
-    """The point at a distance and an angle, counter-clockwise from x, of another one.
-
-    Args:
-        centre: The other point [mm].
-        radius: Distance [mm].
-        angle_deg: Angle [deg].
-    """
+    """The point at a distance and an angle, counter-clockwise from x, of another one."""
     angle = radians(angle_deg)
     return centre[0] + radius * cos(angle), centre[1] + radius * sin(angle)
 
@@ -26,31 +20,21 @@ def polar(centre: Place, radius: float, angle_deg: float) -> Place:
 def between(first: Place, second: Place, share: float, left: float = 0.0) -> Place:
     """The point at a share of the way between two others, and to the left of that way.
 
-    Args:
-        first: Start [mm].
-        second: End [mm].
-        share: Share of the way; beyond 0 to 1 the line goes on.
-        left: Distance to the left of the line [mm].
+    Raises:
+        InputError: They are one point, which has no left.
     """
     x, z = second[0] - first[0], second[1] - first[1]
-    aside = left / hypot(x, z)
+    aside = left / _apart(first, second) if left else 0.0
     return first[0] + share * x - aside * z, first[1] + share * z + aside * x
 
 
 def meet(first: Place, r_first: float, second: Place, r_second: float, left: bool) -> Place:
-    """The point at given distances of two others.
-
-    Args:
-        first: A point [mm].
-        r_first: Distance from it [mm].
-        second: Another one [mm].
-        r_second: Distance from it [mm].
-        left: Whether it lies to the left of the way from the first to the second.
+    """The point at given distances of two others, to the left of the way from first to second.
 
     Raises:
         InputError: There is none.
     """
-    apart = distance(first, second)
+    apart = _apart(first, second)
     along = (apart**2 + r_first**2 - r_second**2) / (2.0 * apart)
     high = r_first**2 - along**2
     if high < 0.0:
@@ -63,19 +47,12 @@ def meet(first: Place, r_first: float, second: Place, r_second: float, left: boo
 
 
 def on_line(centre: Place, radius: float, at: Place, along: Place, ahead: bool) -> Place:
-    """The point of a line at a distance of another point.
-
-    Args:
-        centre: The other point [mm].
-        radius: Distance from it [mm].
-        at: A point of the line [mm].
-        along: Direction of the line.
-        ahead: Whether it is the further one of two in that direction.
+    """The point of a line at a distance of another point, the further one along it if ahead.
 
     Raises:
         InputError: There is none.
     """
-    size = hypot(*along)
+    size = _apart((0.0, 0.0), along)
     x, z = along[0] / size, along[1] / size
     foot = (centre[0] - at[0]) * x + (centre[1] - at[1]) * z
     aside = hypot(at[0] + foot * x - centre[0], at[1] + foot * z - centre[1])
@@ -91,6 +68,14 @@ def distance(first: Place, second: Place) -> float:
     return hypot(second[0] - first[0], second[1] - first[1])
 
 
+def _apart(first: Place, second: Place) -> float:
+    """Distance of two points, which has to be above zero [mm]."""
+    if not (apart := distance(first, second)):
+        message = f"{_shown(first)} and {_shown(second)} are one point, and give no direction"
+        raise InputError(message, points=(first, second))
+    return apart
+
+
 def direction(first: Place, second: Place) -> float:
     """Angle of the way from one point to another, counter-clockwise from x [deg]."""
     return degrees(atan2(second[1] - first[1], second[0] - first[0]))
@@ -102,9 +87,6 @@ def _shown(point: Place) -> str:
 
 def place(points: Mapping[str, Place], name: str) -> Place:
     """A point by its name; ``A/B`` is halfway between A and B.
-
-    Args:
-        points: Places by name [mm].
 
     Raises:
         InputError: There is no such point.
@@ -118,11 +100,7 @@ def place(points: Mapping[str, Place], name: str) -> Place:
 
 
 def vector(points: Mapping[str, Place], along: Place | str) -> Place:
-    """A direction that is given as such, or by two points.
-
-    Args:
-        points: Places by name [mm].
-        along: The direction, or the names of two points.
+    """A direction that is given as such, or by the names of two points.
 
     Raises:
         InputError: A point does not exist.

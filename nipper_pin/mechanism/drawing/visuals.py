@@ -12,6 +12,7 @@ from .places import Place, direction, distance, place, vector
 from .tree import Tree
 
 _WIDTH = 0.028  # of a bar, by the size of the drawing
+_ALONE = 100.0  # size of a drawing of one point [mm]
 _GROUND = (0.55, 0.57, 0.6)
 
 
@@ -67,7 +68,7 @@ def _size(tree: Tree) -> float:
     """Larger extent of the points [mm]."""
     points = list(tree.drawn.points.values())
     extents = [[point[axis] for point in points] for axis in (0, 1)]
-    return max(max(extent) - min(extent) for extent in extents)
+    return max(max(extent) - min(extent) for extent in extents) or _ALONE
 
 
 def _angle(along: Place) -> float:
