@@ -8,6 +8,7 @@ import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import manifold3d
@@ -246,7 +247,7 @@ def ends(mechanism: Mechanism) -> dict[str, list[list[float]]]:
     """Far ends of the bars of each link, by middle and length (x, z) [m]."""
     found: dict[str, list[list[float]]] = {}
     for solid in solids(mechanism):
-        if solid.kind == "cylinder":
+        if solid.kind == "cylinder" and solid.body != FIXED:
             radius, length = solid.sizes
             assert radius == pytest.approx(0.02 * mechanism.reach_m)
             half = 0.5 * length * solid.placement[:3, 2]
@@ -274,6 +275,40 @@ def test_bars_reach_the_ends_of_springs_and_dampers() -> None:
     assert {item.name for item in made.struts} == {"coil", "stay"}
     assert ends(made) == {"arm": [[0.0, 0.5], [0.4, 0.0]]}
     assert ends(machine(parts, 1)) == {"arm": [[0.3, 0.1]]}
+
+
+def boxed(text: str, *boxes: tuple[float, float, float, float]) -> str:
+    """A link with collision boxes: middle (x, z) and edges along x and z [m]."""
+    shapes = "".join(
+        f'<collision><origin xyz="{x} 0 {z}"/><geometry><box size="{wide} 0.01 {high}"/></geometry>'
+        "</collision>" for x, z, wide, high in boxes
+    )  # fmt: skip
+    return text.replace("</link>", f"{shapes}</link>")
+
+
+@pytest.mark.parametrize(("boxes", "bars"), [
+    ([(0.4, 0.0, 0.1, 0.1)], [[0.4, 0.0]]), ([(0.0, 0.0, 0.1, 0.1)], [[0.4, 0.0]]),
+    ([(0.2, 0.0, 0.44, 0.1)], []), ([(0.0, 0.0, 0.1, 0.1), (0.4, 0.0, 0.1, 0.1)], []),
+    ([(0.2, 0.0, 0.1, 0.1)], [[0.2, 0.0], [0.4, 0.0]]),
+])  # fmt: skip
+def test_no_shape_floats(boxes: list[Any], bars: list[Any]) -> None:
+    """A bar goes to each pin that no shape of its link reaches, and none where a part slides."""
+    made = machine(
+        [
+            boxed(link("arm"), *boxes), hinge("arm_pin", "frame", "arm", (0.1, 0.2)),
+            boxed(link("hand"), (0.0, 0.0, 0.1, 0.1)), hinge("hand_pin", "arm", "hand", (0.4, 0.0)),
+            boxed(link("shoe"), (0.3, 0.0, 0.1, 0.1)),
+            slide("shoe_x", "arm", "shoe", at=(0.0, 0.5)),
+        ],
+        3,
+        drives={"arm": {"joint": "arm_pin", "law": "constant_speed", "ratio": 1.0, **SHAFT}},
+    )  # fmt: skip
+    assert ends(made) == ({"arm": bars} if bars else {})
+    names = [solid.name for solid in solids(made) if solid.body == 0]
+    assert len(set(names)) == len(names)
+    (pin,) = (solid for solid in solids(made) if solid.body == FIXED)
+    np.testing.assert_allclose(pin.placement[:3, 3], [0.1, 0.0, 0.2])
+    np.testing.assert_allclose(np.abs(pin.placement[:3, 2]), [0.0, 1.0, 0.0], atol=1e-15)
 
 
 def test_colours_are_those_of_the_material_itself_or_of_its_name() -> None:

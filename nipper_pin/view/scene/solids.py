@@ -8,7 +8,7 @@ shorter by the coordinate of the spring of that name.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
@@ -25,6 +25,7 @@ from .colours import link_colour
 Colour = tuple[float, float, float]
 FIXED = -1
 CYLINDER = -2
+_THICK = 0.02  # radius of a bar, by the reach of the mechanism
 
 
 @dataclass(frozen=True)
@@ -65,8 +66,9 @@ def cylinder_axis(mechanism: Mechanism) -> tuple[float, float] | None:
 def solids(mechanism: Mechanism) -> tuple[Solid, ...]:
     """Everything that a mechanism is drawn with.
 
-    A link whose visuals are missing, or whose mesh files are, is drawn by its collision shapes;
-    one without any shape by bars between its joints.
+    A link whose visuals are missing, or whose mesh files are, is drawn by its collision shapes.
+    Bars go to those of its joints that no shape reaches; to all of a link without any shape. Of a
+    frame without shapes the pins are drawn.
 
     Raises:
         ModelError: A shape of the URDF cannot be read.
@@ -84,10 +86,13 @@ def solids(mechanism: Mechanism) -> tuple[Solid, ...]:
             if shapes:
                 found += shapes
                 break
-    drawn = {item.body for item in found}
     for body, joint in enumerate(mechanism.joints):
-        if body not in drawn:
-            found += _bars(mechanism, body, mechanism.model.getJointId(joint.name))
+        own = [item for item in found if item.body == body]
+        # A mesh is taken for the whole link.
+        if all(item.path is None for item in own):
+            found += _bars(mechanism, body, mechanism.model.getJointId(joint.name), own)
+    if all(item.body >= 0 for item in found):
+        found += _pins(mechanism)
     return tuple(found)
 
 
@@ -147,27 +152,28 @@ def _shapes(
         )
 
 
-def _bars(mechanism: Mechanism, body: int, joint: int) -> list[Solid]:
-    """Bars from the joint of a link to all that hangs on it, or to its centre of mass."""
-    model = mechanism.model
-    ends = [
-        np.array(placement.translation)
-        for placement, parent in zip(model.jointPlacements, model.parents, strict=True)
-        if parent == joint
-    ]
-    named = {name for item in mechanism.closures for name in (item.frame_a, item.frame_b)}
-    named |= {name for item in mechanism.struts for name in (item.frame_a, item.frame_b)}
-    ends += [
-        np.array(frame.placement.translation)
-        for frame in model.frames
-        if frame.parentJoint == joint and frame.name in named
-    ]
-    thick = 0.02 * mechanism.reach_m
-    ends = [end for end in ends or [model.inertias[joint].lever] if np.linalg.norm(end) > thick]
-    one = np.ones(3)
-    colour = link_colour(body)
-    bars = [Solid("joint", body, "sphere", (1.6 * thick,), None, np.eye(4), one, colour)]
-    for place, end in enumerate(ends):
+def _bars(mechanism: Mechanism, body: int, joint: int, shapes: Sequence[Solid]) -> list[Solid]:
+    """Bars from the joint of a link to all that hangs on it, or to its centre of mass.
+
+    Args:
+        shapes: Those that are drawn of the link; where they are there is no need of a bar.
+    """
+    thick = _THICK * mechanism.reach_m
+    # What slides has no pin at the origin of its joint.
+    ends = _ends(mechanism, joint, slides=not shapes)
+    if not (ends or shapes):
+        ends = [mechanism.model.inertias[joint].lever]
+    hinged = mechanism.joints[body].kind == "revolute"
+    far = [end for end in ends
+           if np.linalg.norm(end) > thick and not _reached(end, shapes, thick)]  # fmt: skip
+    if shapes and hinged and not _reached(np.zeros(3), shapes, thick):
+        far.append(min((item.placement[:3, 3] for item in shapes), key=np.linalg.norm))
+    elif shapes and not far:
+        return []
+    one, colour = np.ones(3), shapes[0].colour if shapes else link_colour(body)
+    own = "own_" if shapes else ""  # no other shape of the link may have the name of a bar
+    bars = [Solid(f"{own}joint", body, "sphere", (1.6 * thick,), None, np.eye(4), one, colour)]
+    for place, end in enumerate(far):
         length = float(np.linalg.norm(end))
         along = end / length
         matrix = np.eye(4)
@@ -175,9 +181,56 @@ def _bars(mechanism: Mechanism, body: int, joint: int) -> list[Solid]:
         matrix[:3, 0] = np.cross(matrix[:3, 1], along)
         matrix[:3, 3] = 0.5 * end
         bars.append(
-            Solid(f"bar_{place}", body, "cylinder", (thick, length), None, matrix, one, colour)
+            Solid(f"{own}bar_{place}", body, "cylinder", (thick, length), None, matrix, one, colour)
         )
     return bars
+
+
+def _pins(mechanism: Mechanism) -> Iterator[Solid]:
+    """Pins of the frame, along the hinges."""
+    thick = _THICK * mechanism.reach_m
+    for place, at in enumerate(_ends(mechanism, 0, slides=False)):
+        matrix = np.eye(4)
+        matrix[:3, :3] = rotation_from_rpy(np.array([0.5 * np.pi, 0.0, 0.0]))
+        matrix[:3, 3] = at
+        sizes = (1.2 * thick, 6.0 * thick)
+        yield Solid(f"pin_{place}", FIXED, "cylinder", sizes, None, matrix, np.ones(3),
+                    link_colour(FIXED))  # fmt: skip
+
+
+def _ends(mechanism: Mechanism, joint: int, *, slides: bool) -> list[FloatArray]:
+    """Places where something hangs on a link, or on the frame (joint 0), in its own axes [m]."""
+    model = mechanism.model
+    kinds = {model.getJointId(item.name): item.kind for item in mechanism.joints}
+    ends = [
+        np.array(model.jointPlacements[place].translation)
+        for place, kind in kinds.items()
+        if model.parents[place] == joint and (slides or kind == "revolute")
+    ]  # fmt: skip
+    named = {name for item in mechanism.closures for name in (item.frame_a, item.frame_b)}
+    named |= {name for item in mechanism.struts for name in (item.frame_a, item.frame_b)}
+    return ends + [
+        np.array(frame.placement.translation)
+        for frame in model.frames
+        if frame.parentJoint == joint and frame.name in named
+    ]
+
+
+def _reached(end: FloatArray, shapes: Sequence[Solid], near: float) -> bool:
+    """Whether a place is in one of the plain shapes, or near it, in side view."""
+    for solid in shapes:
+        local = np.abs(solid.placement[:3, :3].T @ (end - solid.placement[:3, 3]))
+        sizes = solid.sizes
+        half = {
+            "box": 0.5 * np.array(sizes),
+            "sphere": np.full(3, sizes[0]),
+            "cylinder": np.array([sizes[0], sizes[0], 0.5 * sizes[-1]]),
+        }[solid.kind]
+        # Across the plane links stand beside one another.
+        across = np.abs(solid.placement[1, :3])
+        if np.all((local <= half + near) | (across > 0.9)):
+            return True
+    return False
 
 
 def _material(element: ElementTree.Element, colours: dict[str, Colour], body: int) -> Colour:
