@@ -20,6 +20,7 @@ from nipper_pin import (
     Mechanism,
     Window,
     load,
+    load_case,
     load_solution,
     record,
     save,
@@ -60,6 +61,22 @@ def test_the_command_of_whole_turns_writes_over_nothing(
     last = capsys.readouterr().out.rstrip().splitlines()[-1]
     kept = "e62 --set stops.jaw.restitution=0.25"
     assert last == f"Next: nipper-pin simulate {kept} --window cycle"
+
+
+@pytest.mark.slow
+def test_the_folder_of_a_run(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """It stands for its files, and is not replaced by a run of another model."""
+    assert main(["simulate", "e62", "--speed", "650", "--out", "run"]) == 0
+    said = capsys.readouterr().out.splitlines()
+    assert said[-2] == "written: run"
+    assert load_solution(here / "run").case == load_case("run")[1] == Case(speed_rpm=650.0)
+    assert main(["simulate", "--case", "run", "--json", "again.json"]) == 0
+    assert main(["view", "--solution", "run", "--html", "film.html"]) == 0
+    assert capsys.readouterr().out.endswith("written: film.html\n")
+    before = {file.name: file.read_bytes() for file in (here / "run").iterdir()}
+    assert main(["simulate", "hanging_pendulum", "--out", "run"]) == 2
+    assert "run holds a run of e62" in capsys.readouterr().err
+    assert {file.name: file.read_bytes() for file in (here / "run").iterdir()} == before
 
 
 def test_numbers_with_shortcuts_are_in_the_document(

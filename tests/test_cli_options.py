@@ -111,7 +111,7 @@ SIMULATE = {
     "--case": case("--case {case}", "speed_rpm", 620.0),
     "--forces": Entry("--forces", {"print_solution.with_forces": True},
                       moves=("print_solution.",), at=("nipper_pin.view.run.print_solution",)),
-    "--out": Entry("--out run", {"export.folder": "run"}, "--out a",
+    "--out": Entry("--out run", {"export.folder": "run"}, without="--out a",
                    at=("nipper_pin.view.run.export.export",)),
     "--units": Entry("--units mm", {"export.units": "mm"}, "--out a",
                      at=("nipper_pin.view.run.export.export",)),
@@ -130,8 +130,8 @@ VIEW = {
                         "--html a.html"),
     "--slow": Entry("--slow 50", {"write_page.look.slow": 50.0}, PAGE),
     "--exaggerate": Entry("--exaggerate 7", {"write_page.look.exaggerate": 7.0}, PAGE),
-    "--html": Entry("--html b.html", {"write_page.path": "b.html"}, PAGE),
-    "--gif": Entry("--gif b.gif", {"write_gif.path": "b.gif"}, f"{BRIEF} --gif a.gif",
+    "--html": Entry("--html b.html", {"write_page.path": "b.html"}, BRIEF, without="--html a.html"),
+    "--gif": Entry("--gif b.gif", {"write_gif.path": "b.gif"}, BRIEF, without="--gif a.gif",
                    at=("nipper_pin.view.scene.gif.write_gif",)),
     # Names inside of a page are drawn by lot.
     "--port": Entry("--port 7123", {"serve.port": 7123}, BRIEF, ("serve.page",), (SERVE,)),
@@ -165,12 +165,13 @@ COMPARE = {
     "--start-index": sides("--start-index 20", "case.start_index", 20.0, base=""),
     "--cycles": sides("--cycles 2", "case.cycles", 2, base=""),
     "--drive": sides("--drive held inertial", "case.drive", "inertial", "b"),
-    "--html": Entry("--html b.html", {"write_comparison.path": "b.html"}, PAGE, at=(WRITE,)),
+    "--html": Entry("--html b.html", {"write_comparison.path": "b.html"}, BRIEF, at=(WRITE,),
+                    without="--html a.html"),
     "--slow": Entry("--slow 50", {"write_comparison.look.slow": 50.0}, PAGE, at=(WRITE,)),
     "--exaggerate": Entry("--exaggerate 7", {"write_comparison.look.exaggerate": 7.0}, PAGE,
                           at=(WRITE,)),
     "--browser": Entry("--browser", {"serve.browser": True}, BRIEF, ("serve.",), at=(SERVE,)),
-    "--out": Entry("--out here", {"write_files.folder": "here"}, f"{BRIEF} --out a",
+    "--out": Entry("--out here", {"write_files.folder": "here"}, BRIEF, without="--out a",
                    at=("nipper_pin.view.compare.files.write_files",)),
 }  # fmt: skip
 CHECK = {
@@ -181,7 +182,7 @@ CHECK = {
     "--provenance": Entry("--provenance", {"print_report.provenance": True},
                           at=("nipper_pin.view.studies.check_report.print_report",)),
     "--drawing": Entry("--drawing machine.svg", {"write_sketch.path": "machine.svg"},
-                       "--drawing a.svg", at=("nipper_pin.view.sketch.write_sketch",)),
+                       without="--drawing a.svg", at=("nipper_pin.view.sketch.write_sketch",)),
 }  # fmt: skip
 NEW = {
     "MODEL": Entry("press", {"write_skeleton.target": "press"}, without="other"),
@@ -202,7 +203,7 @@ EXPORT = {
 PAPER = {
     "MODEL": another_model("paper_study", "e62_identified"),
     "--set": of_a_model("paper_study.mechanism")["--set"],
-    "--out": Entry("--out run", {"check_outputs.folder": "run"}, "--out a",
+    "--out": Entry("--out run", {"check_outputs.folder": "run"}, without="--out a",
                    at=("benchmarks.commands.paper.check_outputs",)),
 }  # fmt: skip
 LEVERS = {
@@ -226,7 +227,7 @@ STRESS = {
         "run_campaign.families.0": "chain", "run_campaign.families.1": "linkage"}),
     "--first": Entry("--first 5", {"run_campaign.first": 5}),
     "--workers": Entry("--workers 1", {"run_campaign.workers": 1}),
-    "--out": Entry("--out run", {"begin.folder": "run"}, "--out a",
+    "--out": Entry("--out run", {"begin.folder": "run"}, without="--out a",
                    at=("benchmarks.stress.begin",)),
     "--time-limit": Entry("--time-limit 50", {"run_campaign.time_limit_s": 50.0}),
 }  # fmt: skip
@@ -271,7 +272,7 @@ PLOT = {
 BENCHMARK = {
     "--quick": Entry("--quick", {"benchmark.quick": True}),
     "--repeats": Entry("--repeats 7", {"benchmark.repeats": 7}),
-    "--out": Entry("--out run", {"check_outputs.folder": "run"}, "--out a",
+    "--out": Entry("--out run", {"check_outputs.folder": "run"}, without="--out a",
                    at=("benchmarks.commands.benchmark.check_outputs",)),
 }  # fmt: skip
 
@@ -406,6 +407,26 @@ def inputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     for name, text in texts.items():
         (home / f"{name}.toml").write_text(text, encoding="utf-8")
     return {path.stem: str(path) for path in home.iterdir()}
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("simulate --speed 450 --speed 500", "argument --speed: given twice; leave one out"),
+        ("check --json a --json b", "argument --json: given twice; leave one out"),
+        ("compare --speed 450 --speed 500", "argument --speed: given twice; leave one out"),
+        ("compare --speed 450 520 600", "--speed: one for both or two, and these are 450 520 600"),
+        ("compare --drive held held held", "--drive: one for both or two"),
+    ],
+)
+def test_what_is_given_too_often_is_refused(
+    line: str, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """None is taken for the name of a model, and none forgotten."""
+    with pytest.raises(SystemExit) as ended:
+        main(line.split())
+    assert ended.value.code == 2
+    assert said in capsys.readouterr().err
 
 
 def around(name: str, inputs: dict[str, str]) -> tuple[Facts, Facts]:

@@ -35,6 +35,7 @@ COMMANDS = {
     "twenty_turns": ((80,), "simulate e62 --speed 650 --window cycle --cycles 20"),
     "elastic_shafts": ((60,), "simulate e62 --window cycle --drive inertial"),
     "ended_in_mid_rebound": ((80,), "simulate e62 --speed 650 --set restitution=0.9 --forces"),
+    "pulled_open_and_fast": ((80,), "simulate e62 --set preload=-5 --speed 1e5"),
     "without_restitution": ((80,), "simulate e62 --set restitution=0"),
     "threshold": ((80,), "simulate e62 --speed 650 --rest-rate 0.02"),
     "threshold_of_a_slide": ((80,), "simulate ball --speed 60.37 --rest-rate 0.02"),

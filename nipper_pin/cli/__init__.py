@@ -26,6 +26,7 @@ os.environ["MPLBACKEND"] = "agg"
 from .. import __version__
 from ..errors import InputError, NipperError, meant, one_line
 from ..given import read_number, read_whole
+from .arguments import Once
 from .surroundings import interrupts, open_streams
 
 _RIGHT = 0
@@ -213,6 +214,8 @@ def _parser(command: str | None = None, commands: Commands = NIPPER_PIN) -> argp
         # Python's own take 1_0 and digits of other scripts for numbers.
         of_command.register("type", float, read_number)
         of_command.register("type", int, read_whole)
+        for stored in (None, "store"):
+            of_command.register("action", stored, Once)
         if command in (None, name):
             import_module(place, __package__).add_arguments(of_command)
     return parser

@@ -5,12 +5,13 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
 from ..given import read_number
-from ..mechanism import Mechanism, load
+from ..mechanism import Mechanism, load, number_of
 from ..written_units import number_in
 
 MODEL = "e62"
@@ -18,6 +19,34 @@ RESTITUTION = "restitution of the stop that the model's shortcut names"
 """Default model."""
 
 _SHORT = ("restitution", "stiffness")
+_PER_M = "_N_per_m"
+# A softer spring than this part of the model's, without a unit, is more likely one in N/mm.
+_TOO_SOFT = 100.0
+
+
+class Once(argparse.Action):
+    """Takes one value, and refuses another one behind it instead of forgetting the first."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: Any,
+        option_string: str | None = None,
+    ) -> None:
+        """Store the value."""
+        refuse_again(parser, namespace, option_string)
+        setattr(namespace, self.dest, values)
+
+
+def refuse_again(
+    parser: argparse.ArgumentParser, namespace: argparse.Namespace, option: str | None
+) -> None:
+    """Refuse an option that was given before."""
+    before = getattr(namespace, "options", ())
+    if option is not None and option in before:
+        parser.error(f"argument {option}: given twice; leave one out")
+    namespace.options = (*before, option)
 
 
 def add_model(parser: argparse.ArgumentParser, *, json_output: bool = True) -> None:
@@ -85,7 +114,39 @@ def load_mechanism(options: argparse.Namespace) -> Mechanism:
     Raises:
         InputError: A value or the model cannot be used.
     """
-    return load(options.model or MODEL, overrides(options))
+    given = overrides(options)
+    mechanism = load(options.model or MODEL, given)
+    if any(isinstance(value, float) or _is_bare(value) for value in given.values()):
+        ask_back(load(options.model or MODEL), given)
+    return mechanism
+
+
+def ask_back(own: Mechanism, given: Mapping[str, object]) -> None:
+    """Refuse a stiffness without a unit that reads like N/mm of a machine in N/m.
+
+    Args:
+        own: The machine with its own numbers.
+        given: New values by path or shortcut.
+
+    Raises:
+        InputError: A bare number is a hundredth of the machine's own or less.
+    """
+    for name, value in given.items():
+        path = own.shortcuts.get(name, name)
+        if not path.endswith(_PER_M) or not (isinstance(value, float) or _is_bare(value)):
+            continue
+        number, before = float(str(value)), number_of(own, path)
+        if 0.0 < number <= before / _TOO_SOFT:
+            message = (
+                f"{name} = {number:g} without a unit is {number:g} N/m, and the model has "
+                f"{before:g} N/m: write {number:g}N/mm, or {number:g}N/m if that is meant"
+            )
+            raise InputError(message, argument=name)
+
+
+def _is_bare(value: object) -> bool:
+    """Whether a text is a number without a unit."""
+    return isinstance(value, str) and isinstance(number_or_text(value), float)
 
 
 def overrides(options: argparse.Namespace) -> dict[str, object]:
@@ -166,6 +227,30 @@ def check_outputs(folder: str | None, document: str | None) -> None:
         check_folder(folder)
     if document is not None and document != "-":
         check_file(document)
+
+
+def need_own_folder(folder: str | None, model: str) -> None:
+    """Refuse a folder with the run of another model, which would be replaced.
+
+    Args:
+        folder: Folder of files, or None.
+        model: Name of the model.
+
+    Raises:
+        InputError: The case.json in it is of another model.
+    """
+    try:
+        text = "" if folder is None else (Path(folder) / "case.json").read_text(encoding="utf-8")
+        other = json.loads(text)["mechanism"]["name"]
+    except (OSError, ValueError, KeyError, TypeError):
+        # No run is there.
+        return
+    if other != model:
+        message = (
+            f"{folder} holds a run of {other}, and this one is of {model}: name another folder, or "
+            "remove that one"
+        )
+        raise InputError(message, folder=folder)
 
 
 def write_json(document: dict[str, Any], target: str) -> None:

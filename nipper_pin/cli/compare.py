@@ -13,7 +13,7 @@ from ..given import read_number
 from ..hybrid import Window
 from ..study.compare import Comparison, compare
 from ..written_units import number_in
-from .arguments import MODEL, RESTITUTION, check_outputs, refuse_beside, write_json
+from .arguments import MODEL, RESTITUTION, check_outputs, refuse_again, refuse_beside, write_json
 from .case_options import DRIVE_HELP, DRIVES, add_cycles, add_window
 from .compare_sides import simulated, sources, told_drive, told_machine, told_settings, told_window
 
@@ -48,6 +48,7 @@ class _OneOrTwo(argparse.Action):
         values: Any,
         option_string: str | None = None,
     ) -> None:
+        refuse_again(parser, namespace, option_string)
         found: list[Any] = []
         for word in values[:2]:
             try:
@@ -56,8 +57,18 @@ class _OneOrTwo(argparse.Action):
                 break
         if not found:
             parser.error(f"argument {option_string}: {self.refusal.format(values[0])}")
+        if len(values) > len(found) == 2 and self._fits(values[2]):
+            many = " ".join(values)
+            parser.error(f"argument {option_string}: one for both or two, and these are {many}")
         setattr(namespace, self.dest, found)
         namespace.behind = [*getattr(namespace, "behind", []), *values[len(found) :]]
+
+    def _fits(self, word: str) -> bool:
+        try:
+            self.value(word)
+        except ValueError:
+            return False
+        return True
 
 
 class _Speeds(_OneOrTwo):

@@ -10,7 +10,7 @@ from pathlib import Path
 from ..errors import InputError
 from ..hybrid import Case, Solution, Window
 from ..written_units import number_in
-from .arguments import MODEL, overrides, refuse_beside
+from .arguments import MODEL, ask_back, overrides, refuse_beside
 from .case_options import changed_case
 
 _SPEED = "speed"
@@ -86,6 +86,7 @@ def simulated(source: Source, options: argparse.Namespace) -> Solution:
         return run
     if run is None:
         mechanism = load(source.name, numbers)
+        ask_back(load(source.name), numbers)
         case = Case(speed_rpm=mechanism.cylinder.rated_speed_rpm, window=Window.CYCLE)
         if source.beside:
             case = load_solution(source.beside).case

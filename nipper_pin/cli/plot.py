@@ -21,7 +21,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--x", metavar="NAME", help="parameter across, of the level lines")
     parser.add_argument("--y", metavar="NAME", help="parameter upwards, of the level lines")
     parser.add_argument(
-        "--format", choices=["svg", "png"], default="svg", help="of the figures (default svg)"
+        "--format",
+        choices=["svg", "png", "pdf"],
+        default="svg",
+        help="of the figures (default svg)",
     )
     parser.add_argument("--out", metavar="DIR", help="folder of the figures (default DIR/plots)")
     parser.set_defaults(run=_run)

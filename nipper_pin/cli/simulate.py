@@ -20,6 +20,7 @@ from .arguments import (
     check_outputs,
     load_mechanism,
     machine_words,
+    need_own_folder,
     overrides,
     refuse_beside,
     write_json,
@@ -67,6 +68,7 @@ def _run(options: argparse.Namespace) -> None:
         require("view", "matplotlib", what="simulate --out, which draws plots,")
     mechanism, case = _asked(options)
     check_outputs(options.out, options.json)
+    need_own_folder(options.out, mechanism.name)
     with _progress(case) as advance:
         solution = simulate(mechanism, case, advance)
     need_sound(solution)
@@ -125,6 +127,7 @@ def _print(solution: Solution, options: argparse.Namespace) -> None:
         Terminal(),
         with_forces=options.forces,
         turns=turns,
+        written=(options.out, options.json),
         following=turns if solution.case.window is Window.TRANSITION else _view(options, solution),
     )
 

@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 import argparse
+import sys
 
-from ..errors import InputError
+from ..errors import InputError, one_line
 from ..hybrid import Solution, Window, need_sound
 from ..view.show import PORT, need_film, need_page
-from .arguments import add_model, check_outputs, load_mechanism, refuse_beside, write_json
+from .arguments import (
+    add_model,
+    check_outputs,
+    load_mechanism,
+    refuse_beside,
+    write_json,
+)
 from .case_options import add_window, new_case
 
 
@@ -78,6 +85,9 @@ def _run(options: argparse.Namespace) -> None:
         from ..view.scene.gif import write_gif
 
         write_gif(solution, options.gif, look)
+    if options.json != "-":
+        for place in filter(None, (options.html, options.gif, options.json)):
+            sys.stdout.write(f"{one_line(f'written: {place}')}\n")
     if served:
         from ..view.scene.page import scene_page
         from ..view.scene.server import serve

@@ -64,6 +64,9 @@ simulate --start-index 20
 simulate --no-reuse
 simulate --forces --json -
 simulate --units mm
+simulate --stiffness 9
+check --set springs.steeve.stiffness_N_per_m=9
+compare --stiffness 9000 9
 simulate --restitution 0.1 --set restitution=0.2
 simulate --set restitution=0.1 --set restitution=0.2
 simulate --restitution 0.1 --set stops.jaw.restitution=0.2

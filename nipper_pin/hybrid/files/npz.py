@@ -214,7 +214,7 @@ def load_solution(path: str | Path) -> Solution:
     """Read a solution written by ``save``; its mechanism is validated again.
 
     Args:
-        path: The file.
+        path: The file, or the folder of ``simulate --out`` that holds it.
 
     Returns:
         A solution equal to the saved one in every number.
@@ -224,7 +224,7 @@ def load_solution(path: str | Path) -> Solution:
     """
     try:
         # A file of our own is closed whatever is wrong with its content.
-        with opened(Path(path)) as stream:
+        with opened(_file(path, "solution.npz")) as stream:
             stored = read_archive(stream)
         text = str(stored.pop("document"))
         _check_format(text, path)
@@ -248,17 +248,26 @@ def save_case(mechanism: Mechanism, case: Case, path: str | Path) -> Path:
 def load_case(path: str | Path) -> tuple[Mechanism, Case]:
     """Read a case written by ``save_case``; its mechanism is validated again.
 
+    Args:
+        path: The file, or the folder of ``simulate --out`` that holds it.
+
     Raises:
         InputError: The file is missing, damaged or of another format.
     """
     try:
-        text = read_text(Path(path), MOST_JSON)
+        text = read_text(_file(path, "case.json"), MOST_JSON)
         _check_format(text, path)
         setting = msgspec.json.decode(text, type=SavedCase)
         return _mechanism(setting), _case(setting.case)
     except _DAMAGE as error:
         message = f"{path}: not a saved case, or a damaged one ({error})"
         raise InputError(message, file=str(path)) from error
+
+
+def _file(path: str | Path, name: str) -> Path:
+    """A file, or that of its name in the folder of a run."""
+    place = Path(path)
+    return place / name if place.is_dir() else place
 
 
 def _setting(mechanism: Mechanism, case: Case) -> dict[str, Any]:

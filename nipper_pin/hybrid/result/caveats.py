@@ -16,8 +16,34 @@ from ..event import Event, EventKind
 
 # Enough for rows of ten balls, in a tenth of a second.
 _MOST_STRIKES = 10_000
+# Times the rated speed; nobody asks for that much.
+_TOO_FAST = 100.0
 _OTHER: dict[Simultaneous, Simultaneous] = {"newton": "sequential", "sequential": "newton"}
 _MEANS = {"newton": "all at once", "sequential": "from contact to contact"}
+
+
+def unusual(mechanism: Mechanism, case: Case) -> str:
+    """What of the setting is hardly meant, in sentences; empty if nothing is."""
+    rated = mechanism.cylinder.rated_speed_rpm
+    told = []
+    if case.speed_rpm > _TOO_FAST * rated:
+        told.append(
+            f"{case.speed_rpm:g} r/min is {case.speed_rpm / rated:.3g} times the rated speed of "
+            f"{rated:g} r/min: is it meant?"
+        )
+    shut = {mechanism.stop(name).index for name in _initially(mechanism)}
+    for spring in mechanism.springs:
+        if spring.preload < 0.0 and spring.index in shut:
+            told.append(
+                f"Spring {spring.name} has a preload below zero: it pulls the stop open that is "
+                "closed in the initial phase."
+            )
+    return " ".join(told)
+
+
+def _initially(mechanism: Mechanism) -> frozenset[str]:
+    """Stops that are closed in the initial phase."""
+    return mechanism.phase(mechanism.initial_phase).closed
 
 
 def law_that_matters(system: System, events: Sequence[Event]) -> str:

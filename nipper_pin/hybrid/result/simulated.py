@@ -142,10 +142,11 @@ class Simulated:
     @cached_property
     def warnings(self) -> tuple[str, ...]:
         """What to know before its numbers are used, a sentence each; usually nothing."""
-        from .caveats import bounces_summed_up, law_that_matters
+        from .caveats import bounces_summed_up, law_that_matters, unusual
 
         mechanism = self.mechanism
         told = (
+            unusual(mechanism, self.case),
             mechanism.closing,
             mechanism.curves,
             law_that_matters(self.led_system, self.led_events),

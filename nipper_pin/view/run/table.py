@@ -31,6 +31,7 @@ def print_solution(
     *,
     with_forces: bool = False,
     turns: str = "",
+    written: Sequence[str | None] = (),
     following: str = "",
 ) -> None:
     """Print the results of a run: what its transition came to, then tables.
@@ -41,6 +42,7 @@ def print_solution(
         console: Where to print, of any width.
         with_forces: Print the ranges of the forces of closed stops, too.
         turns: The command that simulates whole turns of the same settings.
+        written: Files and folders that were written.
         following: The command to run next.
     """
     header(solution, console)
@@ -58,6 +60,8 @@ def print_solution(
         forces(solution, console)
     checks(solution, console)
     headline(console, solution.outcome.value)
+    for place in filter(None, written):
+        paste(console, f"written: {place}")
     if following:
         paste(console, f"Next: {following}")
 

@@ -35,7 +35,7 @@ def plot_sweep(
         quantities: What to draw; by default the first quantity of the study.
         across: Parameter across, of the level lines; by default the first one left.
         upwards: Parameter upwards; by default the next one left.
-        kind: "svg" or "png".
+        kind: "svg", "png" or "pdf".
         target: Folder of the figures; by default ``plots`` in that of the sweep.
 
     Returns:
