@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import io
+import sys
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -42,21 +43,22 @@ def part(function: _Function) -> _Function:
     """Compile a function that only compiled ones call; called from Python it does nothing.
 
     It is typed, and becomes machine code in those that call it: machine code of its own, which
-    nobody runs, would take half of the time of a first use.
+    nobody runs, would take half of the time of a first use. It counts no references, which would
+    take half of the time of a turn: it makes no arrays, and returns views to other parts alone.
     """
     wrapped = numba.njit(
-        error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, pipeline_class=_Typed
-    )(function)
+        error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, pipeline_class=_Typed,
+        _nrt=False,
+    )(function)  # fmt: skip
     return cast("_Function", wrapped)
 
 
 class _PartLibrary(JITCodeLibrary):  # type: ignore[misc]
-    """Code of a part, which those that link it optimise with their own."""
+    """Code of a part, linked and optimised by what Python calls."""
 
-    def _optimize_final_module(self) -> None:
-        pass
-
-    def _finalize_final_module(self) -> None:
+    def finalize(self) -> None:
+        """Leave it as it is."""
+        self._raise_if_finalized()
         self._finalize_dynamic_globals()
         self._finalized = True
 
@@ -74,7 +76,8 @@ class _PartLowering(NativeLowering):  # type: ignore[misc]
         super().run_pass(state)
         # In the place of a function for Python, by which callers know this one.
         door: Any = [].append
-        state.targetctx.insert_user_function(door, state.cr.fndesc, [state.library])
+        libraries = [state.library, *state.library._linking_libraries]
+        state.targetctx.insert_user_function(door, state.cr.fndesc, libraries)
         state.reload_init.extend(state.library._reload_init)
         state["cr"] = state.cr._replace(cfunc=door)
         return True
@@ -107,10 +110,15 @@ def _kept(function: Callable[..., object]) -> _KeptCode | None:
 def _tell_that_nothing_is_kept() -> None:
     warnings.warn(
         "no folder can be written for the machine code of the reduced engine, so each process "
-        "compiles it anew, which takes about a minute; set NUMBA_CACHE_DIR to a folder of yours",
+        "compiles it anew, which takes some ten seconds; set NUMBA_CACHE_DIR to a folder of yours",
         RuntimeWarning,
         stacklevel=2,
     )
+
+
+@cache
+def _tell_that_it_takes_time() -> None:
+    sys.stderr.write("compiling the reduced engine, once on this machine: some ten seconds\n")
 
 
 @cache
@@ -172,6 +180,13 @@ class _KeptCode(FunctionCache):  # type: ignore[misc]
     def __init__(self, function: Callable[..., object]) -> None:
         super().__init__(function)
         self._cache_file = _CheckedFiles(self._cache_path, self._impl.filename_base, _sources())
+
+    def load_overload(self, sig: object, target_context: object) -> object:
+        """Machine code of a signature; None where it is to be compiled, which a terminal is told."""
+        found = super().load_overload(sig, target_context)
+        if found is None and sys.stderr.isatty():
+            _tell_that_it_takes_time()
+        return found
 
     def save_overload(self, sig: object, data: object) -> None:
         """Keep machine code, if there can be a folder for it."""

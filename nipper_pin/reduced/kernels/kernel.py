@@ -162,7 +162,7 @@ def _flown(grids: FloatArray, tables: Tables, y: Tables, turn: Turn, work: Work,
     return True, Start(speed * T, late, v, wrong)
 
 
-@part
+@compiled
 def _scratch(tables: Tables, series: FloatArray, line: FloatArray) -> Work:
     """Scratch arrays."""
     _, cells, count_u, count_x = tables.equation.shape

@@ -144,9 +144,6 @@ class Turn(NamedTuple):
 class Work(NamedTuple):
     """Scratch arrays of one call, made in it: no two threads share them.
 
-    Few arrays and no views of them go through the inner functions: each would cost as much in
-    counted references as a short polynomial does in arithmetic.
-
     Attributes:
         case: Numbers of the case, shape (CASE_NUMBERS,).
         mixed: Functions combined for the case, shape (cells, Nu, (3 + other stops) Nx): terms of

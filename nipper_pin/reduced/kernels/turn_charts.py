@@ -93,7 +93,10 @@ def off_rows(charts: Charts, c: int, begin: float, end: float, gaps: tuple[float
 @part
 def off_rows_at(charts: Charts, c: int, x: float) -> bool:
     """Whether a spring is off the rows of its table at a gap, at any travel."""
-    return bool(charts.on_rows.shape[1] > 0 and charts.on_rows[c].max() < x)
+    for row in range(charts.on_rows.shape[1]):
+        if charts.on_rows[c, row] >= x:
+            return False
+    return bool(charts.on_rows.shape[1] > 0)
 
 
 @part

@@ -109,7 +109,9 @@ def force_at(charts: Charts, work: TurnWork, c: int, u: float) -> tuple[float, f
 @part
 def wrong_by(charts: Charts, work: TurnWork, c: int) -> tuple[float, float]:
     """Bound on the error of the force of a closed stop: absolute [N], and by the force."""
-    C = 2.0 * np.abs(charts.inertia[c, :, 0]).max()
+    C = 0.0
+    for cell in range(charts.inertia.shape[1]):
+        C = max(C, 2.0 * abs(charts.inertia[c, cell, 0]))
     wrong = size(work.sizes[c], RESIDUAL, 0.0) * C / charts.lever[charts.stop[c]]
     return wrong, charts.inertia_residual[c] + 16.0 * EPS
 
