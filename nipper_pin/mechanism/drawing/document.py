@@ -126,7 +126,6 @@ def _phases(closed: tuple[str, ...], struck: str) -> list[dict[str, Any]]:
 def _shortcuts(struck: str, springs: dict[str, Any]) -> dict[str, str]:
     found = {"restitution": f"stops.{struck}.restitution"} if struck else {}
     name, table = next(iter(springs.items()), ("", {}))
-    for word in ("stiffness", "preload"):
-        if key := next((key for key in table if key.startswith(word)), ""):
-            found[word] = f"springs.{name}.{key}"
+    if key := next((key for key in table if key.startswith("stiffness")), ""):
+        found["stiffness"] = f"springs.{name}.{key}"
     return found
