@@ -20,30 +20,11 @@ from ...tolerances.reduced import (
     PHASE_TOLERANCE,
     STEADY_DECELERATION,
 )
+from . import layout as rows
 from .compiled import part
 from .flight import flight
-from .flight_errors import drift, flight_errors, size, sizes_of
-from .layout import (
-    AT_REST,
-    BY_U,
-    BY_V,
-    BY_X,
-    FAILS,
-    HIGH,
-    HOLDS,
-    LEFT_TRAVEL,
-    LOW,
-    RESIDUAL,
-    SCALE,
-    SPAN,
-    SPEED,
-    TRACED,
-    TRAVEL_MOST,
-    UNKNOWN,
-    Tables,
-    Turn,
-    Work,
-)
+from .flight_errors import drift, exponent, flight_errors, size, sizes_of
+from .layout import Tables, Turn, Work
 from .panel import acceleration, chebyshev, contract, mix
 
 _MOST_FLIGHTS = 64
@@ -156,9 +137,9 @@ def prepare(y: Tables, work: Work, speed: float, gravity: float, stiffness: Floa
             preload: FloatArray) -> None:  # fmt: skip
     """Combine the tables of a turn for a case."""
     case = work.case
-    case[SPEED], case[TRAVEL_MOST], case[SPAN] = speed, y.travel, y.travel
-    case[LOW], case[HIGH], case[TRACED] = y.low, y.high, 0.0
-    case[SCALE] = 2.0 / (y.high - y.low)
+    case[rows.SPEED], case[rows.TRAVEL_MOST], case[rows.SPAN] = speed, y.travel, y.travel
+    case[rows.LOW], case[rows.HIGH], case[rows.TRACED] = y.low, y.high, 0.0
+    case[rows.SCALE] = 2.0 / (y.high - y.low)
     mix(y, work.mixed, speed, gravity, stiffness, preload)
     sizes_of(y, work.sizes, speed, gravity, stiffness, preload)
 
@@ -200,29 +181,29 @@ def arrives(grids: FloatArray, y: Tables, turn: Turn, work: Work, speed: float,
                 if over < touch - BEFORE_TOUCH and steady:
                     next_one = released(work.line, cells, count, touch, u, touch)
                     if next_one < 0.0:
-                        return UNKNOWN, 0.0, 0.0
+                        return rows.UNKNOWN, 0.0, 0.0
                     resting = next_one > over
         if resting:
             u = released(work.line, cells, count, touch, u, touch)
             if u < 0.0 or abs(u - touch) < BEFORE_TOUCH:
-                return UNKNOWN, 0.0, 0.0
+                return rows.UNKNOWN, 0.0, 0.0
             if u > touch:
-                return HOLDS, 0.0, 0.0
+                return rows.HOLDS, 0.0, 0.0
             w = 0.0
             u_free, w_free = u, w
         ended, T, v, _, _, _, _, _, _, _, _ = flight(
             grids, case, mixed, poly, nodes, degree, u, 0.0, w, PHASE_TOLERANCE, at_opening
         )
         at_opening = False
-        if int(ended) == LEFT_TRAVEL:
-            return FAILS, u_free, w_free
-        if int(ended) != AT_REST:
-            return UNKNOWN, 0.0, 0.0
+        if int(ended) == rows.LEFT_TRAVEL:
+            return rows.FAILS, u_free, w_free
+        if int(ended) != rows.AT_REST:
+            return rows.UNKNOWN, 0.0, 0.0
         u += speed * T
         if u > touch - BEFORE_TOUCH:
-            return UNKNOWN, 0.0, 0.0
+            return rows.UNKNOWN, 0.0, 0.0
         w = -e_N * v
-    return UNKNOWN, 0.0, 0.0
+    return rows.UNKNOWN, 0.0, 0.0
 
 
 @part
@@ -245,21 +226,21 @@ def in_flight(grids: FloatArray, y: Tables, turn: Turn, work: Work, speed: float
         )
         at_opening = False
         status = int(ended)
-        if status == LEFT_TRAVEL:
+        if status == rows.LEFT_TRAVEL:
             found, rate = x, v
             steady = changed + _steady(sizes, speed, fastest, dt) + left
-            K = exp(_felt(sizes, fastest, T))
+            K = exp(exponent(sizes, fastest, T))
             dy = K * (dw * T + 0.5 * steady * T * T) + fastest * dt + 4.0 * EPS * abs(found)
             dv = K * (dw + steady * T) + abs(a) * dt + 4.0 * EPS * fastest
             if not dy < FLIGHT_UNRESOLVED * found:
                 return failed
-            place = case[SCALE] * (found - case[LOW]) - 1.0
+            place = case[rows.SCALE] * (found - case[rows.LOW]) - 1.0
             size_of = turn.touch.shape[1]
             x = chebyshev(turn.touch, 0, 0, size_of, place)
             by_y = chebyshev(turn.touch, 1, 0, size_of, place)
             by_u = chebyshev(turn.touch, 2, 0, size_of, place)
             # The derivatives change by less than themselves over the whole domain.
-            bent = dy / (case[HIGH] - case[LOW])
+            bent = dy / (case[rows.HIGH] - case[rows.LOW])
             dx = abs(by_y) * dy + turn.touch_errors[0]
             dv = (
                 abs(by_y) * dv
@@ -267,7 +248,7 @@ def in_flight(grids: FloatArray, y: Tables, turn: Turn, work: Work, speed: float
                 + speed * (turn.touch_errors[2] + abs(by_u) * bent)
             )
             return True, x, by_y * rate + by_u * speed, dx, dv
-        if status != AT_REST:
+        if status != rows.AT_REST:
             return failed
         duration, dv, _ = flight_errors(sizes, speed, T, v, a, peak, fastest, changed, left, dt, dw)
         u += speed * T
@@ -279,25 +260,19 @@ def in_flight(grids: FloatArray, y: Tables, turn: Turn, work: Work, speed: float
 
 
 @part
-def _felt(sizes: FloatArray, fastest: float, T: float) -> float:
-    """Exponent of Gronwall's lemma."""
-    return min(size(sizes, BY_V, fastest) * T + 0.5 * size(sizes, BY_X, fastest) * T * T, 50.0)
-
-
-@part
 def _steady(sizes: FloatArray, speed: float, fastest: float, dt: float) -> float:
     """Error of y'' of the tables and of the time."""
-    return size(sizes, RESIDUAL, fastest) + speed * size(sizes, BY_U, fastest) * dt
+    return size(sizes, rows.RESIDUAL, fastest) + speed * size(sizes, rows.BY_U, fastest) * dt
 
 
 @part
 def landed(sizes: FloatArray, speed: float, T: float, v: float, a: float, fastest: float,
            changed: float, left: float, dx: float, dw: float) -> tuple[float, float]:  # fmt: skip
     """Errors of time and rate at the end of a flight that starts with errors of x and x'."""
-    felt = _felt(sizes, fastest, T)
+    felt = exponent(sizes, fastest, T)
     K = exp(felt)
     e = felt * changed + _steady(sizes, speed, fastest, 0.0) + left
     off = K * (dx + dw * T + 0.5 * e * T * T)
     dt = off / abs(v) + 4.0 * EPS * T
-    rate = K * (dw + (e + size(sizes, BY_X, fastest) * dx) * T) + abs(a) * dt
+    rate = K * (dw + (e + size(sizes, rows.BY_X, fastest) * dx) * T) + abs(a) * dt
     return dt, rate + 4.0 * EPS * abs(v)

@@ -16,35 +16,10 @@ from math import sqrt
 
 from ...arrays import FloatArray
 from ...tolerances.reduced import NEWTON_STEP, TRAVEL_END, ZERO_RESOLUTION
+from . import layout as rows
 from .compiled import part
 from .flight_errors import begin_growth, grow, size
 from .hits import Held, first_hit
-from .layout import (
-    AT_REST,
-    BY_U,
-    BY_V,
-    BY_X,
-    HIGH,
-    KEPT,
-    LEFT_GAP,
-    LEFT_TRAVEL,
-    LEVELS,
-    NODE_A,
-    NODE_V,
-    NODE_X,
-    OTHER_STOP,
-    RESIDUAL,
-    SCRATCH_ROWS,
-    SERIES,
-    SERIES_ONCE,
-    SERIES_TWICE,
-    SIGMA,
-    SPAN,
-    SPEED,
-    TRACED,
-    TRAVEL_MOST,
-    UNRESOLVED,
-)
 from .panel import (
     OVERSHOOT,
     acceleration,
@@ -67,12 +42,12 @@ def keep(held: Held, covered: float) -> None:
     """Keep a panel of a flight up to a part of it, if panels are kept and there is room."""
     nodes = held.nodes
     first = _next_block(nodes)
-    if first + SCRATCH_ROWS > nodes.shape[0]:
+    if first + rows.SCRATCH_ROWS > nodes.shape[0]:
         return
-    for row in (SERIES, SERIES_ONCE, SERIES_TWICE):
+    for row in (rows.SERIES, rows.SERIES_ONCE, rows.SERIES_TWICE):
         for i in range(held.order + 2):
             nodes[first + row, i] = nodes[row, i]
-    numbers = nodes[first + KEPT]
+    numbers = nodes[first + rows.KEPT]
     numbers[FROM], numbers[LENGTH], numbers[COVERED] = held.u, held.h, covered
     numbers[X_BEGIN], numbers[V_BEGIN], numbers[NODES] = held.x0, held.v0, float(held.order)
     numbers[BOUNCED] = 0.0
@@ -83,9 +58,9 @@ def keep_rest(nodes: FloatArray, chart: int, u: float, end: float, speed: float,
               bounced: bool) -> None:  # fmt: skip
     """Keep a stretch at rest between two travels of a chart; ``late`` bounds the errors of both."""
     first = _next_block(nodes)
-    if first + SCRATCH_ROWS > nodes.shape[0]:
+    if first + rows.SCRATCH_ROWS > nodes.shape[0]:
         return
-    numbers = nodes[first + KEPT]
+    numbers = nodes[first + rows.KEPT]
     numbers[CHART], numbers[FROM], numbers[LENGTH] = float(chart), u, (end - u) / speed
     numbers[COVERED], numbers[X_BEGIN], numbers[V_BEGIN], numbers[NODES] = 1.0, 0.0, 0.0, 0.0
     numbers[T_WRONG], numbers[X_WRONG], numbers[V_WRONG], numbers[A_WRONG] = late, 0.0, 0.0, 0.0
@@ -106,16 +81,16 @@ def describe(nodes: FloatArray, before: int, chart: int, sizes: FloatArray,
             x'', and error of the time at its start.
         wrong: Bounds on the errors of time, x and x' along it.
     """
-    if nodes.shape[0] == SCRATCH_ROWS:
+    if nodes.shape[0] == rows.SCRATCH_ROWS:
         return
     speed, T, fastest, changed, left, dt = motion
     late, dx, dv = wrong
-    by_v, by_x = size(sizes, BY_V, fastest), size(sizes, BY_X, fastest)
+    by_v, by_x = size(sizes, rows.BY_V, fastest), size(sizes, rows.BY_X, fastest)
     felt = min(by_v * T + 0.5 * by_x * T * T, 1.0)
-    da = size(sizes, RESIDUAL, fastest) + by_x * dx + by_v * dv + felt * changed + left
-    da += speed * size(sizes, BY_U, fastest) * dt
+    da = size(sizes, rows.RESIDUAL, fastest) + by_x * dx + by_v * dv + felt * changed + left
+    da += speed * size(sizes, rows.BY_U, fastest) * dt
     for number in range(before, kept(nodes)):
-        numbers = nodes[(1 + number) * SCRATCH_ROWS + KEPT]
+        numbers = nodes[(1 + number) * rows.SCRATCH_ROWS + rows.KEPT]
         numbers[CHART], numbers[T_WRONG] = float(chart), late
         numbers[X_WRONG], numbers[V_WRONG], numbers[A_WRONG] = dx, dv, da
 
@@ -123,21 +98,21 @@ def describe(nodes: FloatArray, before: int, chart: int, sizes: FloatArray,
 @part
 def kept(nodes: FloatArray) -> int:
     """Number of panels that are kept."""
-    return int(nodes[KEPT, 0])
+    return int(nodes[rows.KEPT, 0])
 
 
 @part
 def full(nodes: FloatArray) -> bool:
     """Whether panels are kept, and one more may not find room."""
-    return nodes.shape[0] > SCRATCH_ROWS and len(nodes) < (kept(nodes) + 2) * SCRATCH_ROWS
+    return nodes.shape[0] > rows.SCRATCH_ROWS and len(nodes) < (kept(nodes) + 2) * rows.SCRATCH_ROWS
 
 
 @part
 def _next_block(nodes: FloatArray) -> int:
     """First row of the next block, which counts as kept from now on if there is room for it."""
-    first = (1 + kept(nodes)) * SCRATCH_ROWS
-    if first + SCRATCH_ROWS <= nodes.shape[0]:
-        nodes[KEPT, 0] += 1.0
+    first = (1 + kept(nodes)) * rows.SCRATCH_ROWS
+    if first + rows.SCRATCH_ROWS <= nodes.shape[0]:
+        nodes[rows.KEPT, 0] += 1.0
     return first
 
 
@@ -179,18 +154,18 @@ def _first_zero(
     grids: FloatArray, nodes: FloatArray, level: int, h: float, x0: float, v0: float
 ) -> float:
     """First passage of x from positive to not positive on a panel, or -1."""
-    count = LEVELS[level]
+    count = rows.LEVELS[level]
     for j in range(1, count):
-        x, before = nodes[NODE_X, j], grids[SIGMA, level, 0, j - 1]
+        x, before = nodes[rows.NODE_X, j], grids[rows.SIGMA, level, 0, j - 1]
         if x <= 0.0:
-            high = grids[SIGMA, level, 0, j]
-            start, v = high, nodes[NODE_V, j]
+            high = grids[rows.SIGMA, level, 0, j]
+            start, v = high, nodes[rows.NODE_V, j]
             if v < 0.0:
                 start = max(high - x / (h * v), 0.5 * (before + high))
             return _zero(nodes, count, h, x0, v0, before, high, start)
-        if nodes[NODE_V, j - 1] < 0.0 <= nodes[NODE_V, j]:
+        if nodes[rows.NODE_V, j - 1] < 0.0 <= nodes[rows.NODE_V, j]:
             # A minimum between two positive nodes may be below zero.
-            low, high = before, grids[SIGMA, level, 0, j]
+            low, high = before, grids[rows.SIGMA, level, 0, j]
             for _ in range(60):
                 middle = 0.5 * (low + high)
                 if rate_at(nodes, count, h, v0, middle) < 0.0:
@@ -206,13 +181,13 @@ def _first_zero(
 def _highest(grids: FloatArray, nodes: FloatArray, level: int, h: float, x0: float,
              v0: float, end: float) -> tuple[float, float]:  # fmt: skip
     """Largest x on [0, end] and its place."""
-    count = LEVELS[level]
+    count = rows.LEVELS[level]
     best, place, number = x0, 0.0, 0
     for j in range(1, count):
-        if grids[SIGMA, level, 0, j] < end and nodes[NODE_X, j] > best:
-            best, place, number = nodes[NODE_X, j], grids[SIGMA, level, 0, j], j
-    low = grids[SIGMA, level, 0, max(number - 1, 0)]
-    high = min(grids[SIGMA, level, 0, min(number + 1, count - 1)], end)
+        if grids[rows.SIGMA, level, 0, j] < end and nodes[rows.NODE_X, j] > best:
+            best, place, number = nodes[rows.NODE_X, j], grids[rows.SIGMA, level, 0, j], j
+    low = grids[rows.SIGMA, level, 0, max(number - 1, 0)]
+    high = min(grids[rows.SIGMA, level, 0, min(number + 1, count - 1)], end)
     if rate_at(nodes, count, h, v0, low) <= 0.0 or rate_at(nodes, count, h, v0, high) >= 0.0:
         return best, place
     peak = place if low < place < high else 0.5 * (low + high)
@@ -222,7 +197,7 @@ def _highest(grids: FloatArray, nodes: FloatArray, level: int, h: float, x0: flo
             low = peak
         else:
             high = peak
-        slope = h * chebyshev(nodes, SERIES, 0, count, 2.0 * peak - 1.0)
+        slope = h * chebyshev(nodes, rows.SERIES, 0, count, 2.0 * peak - 1.0)
         new = peak - v / slope if slope < 0.0 else -1.0
         if not (low <= new <= high):
             new = 0.5 * (low + high)
@@ -238,9 +213,9 @@ def _ballistic(case: FloatArray, mixed: FloatArray, poly: FloatArray, degree: in
                x: float, v: float, a0: float) -> float:  # fmt: skip
     """Time to the next zero of x, for an acceleration a0 < 0 that changes linearly with time."""
     h = (v + sqrt(max(v * v - 2.0 * a0 * x, 0.0))) / -a0
-    if x > 0.0 or u + h * case[SPEED] > case[TRAVEL_MOST]:
+    if x > 0.0 or u + h * case[rows.SPEED] > case[rows.TRAVEL_MOST]:
         return h
-    contract(mixed, poly, poly.shape[0] - 1, case[SPAN], u + h * case[SPEED])
+    contract(mixed, poly, poly.shape[0] - 1, case[rows.SPAN], u + h * case[rows.SPEED])
     mean = (2.0 * a0 + acceleration(case, poly, degree, 0.0, -v)) / 3.0
     return 2.0 * v / -mean if mean < 0.5 * a0 else h
 
@@ -257,7 +232,7 @@ def flight(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatAr
         acceleration at the end, fastest rate, of all panels the largest last change and steady
         error of x'', x at the end, and the number of the other stop.
     """
-    speed, travel = case[SPEED], case[TRAVEL_MOST]
+    speed, travel = case[rows.SPEED], case[rows.TRAVEL_MOST]
     t, x, v = 0.0, x0, w
     a = 0.0
     amplitude = peak_time = fastest = changed = left = 0.0
@@ -267,8 +242,8 @@ def flight(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatAr
         u = u0 + speed * t
         longest = (travel - u) / speed
         if longest <= TRAVEL_END * travel / speed:
-            return LEFT_TRAVEL, t, v, amplitude, peak_time, a, fastest, changed, left, x, -1.0
-        contract(mixed, poly, poly.shape[0] - 1, case[SPAN], u)
+            return rows.LEFT_TRAVEL, t, v, amplitude, peak_time, a, fastest, changed, left, x, -1.0
+        contract(mixed, poly, poly.shape[0] - 1, case[rows.SPAN], u)
         a0 = acceleration(case, poly, degree, x, v)
         h = longest
         # At a release a0 is round-off.
@@ -286,47 +261,47 @@ def flight(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatAr
         if level < 0:
             # Outside the domain the tables do not hold, and the iteration does not converge.
             highest = 0.0
-            for j in range(LEVELS[-1]):
-                highest = max(highest, nodes[NODE_X, j])
-            return (LEFT_GAP if highest > case[HIGH] else UNRESOLVED), *failed
+            for j in range(rows.LEVELS[-1]):
+                highest = max(highest, nodes[rows.NODE_X, j])
+            return (rows.LEFT_GAP if highest > case[rows.HIGH] else rows.UNRESOLVED), *failed
         changed, left = max(changed, change), max(left, missing)
-        count = LEVELS[level]
+        count = rows.LEVELS[level]
         coefficients(grids, nodes, level)
         end = _first_zero(grids, nodes, level, h, x, v)
         until = end if end >= 0.0 else 1.0
         first = 1 if panel == 0 and touching else 0
         for j in range(count):
-            fastest = max(fastest, abs(nodes[NODE_V, j]))
-        held = Held(mixed, case, poly, nodes, degree, LEVELS[level], u, h, x, v)
+            fastest = max(fastest, abs(nodes[rows.NODE_V, j]))
+        held = Held(mixed, case, poly, nodes, degree, rows.LEVELS[level], u, h, x, v)
         place, hit = first_hit(grids, held, level, until, first)
         if hit >= 0:
             until = place
         # The usual bounce ends on its first panel, and its errors are known by a formula.
-        if case[TRACED] > 0.0 and (panel > 0 or end < 0.0 or x0 > 0.0):
+        if case[rows.TRACED] > 0.0 and (panel > 0 or end < 0.0 or x0 > 0.0):
             grow(held, until)
-        if nodes.shape[0] > SCRATCH_ROWS:
+        if nodes.shape[0] > rows.SCRATCH_ROWS:
             keep(held, until)
         top, highest_at = _highest(grids, nodes, level, h, x, v, until)
-        if not top <= case[HIGH]:
-            return LEFT_GAP, *failed
+        if not top <= case[rows.HIGH]:
+            return rows.LEFT_GAP, *failed
         if top > amplitude:
             amplitude, peak_time = top, t + h * highest_at
         if hit >= 0:
             rate = rate_at(nodes, count, h, v, place)
-            a = chebyshev(nodes, SERIES, 0, count, 2.0 * place - 1.0)
+            a = chebyshev(nodes, rows.SERIES, 0, count, 2.0 * place - 1.0)
             gap = position(nodes, count, h, x, v, place)
             return (
-                OTHER_STOP, t + h * place, rate, max(amplitude, gap), peak_time, a, fastest,
+                rows.OTHER_STOP, t + h * place, rate, max(amplitude, gap), peak_time, a, fastest,
                 changed, left, gap, hit,
             )  # fmt: skip
         if end >= 0.0:
             rate = rate_at(nodes, count, h, v, end)
-            a = chebyshev(nodes, SERIES, 0, count, 2.0 * end - 1.0)
+            a = chebyshev(nodes, rows.SERIES, 0, count, 2.0 * end - 1.0)
             return (
-                AT_REST, t + h * end, rate, amplitude, peak_time, a, fastest, changed, left, 0.0,
-                -1.0,
+                rows.AT_REST, t + h * end, rate, amplitude, peak_time, a, fastest, changed, left,
+                0.0, -1.0,
             )  # fmt: skip
         t += h
-        x, v = nodes[NODE_X, count - 1], nodes[NODE_V, count - 1]
-        a = nodes[NODE_A, count - 1]
-    return UNRESOLVED, *failed
+        x, v = nodes[rows.NODE_X, count - 1], nodes[rows.NODE_V, count - 1]
+        a = nodes[rows.NODE_A, count - 1]
+    return rows.UNRESOLVED, *failed

@@ -37,9 +37,10 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...tolerances.mechanics import EPS
+from . import layout as rows
 from .compiled import part
 from .hits import Held
-from .layout import BY_U, BY_V, BY_X, GROWTH, LOW, RESIDUAL, SCALE, SPAN, SPEED, Tables
+from .layout import Tables
 from .panel import chebyshev, contract, position, rate_at
 
 # Steps of a panel; panels are shorter than a period of what they resolve.
@@ -49,7 +50,7 @@ _STEPS = 16
 @part
 def begin_growth(nodes: FloatArray) -> None:
     """Mark that no panel has been traced yet."""
-    nodes[GROWTH, 0] = np.nan
+    nodes[rows.GROWTH, 0] = np.nan
 
 
 @part
@@ -60,7 +61,7 @@ def grow(held: Held, end: float) -> None:
     three errors of x, then three of x'.
     """
     nodes = held.nodes
-    g = nodes[GROWTH]
+    g = nodes[rows.GROWTH]
     if np.isnan(g[0]):
         g[0], g[1], g[2], g[3], g[4], g[5] = 1.0, 0.0, 0.0, 0.0, 1.0, 0.0
     xx, xv, vx, vv, rx, rv = 1.0, 0.0, 0.0, 1.0, 0.0, 0.0
@@ -86,10 +87,10 @@ def _slopes(held: Held, sigma: float) -> tuple[float, float]:
     """Derivatives of x'' by x and by x' at a place of a panel."""
     case, poly, degree = held.case, held.poly, held.degree
     row = poly.shape[0] - 1
-    contract(held.mixed, poly, row, case[SPAN], held.u + held.h * case[SPEED] * sigma)
+    contract(held.mixed, poly, row, case[rows.SPAN], held.u + held.h * case[rows.SPEED] * sigma)
     x = position(held.nodes, held.order, held.h, held.x0, held.v0, sigma)
     v = rate_at(held.nodes, held.order, held.h, held.v0, sigma)
-    place = case[SCALE] * (x - case[LOW]) - 1.0
+    place = case[rows.SCALE] * (x - case[rows.LOW]) - 1.0
     by_v = chebyshev(poly, row, degree, degree, place)
     by_v += 2.0 * v * chebyshev(poly, row, 2 * degree, degree, place)
     older, old, by_x = 0.0, 1.0, 0.0
@@ -98,7 +99,7 @@ def _slopes(held: Held, sigma: float) -> tuple[float, float]:
         terms = poly[row, m] + v * (poly[row, degree + m] + v * poly[row, 2 * degree + m])
         by_x += m * terms * old
         older, old = old, 2.0 * place * old - older
-    return case[SCALE] * by_x, by_v
+    return case[rows.SCALE] * by_x, by_v
 
 
 # A change of x'' enters the time of a bounce once and the next rate twice.
@@ -115,9 +116,9 @@ def sizes_of(tables: Tables, sizes: FloatArray, speed: float, gravity: float, st
     first = 4 + 2 * len(stiffness)
     for row in range(3):
         values = tables.residual
-        if row == BY_X:
+        if row == rows.BY_X:
             values = tables.steepest_x
-        elif row == BY_U:
+        elif row == rows.BY_U:
             values = tables.steepest_u
         total = speed * speed * values[0] + abs(gravity) * values[3]
         for k in range(len(stiffness)):
@@ -126,15 +127,22 @@ def sizes_of(tables: Tables, sizes: FloatArray, speed: float, gravity: float, st
         if len(values) == first + 3:
             sizes[row, 0] += values[first] + speed * values[first + 1]
             sizes[row, 1] += values[first + 2]
-    sizes[BY_V, 0], sizes[BY_V, 1] = speed * tables.largest[1], 2.0 * tables.largest[2]
+    sizes[rows.BY_V, 0], sizes[rows.BY_V, 1] = speed * tables.largest[1], 2.0 * tables.largest[2]
     if len(tables.largest) == first + 3:
-        sizes[BY_V, 0] += tables.largest[first + 2]
+        sizes[rows.BY_V, 0] += tables.largest[first + 2]
 
 
 @part
 def size(sizes: FloatArray, row: int, rate: float) -> float:
     """One of the sums at a rate of x."""
     return float(sizes[row, 0] + rate * (sizes[row, 1] + rate * sizes[row, 2]))
+
+
+@part
+def exponent(sizes: FloatArray, fastest: float, T: float) -> float:
+    """Exponent F of Gronwall's lemma for a time T."""
+    by_v, by_x = size(sizes, rows.BY_V, fastest), size(sizes, rows.BY_X, fastest)
+    return min(by_v * T + 0.5 * by_x * T * T, 50.0)
 
 
 @part
@@ -148,12 +156,11 @@ def flight_errors(sizes: FloatArray, speed: float, T: float, v: float, a: float,
     Returns:
         Bounds on the errors of its duration, rate at the end and amplitude.
     """
-    Lv, Lx = size(sizes, BY_V, fastest), size(sizes, BY_X, fastest)
-    Lt = speed * size(sizes, BY_U, fastest)
-    felt = min(Lv * T + 0.5 * Lx * T * T, 50.0)
+    Lt = speed * size(sizes, rows.BY_U, fastest)
+    felt = exponent(sizes, fastest, T)
     # A late start changes x'' by nearly a constant along the flight.
     shifted = Lt * dt
-    steady = felt * changed + size(sizes, RESIDUAL, fastest)
+    steady = felt * changed + size(sizes, rows.RESIDUAL, fastest)
     e = steady + shifted + left
     K = exp(felt)
     rho = a * T / v
@@ -171,7 +178,7 @@ def flight_errors(sizes: FloatArray, speed: float, T: float, v: float, a: float,
 @part
 def drift(sizes: FloatArray, speed: float, w: float, a: float, ahead: float) -> float:
     """Bound on the relative error of the remaining duration of a bounce series."""
-    by_time = speed * ahead * size(sizes, BY_U, w)
-    by_gap = 0.5 * w * w / -a * size(sizes, BY_X, w)
-    by_rate = 2.0 * w * size(sizes, BY_V, w)
+    by_time = speed * ahead * size(sizes, rows.BY_U, w)
+    by_gap = 0.5 * w * w / -a * size(sizes, rows.BY_X, w)
+    by_rate = 2.0 * w * size(sizes, rows.BY_V, w)
     return float(min(_FELT * (by_time + by_gap + by_rate) / -a, 1.0))

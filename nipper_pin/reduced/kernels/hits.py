@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import FloatArray
+from . import layout as rows
 from .compiled import part
-from .layout import LOW, NODE_X, SCALE, SIGMA, SPAN, SPEED
 from .panel import chebyshev, contract, position
 
 # Halvings of a bracket from a panel to round-off.
@@ -56,15 +56,15 @@ def first_hit(
     for column in range(3 * degree, poly.shape[1], degree):
         older = old = -np.inf
         for j in range(held.order):
-            sigma = grids[SIGMA, level, 0, j]
-            at = case[SCALE] * (nodes[NODE_X, j] - case[LOW]) - 1.0
+            sigma = grids[rows.SIGMA, level, 0, j]
+            at = case[rows.SCALE] * (nodes[rows.NODE_X, j] - case[rows.LOW]) - 1.0
             gap = chebyshev(poly, j, column, degree, at)
-            low = grids[SIGMA, level, 0, max(j - 1, 0)]
+            low = grids[rows.SIGMA, level, 0, max(j - 1, 0)]
             high = sigma if gap <= 0.0 and j >= first else -1.0
             # Between nodes a minimum is lower by less than half the difference of its neighbours.
             drop = 0.5 * max(older - old, gap - old)
             if j >= 2 and gap > 0.0 and old < older and old <= gap and old <= drop:
-                low = grids[SIGMA, level, 0, max(j - 2, 0)]
+                low = grids[rows.SIGMA, level, 0, max(j - 2, 0)]
                 high = _dip(held, column, low, sigma)
             if high >= 0.0:
                 root = _closing(held, column, low, high)
@@ -81,9 +81,13 @@ def first_hit(
 def _gap_at(held: Held, column: int, sigma: float) -> float:
     """Gap of another stop at a place sigma of the panel."""
     row, case = held.poly.shape[0] - 1, held.case
-    contract(held.mixed, held.poly, row, case[SPAN], held.u + held.h * case[SPEED] * sigma)
+    contract(
+        held.mixed, held.poly, row, case[rows.SPAN], held.u + held.h * case[rows.SPEED] * sigma
+    )
     x = position(held.nodes, held.order, held.h, held.x0, held.v0, sigma)
-    return chebyshev(held.poly, row, column, held.degree, case[SCALE] * (x - case[LOW]) - 1.0)
+    return chebyshev(
+        held.poly, row, column, held.degree, case[rows.SCALE] * (x - case[rows.LOW]) - 1.0
+    )
 
 
 @part

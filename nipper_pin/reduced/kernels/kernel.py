@@ -10,42 +10,12 @@ from numpy.typing import NDArray
 from ...arrays import FloatArray
 from ...tolerances.mechanics import EPS
 from ...tolerances.reduced import ARRIVAL_SHARE, FINEST_TOLERANCE, LIMIT_ERROR_SAFETY
+from . import layout as rows
 from .arrival_check import arrives, in_flight, landed, line, prepare, released
 from .compiled import compiled, part
 from .flight import flight
 from .flight_errors import flight_errors
-from .layout import (
-    AMPLITUDE,
-    AMPLITUDE_ERROR,
-    ANGLE,
-    APPROACH,
-    AT_REST,
-    CASE_NUMBERS,
-    ENERGY,
-    FAILS,
-    IMPULSE,
-    IMPULSE_ERROR,
-    LEVELS,
-    NOT_ASKED,
-    NOT_PRESSED,
-    RATE_ERROR,
-    REBOUND,
-    REBOUND_ERROR,
-    SCRATCH_ROWS,
-    SEPARATION,
-    SIZES,
-    TIME,
-    TIME_ERROR,
-    TOO_MANY,
-    UNKNOWN,
-    UNTOLD,
-    Cases,
-    Settings,
-    Start,
-    Tables,
-    Turn,
-    Work,
-)
+from .layout import Cases, Settings, Start, Tables, Turn, Work
 from .panel import acceleration, chebyshev, contract, grids
 from .series import settles
 
@@ -88,24 +58,24 @@ def _transition(grids: FloatArray, tables: Tables, work: Work, speed: float, res
         w = -restitution * before
         dw = restitution * dv
         C = _inertia(tables, u)
-        table[TIME, n] = t
-        table[ANGLE, n] = tables.touch_angle + tables.sense * u
-        table[APPROACH, n] = before
-        table[SEPARATION, n] = w
-        table[IMPULSE, n] = C * (1.0 + restitution) * -before / tables.lever
-        table[ENERGY, n] = 0.5 * C * (1.0 - restitution * restitution) * before * before
-        table[TIME_ERROR, n] = dt
-        table[RATE_ERROR, n] = dv
+        table[rows.TIME, n] = t
+        table[rows.ANGLE, n] = tables.touch_angle + tables.sense * u
+        table[rows.APPROACH, n] = before
+        table[rows.SEPARATION, n] = w
+        table[rows.IMPULSE, n] = C * (1.0 + restitution) * -before / tables.lever
+        table[rows.ENERGY, n] = 0.5 * C * (1.0 - restitution * restitution) * before * before
+        table[rows.TIME_ERROR, n] = dt
+        table[rows.RATE_ERROR, n] = dv
         # The inertia changes by less than itself over the whole domain.
         relative = tables.inertia_residual + speed * dt / tables.travel
         about_stop = C * (1.0 + restitution) * (dv + abs(before) * relative)
-        table[IMPULSE_ERROR, n] = about_stop / tables.lever
-        table[AMPLITUDE, n] = table[REBOUND, n] = 0.0
-        table[AMPLITUDE_ERROR, n] = table[REBOUND_ERROR, n] = 0.0
+        table[rows.IMPULSE_ERROR, n] = about_stop / tables.lever
+        table[rows.AMPLITUDE, n] = table[rows.REBOUND, n] = 0.0
+        table[rows.AMPLITUDE_ERROR, n] = table[rows.REBOUND_ERROR, n] = 0.0
         contract(mixed, poly, poly.shape[0] - 1, tables.travel, u)
         still = acceleration(case, poly, degree, 0.0, 0.0)
         if w <= 0.0:
-            return (AT_REST if still < 0.0 else NOT_PRESSED), n + 1, t, dt
+            return (rows.AT_REST if still < 0.0 else rows.NOT_PRESSED), n + 1, t, dt
         fastest_rebound = max(fastest_rebound, w)
         series[0, n] = t
         series[1, n] = w
@@ -122,23 +92,23 @@ def _transition(grids: FloatArray, tables: Tables, work: Work, speed: float, res
             n == 0 and start.travel == 0.0,
         )  # fmt: skip
         status = int(ended)
-        if status != AT_REST:
-            table[AMPLITUDE, n] = table[REBOUND, n] = np.nan
-            table[AMPLITUDE_ERROR, n] = table[REBOUND_ERROR, n] = np.nan
-            return (AT_REST if found else status), n + 1, rest, rest_error
+        if status != rows.AT_REST:
+            table[rows.AMPLITUDE, n] = table[rows.REBOUND, n] = np.nan
+            table[rows.AMPLITUDE_ERROR, n] = table[rows.REBOUND_ERROR, n] = np.nan
+            return (rows.AT_REST if found else status), n + 1, rest, rest_error
         duration, dv, height = flight_errors(
             sizes, speed, T, v, a, peak, fastest, changed, left, dt, dw
         )
-        table[AMPLITUDE, n] = top
-        table[AMPLITUDE_ERROR, n] = height + 4.0 * EPS * top
-        table[REBOUND, n] = T
-        table[REBOUND_ERROR, n] = duration
+        table[rows.AMPLITUDE, n] = top
+        table[rows.AMPLITUDE_ERROR, n] = height + 4.0 * EPS * top
+        table[rows.REBOUND, n] = T
+        table[rows.REBOUND_ERROR, n] = duration
         if found:
-            return AT_REST, n + 1, rest, rest_error
+            return rows.AT_REST, n + 1, rest, rest_error
         t += T
         dt += duration
         before = v
-    return TOO_MANY, most, rest, rest_error
+    return rows.TOO_MANY, most, rest, rest_error
 
 
 @part
@@ -156,7 +126,7 @@ def _flown(grids: FloatArray, tables: Tables, y: Tables, turn: Turn, work: Work,
         grids, work.case, work.mixed, work.poly, work.nodes, tables.equation.shape[3], 0.0, x, rate,
         settings.tolerance, x < 0.0,
     )  # fmt: skip
-    if int(ended) != AT_REST or v >= 0.0:
+    if int(ended) != rows.AT_REST or v >= 0.0:
         return False, none
     late, wrong = landed(work.sizes, speed, T, v, a, fastest, changed, left, dx, dv)
     return True, Start(speed * T, late, v, wrong)
@@ -166,11 +136,11 @@ def _flown(grids: FloatArray, tables: Tables, y: Tables, turn: Turn, work: Work,
 def _scratch(tables: Tables, series: FloatArray, line: FloatArray) -> Work:
     """Scratch arrays."""
     _, cells, count_u, count_x = tables.equation.shape
-    rows = (3 + tables.gaps.shape[0]) * count_x
-    finest = LEVELS[-1]
+    size = (3 + tables.gaps.shape[0]) * count_x
+    finest = rows.LEVELS[-1]
     return Work(
-        np.zeros(CASE_NUMBERS), np.zeros((cells, count_u, rows)), np.zeros((finest + 1, rows)),
-        np.zeros((SCRATCH_ROWS, finest + 2)), series, np.zeros((SIZES, 3)), line,
+        np.zeros(rows.CASE_NUMBERS), np.zeros((cells, count_u, size)), np.zeros((finest + 1, size)),
+        np.zeros((rows.SCRATCH_ROWS, finest + 2)), series, np.zeros((rows.SIZES, 3)), line,
     )  # fmt: skip
 
 
@@ -179,15 +149,15 @@ def _summary(
     table: FloatArray, status: int, count: int, rest: float, error: float
 ) -> tuple[float, float, float, float]:
     """Duration, its error, share of the first two rebounds, worst relative error of four."""
-    if status != AT_REST:
+    if status != rows.AT_REST:
         return np.nan, np.nan, np.nan, np.nan
-    share = table[TIME, 2] / rest if count > 2 and rest > 0.0 else np.nan
+    share = table[rows.TIME, 2] / rest if count > 2 and rest > 0.0 else np.nan
     bound = error / rest if rest > 0.0 else 0.0
-    if table[AMPLITUDE, 0] > 0.0:
-        bound = max(bound, table[AMPLITUDE_ERROR, 0] / table[AMPLITUDE, 0])
+    if table[rows.AMPLITUDE, 0] > 0.0:
+        bound = max(bound, table[rows.AMPLITUDE_ERROR, 0] / table[rows.AMPLITUDE, 0])
     for n in range(min(2, count)):
-        if table[REBOUND, n] > 0.0:
-            bound = max(bound, table[REBOUND_ERROR, n] / table[REBOUND, n])
+        if table[rows.REBOUND, n] > 0.0:
+            bound = max(bound, table[rows.REBOUND_ERROR, n] / table[rows.REBOUND, n])
     return rest, error, share, bound
 
 
@@ -213,7 +183,7 @@ def run_batch(grids: FloatArray, tables: Tables, cases: Cases, settings: Setting
         start = Start(0.0, 0.0, tables.approach * speed, tables.approach_residual * speed)
         if len(starts) > 0:
             start = Start(starts[i, 0], starts[i, 1], starts[i, 2], starts[i, 3])
-        status[i], counts[i], end, error = UNTOLD, 0, np.nan, np.nan
+        status[i], counts[i], end, error = rows.UNTOLD, 0, np.nan, np.nan
         if start.rate < 0.0:
             prepare(tables, work, speed, cases.gravity[i], cases.stiffness[i], cases.preload[i])
             status[i], counts[i], end, error = _transition(
@@ -246,29 +216,29 @@ def run_arrivals(grids: FloatArray, tables: Tables, y: Tables, turn: Turn, cases
         speed, gravity = cases.speed[i], cases.gravity[i]
         stiffness, preload = cases.stiffness[i], cases.preload[i]
         u = w = 0.0
-        if premise[i] == NOT_ASKED:
+        if premise[i] == rows.NOT_ASKED:
             prepare(y, waiting, speed, gravity, stiffness, preload)
             line(turn.waiting, speed, gravity, stiffness, preload, waiting.line)
             premise[i], u, w = arrives(grids, y, turn, waiting, speed, settings.rest_rate)
         if len(starts) > 0:
             start = Start(0.0, 0.0, tables.approach * speed, tables.approach_residual * speed)
-            if premise[i] == FAILS:
+            if premise[i] == rows.FAILS:
                 prepare(tables, work, speed, gravity, stiffness, preload)
                 found, start = _flown(grids, tables, y, turn, work, waiting, speed, u, w, settings)
-                premise[i] = FAILS if found else UNKNOWN
-            if premise[i] == UNKNOWN:
+                premise[i] = rows.FAILS if found else rows.UNKNOWN
+            if premise[i] == rows.UNKNOWN:
                 start = Start(0.0, 0.0, 0.0, 0.0)
             starts[i, 0], starts[i, 1], starts[i, 2], starts[i, 3] = start
-        if len(rests) > 0 and premise[i] != UNKNOWN:
+        if len(rests) > 0 and premise[i] != rows.UNKNOWN:
             line(turn.clamping, speed, gravity, stiffness, preload, work.line)
             if not _clamps(turn, work.line, status[i], rests[i]):
-                premise[i] = UNKNOWN
+                premise[i] = rows.UNKNOWN
 
 
 @part
 def _clamps(turn: Turn, line: FloatArray, status: int, rest: float) -> bool:
     """True if the transition stop is at rest at a travel and pressed shut until the opening."""
-    if status != AT_REST or not rest < turn.opening:
+    if status != rows.AT_REST or not rest < turn.opening:
         return False
     cells, count = line.shape
     return released(line, cells, count, turn.opening, rest, turn.opening) > turn.opening
@@ -282,8 +252,8 @@ def premise_of(tables: Tables, y: Tables, turn: Turn, cases: Cases, settings: Se
         rests: Travels of the rests, shape (n,) [rad].
     """
     if not turn.known:
-        return np.full(len(rests), UNKNOWN)
-    premise = np.full(len(rests), NOT_ASKED)
+        return np.full(len(rests), rows.UNKNOWN)
+    premise = np.full(len(rests), rows.NOT_ASKED)
     run_arrivals(
         grids(), tables, y, turn, cases, settings, premise, _AT_TOUCH, status, rests
     )  # fmt: skip
@@ -310,7 +280,8 @@ def solve(tables: Tables, y: Tables, turn: Turn, cases: Cases, settings: Setting
     status, counts = np.zeros((2, n), dtype=np.int64)
     rest, premise, starts = np.empty((n, 4)), None, _AT_TOUCH
     if not assumed:
-        premise, starts = np.full(n, NOT_ASKED if turn.known else UNKNOWN), np.zeros((n, 4))
+        premise = np.full(n, rows.NOT_ASKED if turn.known else rows.UNKNOWN)
+        starts = np.zeros((n, 4))
         if turn.known:
             run_arrivals(
                 grids(), tables, y, turn, cases, settings, premise, starts, status, _NO_RESTS
@@ -322,6 +293,6 @@ def solve(tables: Tables, y: Tables, turn: Turn, cases: Cases, settings: Setting
             run_arrivals(
                 grids(), tables, y, turn, cases, settings, premise, _AT_TOUCH, status, rests
             )
-        lost = (premise == UNKNOWN) & (status == AT_REST)
-        status[lost], counts[lost], table[lost], rest[lost] = UNTOLD, 0, np.nan, np.nan
+        lost = (premise == rows.UNKNOWN) & (status == rows.AT_REST)
+        status[lost], counts[lost], table[lost], rest[lost] = rows.UNTOLD, 0, np.nan, np.nan
     return Solved(status, counts, rest, premise)

@@ -15,35 +15,9 @@ from ...chebyshev import evaluate, nodes, prolonged
 from ...tolerances.hybrid import ITERATION_FLOOR
 from ...tolerances.mechanics import EPS
 from ...tolerances.reduced import COARSE_SWEEP, DEFECT_EFFECT
+from . import layout as rows
 from .compiled import part
-from .layout import (
-    DOUBLE,
-    INTEGRAL,
-    LEVELS,
-    LOW,
-    NODE_A,
-    NODE_NEW,
-    NODE_V,
-    NODE_X,
-    ONCE,
-    PROBE,
-    PROBE_ONCE,
-    PROBE_TWICE,
-    PROBES,
-    REFINE,
-    SCALE,
-    SERIES,
-    SERIES_ONCE,
-    SERIES_TWICE,
-    SIGMA,
-    SPAN,
-    SPEED,
-    TRAVEL_MOST,
-    TWICE,
-    VALUE,
-    ZERO,
-    Tables,
-)
+from .layout import Tables
 
 # Panels end this much beyond the zero of x that is expected.
 OVERSHOOT = 1.01
@@ -112,7 +86,7 @@ def chebyshev(table: FloatArray, row: int, first: int, count: int, place: float)
 @part
 def acceleration(case: FloatArray, poly: FloatArray, degree: int, x: float, v: float) -> float:
     """Acceleration at the single point that was contracted last."""
-    place = case[SCALE] * (x - case[LOW]) - 1.0
+    place = case[rows.SCALE] * (x - case[rows.LOW]) - 1.0
     row = poly.shape[0] - 1
     p0 = chebyshev(poly, row, 0, degree, place)
     p1 = chebyshev(poly, row, degree, degree, place)
@@ -123,18 +97,18 @@ def acceleration(case: FloatArray, poly: FloatArray, degree: int, x: float, v: f
 @part
 def _spread(grids: FloatArray, poly: FloatArray, nodes: FloatArray, level: int) -> None:
     """Move the nodes of the level below to their places in this one, and refine accelerations."""
-    coarse, fine = LEVELS[level - 1], LEVELS[level]
+    coarse, fine = rows.LEVELS[level - 1], rows.LEVELS[level]
     for j in range(coarse - 1, 0, -1):
         for m in range(poly.shape[1]):
             poly[2 * j, m] = poly[j, m]
     for j in range(fine):
-        nodes[NODE_NEW, j] = 0.0
+        nodes[rows.NODE_NEW, j] = 0.0
     for i in range(coarse):
-        value = nodes[NODE_A, i]
+        value = nodes[rows.NODE_A, i]
         for j in range(fine):
-            nodes[NODE_NEW, j] += grids[REFINE, level, i, j] * value
+            nodes[rows.NODE_NEW, j] += grids[rows.REFINE, level, i, j] * value
     for j in range(fine):
-        nodes[NODE_A, j] = nodes[NODE_NEW, j]
+        nodes[rows.NODE_A, j] = nodes[rows.NODE_NEW, j]
 
 
 @part
@@ -142,16 +116,16 @@ def _positions(
     grids: FloatArray, nodes: FloatArray, level: int, h: float, x0: float, v0: float
 ) -> None:
     """Positions and rates at the nodes from the accelerations there."""
-    count = LEVELS[level]
+    count = rows.LEVELS[level]
     for j in range(count):
-        nodes[NODE_X, j] = x0 + h * grids[SIGMA, level, 0, j] * v0
-        nodes[NODE_V, j] = v0
+        nodes[rows.NODE_X, j] = x0 + h * grids[rows.SIGMA, level, 0, j] * v0
+        nodes[rows.NODE_V, j] = v0
     for i in range(count):
-        value = h * nodes[NODE_A, i]
+        value = h * nodes[rows.NODE_A, i]
         twice = h * value
         for j in range(count):
-            nodes[NODE_V, j] += grids[ONCE, level, i, j] * value
-            nodes[NODE_X, j] += grids[TWICE, level, i, j] * twice
+            nodes[rows.NODE_V, j] += grids[rows.ONCE, level, i, j] * value
+            nodes[rows.NODE_X, j] += grids[rows.TWICE, level, i, j] * twice
 
 
 @part
@@ -159,11 +133,11 @@ def _sweep(grids: FloatArray, case: FloatArray, poly: FloatArray, nodes: FloatAr
            level: int, h: float, x0: float, v0: float) -> float:  # fmt: skip
     """One Picard sweep; returns the largest change of the accelerations."""
     _positions(grids, nodes, level, h, x0, v0)
-    low, scale = case[LOW], case[SCALE]
+    low, scale = case[rows.LOW], case[rows.SCALE]
     change = 0.0
-    for j in range(LEVELS[level]):
+    for j in range(rows.LEVELS[level]):
         # Beyond the domain the answer is refused; until then it only has to stay finite.
-        t = min(max(scale * (nodes[NODE_X, j] - low) - 1.0, -1.3), 1.3)
+        t = min(max(scale * (nodes[rows.NODE_X, j] - low) - 1.0, -1.3), 1.3)
         older, old = 1.0, t
         p0 = poly[j, 0] + t * poly[j, 1]
         p1 = poly[j, degree] + t * poly[j, degree + 1]
@@ -173,10 +147,10 @@ def _sweep(grids: FloatArray, case: FloatArray, poly: FloatArray, nodes: FloatAr
             p0 += old * poly[j, m]
             p1 += old * poly[j, degree + m]
             p2 += old * poly[j, 2 * degree + m]
-        v = nodes[NODE_V, j]
+        v = nodes[rows.NODE_V, j]
         value = p0 + v * (p1 + v * p2)
-        change = max(change, abs(value - nodes[NODE_A, j]))
-        nodes[NODE_A, j] = value
+        change = max(change, abs(value - nodes[rows.NODE_A, j]))
+        nodes[rows.NODE_A, j] = value
     return change
 
 
@@ -186,15 +160,15 @@ def _defect(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatA
             v0: float) -> float:  # fmt: skip
     """By how much x'' of the panel misses the equation of motion between the nodes."""
     most = 0.0
-    for probe in range(PROBES):
+    for probe in range(rows.PROBES):
         value = once = twice = 0.0
-        for j in range(LEVELS[level]):
-            a = nodes[NODE_A, j]
-            value += grids[PROBE, level, j, probe] * a
-            once += grids[PROBE_ONCE, level, j, probe] * a
-            twice += grids[PROBE_TWICE, level, j, probe] * a
-        sigma = grids[SIGMA, level, 1, probe]
-        contract(mixed, poly, poly.shape[0] - 1, case[SPAN], u + h * case[SPEED] * sigma)
+        for j in range(rows.LEVELS[level]):
+            a = nodes[rows.NODE_A, j]
+            value += grids[rows.PROBE, level, j, probe] * a
+            once += grids[rows.PROBE_ONCE, level, j, probe] * a
+            twice += grids[rows.PROBE_TWICE, level, j, probe] * a
+        sigma = grids[rows.SIGMA, level, 1, probe]
+        contract(mixed, poly, poly.shape[0] - 1, case[rows.SPAN], u + h * case[rows.SPEED] * sigma)
         x, v = x0 + h * (sigma * v0 + h * twice), v0 + h * once
         most = max(most, abs(acceleration(case, poly, degree, x, v) - value))
     return most
@@ -211,22 +185,23 @@ def solve_panel(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: Fl
         Level of the grid (-1: not resolved), length, the last change of x'', and the steady error
         of x'' that does what the coefficients missing from the series and round-off do.
     """
-    speed, span = case[SPEED], case[SPAN]
-    longest = (case[TRAVEL_MOST] - u) / speed
-    for j in range(LEVELS[0]):
-        nodes[NODE_A, j] = a0
+    speed, span = case[rows.SPEED], case[rows.SPAN]
+    longest = (case[rows.TRAVEL_MOST] - u) / speed
+    for j in range(rows.LEVELS[0]):
+        nodes[rows.NODE_A, j] = a0
     for _ in range(4 if estimate else 1):
         h = min(h, longest)
-        for j in range(LEVELS[0]):
-            contract(mixed, poly, j, span, u + h * speed * grids[SIGMA, 0, 0, j])
+        for j in range(rows.LEVELS[0]):
+            contract(mixed, poly, j, span, u + h * speed * grids[rows.SIGMA, 0, 0, j])
         if not estimate:
             break
         for _ in range(3):
-            change = _sweep(grids, case, poly, nodes, degree, ZERO, h, x0, v0)
+            change = _sweep(grids, case, poly, nodes, degree, rows.ZERO, h, x0, v0)
             if change <= COARSE_SWEEP * abs(a0):
                 break
-        _positions(grids, nodes, ZERO, h, x0, v0)
-        end_x, end_v = nodes[NODE_X, LEVELS[0] - 1], nodes[NODE_V, LEVELS[0] - 1]
+        _positions(grids, nodes, rows.ZERO, h, x0, v0)
+        last = rows.LEVELS[0] - 1
+        end_x, end_v = nodes[rows.NODE_X, last], nodes[rows.NODE_V, last]
         if end_v >= 0.0:
             break
         root = 1.0 - end_x / (h * end_v)
@@ -234,24 +209,24 @@ def solve_panel(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: Fl
             break
         h *= OVERSHOOT * min(max(root, 0.3), 3.0)
     else:
-        for j in range(LEVELS[0]):
+        for j in range(rows.LEVELS[0]):
             h = min(h, longest)
-            contract(mixed, poly, j, span, u + h * speed * grids[SIGMA, 0, 0, j])
-    for level in range(len(LEVELS)):
-        count = LEVELS[level]
+            contract(mixed, poly, j, span, u + h * speed * grids[rows.SIGMA, 0, 0, j])
+    for level in range(len(rows.LEVELS)):
+        count = rows.LEVELS[level]
         if level > 0:
             _spread(grids, poly, nodes, level)
             for j in range(1, count, 2):
-                contract(mixed, poly, j, span, u + h * speed * grids[SIGMA, level, 0, j])
+                contract(mixed, poly, j, span, u + h * speed * grids[rows.SIGMA, level, 0, j])
         converged = False
         scale = 1.0
         change = np.inf
-        for sweep in range(24 if level == len(LEVELS) - 1 else 4):
+        for sweep in range(24 if level == len(rows.LEVELS) - 1 else 4):
             previous = change
             change = _sweep(grids, case, poly, nodes, degree, level, h, x0, v0)
             largest = 0.0
             for j in range(count):
-                largest = max(largest, abs(nodes[NODE_A, j]))
+                largest = max(largest, abs(nodes[rows.NODE_A, j]))
             scale = abs(v0) / h + largest
             if change <= tolerance * scale:
                 converged = True
@@ -272,28 +247,28 @@ def solve_panel(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: Fl
 @part
 def coefficients(grids: FloatArray, nodes: FloatArray, level: int) -> None:
     """Series of the accelerations and of their integrals."""
-    count = LEVELS[level]
+    count = rows.LEVELS[level]
     for i in range(count + 2):
-        nodes[SERIES, i] = nodes[SERIES_ONCE, i] = nodes[SERIES_TWICE, i] = 0.0
+        nodes[rows.SERIES, i] = nodes[rows.SERIES_ONCE, i] = nodes[rows.SERIES_TWICE, i] = 0.0
     for j in range(count):
-        a = nodes[NODE_A, j]
+        a = nodes[rows.NODE_A, j]
         for i in range(count + 2):
-            nodes[SERIES, i] += grids[VALUE, level, j, i] * a
-            nodes[SERIES_ONCE, i] += grids[INTEGRAL, level, j, i] * a
-            nodes[SERIES_TWICE, i] += grids[DOUBLE, level, j, i] * a
+            nodes[rows.SERIES, i] += grids[rows.VALUE, level, j, i] * a
+            nodes[rows.SERIES_ONCE, i] += grids[rows.INTEGRAL, level, j, i] * a
+            nodes[rows.SERIES_TWICE, i] += grids[rows.DOUBLE, level, j, i] * a
 
 
 @part
 def position(nodes: FloatArray, count: int, h: float, x0: float, v0: float, sigma: float) -> float:
     """Coordinate x at a place sigma of the panel."""
-    twice = chebyshev(nodes, SERIES_TWICE, 0, count + 2, 2.0 * sigma - 1.0)
+    twice = chebyshev(nodes, rows.SERIES_TWICE, 0, count + 2, 2.0 * sigma - 1.0)
     return x0 + h * (sigma * v0 + h * twice)
 
 
 @part
 def rate_at(nodes: FloatArray, count: int, h: float, v0: float, sigma: float) -> float:
     """Rate x' at a place sigma of the panel."""
-    return v0 + h * chebyshev(nodes, SERIES_ONCE, 0, count + 1, 2.0 * sigma - 1.0)
+    return v0 + h * chebyshev(nodes, rows.SERIES_ONCE, 0, count + 1, 2.0 * sigma - 1.0)
 
 
 @cache
@@ -303,24 +278,24 @@ def grids() -> FloatArray:
     Returns:
         Shape (operators, levels, N, N + 2); see the names in the kernel.
     """
-    finest = LEVELS[-1]
-    found = np.zeros((SIGMA + 1, len(LEVELS), finest, finest + 2))
-    for level, count in enumerate(LEVELS):
+    finest = rows.LEVELS[-1]
+    found = np.zeros((rows.SIGMA + 1, len(rows.LEVELS), finest, finest + 2))
+    for level, count in enumerate(rows.LEVELS):
         grid = nodes(count)
         # In the middle between two nodes, as the zeros of what an interpolant misses are spaced.
         # Polynomials of three degrees that cancel at one of the probes do not at all of them.
         first, middle = (np.pi * (int((count - 1) / part) + 0.5) / (count - 1) for part in (4, 2))
         probes = 0.5 * (1.0 - np.cos([first, middle, np.pi - first]))
-        found[SIGMA, level, 0, :count] = grid.sigma
-        found[SIGMA, level, 1, :PROBES] = probes
-        operators = [(ONCE, grid.once), (TWICE, grid.twice)]
-        operators += zip((VALUE, INTEGRAL, DOUBLE), grid.integrals, strict=True)
+        found[rows.SIGMA, level, 0, :count] = grid.sigma
+        found[rows.SIGMA, level, 1, : rows.PROBES] = probes
+        operators = [(rows.ONCE, grid.once), (rows.TWICE, grid.twice)]
+        operators += zip((rows.VALUE, rows.INTEGRAL, rows.DOUBLE), grid.integrals, strict=True)
         operators += [
             (kind, evaluate(np.eye(count), probes, integrations))
-            for integrations, kind in enumerate((PROBE, PROBE_ONCE, PROBE_TWICE))
+            for integrations, kind in enumerate((rows.PROBE, rows.PROBE_ONCE, rows.PROBE_TWICE))
         ]
         if level:
-            operators.append((REFINE, prolonged(np.eye(LEVELS[level - 1]), count)))
+            operators.append((rows.REFINE, prolonged(np.eye(rows.LEVELS[level - 1]), count)))
         for kind, operator in operators:
             to, start = operator.shape
             found[kind, level, :start, :to] = operator.T

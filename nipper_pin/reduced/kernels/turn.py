@@ -9,50 +9,19 @@ import numpy as np
 from ...arrays import FloatArray
 from ...tolerances.mechanics import EPS
 from ...tolerances.reduced import LIMIT_ERROR_SAFETY
+from . import layout as rows
+from . import turn_layout as columns
 from .arrival_check import released
 from .compiled import part
 from .flight import describe, flight, full, keep_rest, kept
 from .flight_errors import flight_errors
-from .layout import (
-    AT_REST,
-    GROWTH,
-    JAM,
-    LEFT_GAP,
-    LEFT_TRAVEL,
-    NO,
-    OFF_ROWS,
-    OTHER_STOP,
-    SCRATCH_ROWS,
-    TOO_MANY,
-    UNRESOLVED,
-    UNTOLD,
-    ZERO,
-    Cases,
-    Settings,
-)
+from .layout import Cases, Settings
 from .panel import acceleration, contract
 from .repeats import mark, repeats
 from .series import settles
 from .turn_charts import chart_at, off_rows, off_rows_at, other_of, seen_by, surface, visit
 from .turn_events import collide, errors_after, note, release_error
-from .turn_layout import (
-    AMPLITUDE,
-    AMPLITUDE_ERROR,
-    COLLISION,
-    ENDED_BY,
-    HOLD_BEGIN,
-    HOLD_BEGIN_ERROR,
-    HOLD_CHART,
-    HOLD_END,
-    HOLD_END_ERROR,
-    HOLD_TURN,
-    RELEASE,
-    REST,
-    Begin,
-    Charts,
-    Records,
-    TurnWork,
-)
+from .turn_layout import Begin, Charts, Records, TurnWork
 
 _TURN = 2.0 * pi
 
@@ -87,11 +56,11 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, cases: Cases, case
     c, x, v, resting, dx, dw = begin
     u = t = dt = origin = fastest_rebound = unsure = 0.0
     risen = unsure_top = 0.0
-    n = turn = bounces = hold = ZERO
+    n = turn = bounces = hold = rows.ZERO
     last = -1
-    touching = free = settled = NO
+    touching = free = settled = rows.NO
     rest_chart, rest_end = -1.0, 0.0
-    mark(ends, ZERO, (float(c) if resting else -1.0, np.inf), (c, x, v, dx, dw))
+    mark(ends, rows.ZERO, (float(c) if resting else -1.0, np.inf), (c, x, v, dx, dw))
     while True:
         visit(charts, work, c, speed, gravity, stiffness, preload)
         case, sizes = work.case[c], work.sizes[c]
@@ -99,24 +68,26 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, cases: Cases, case
         at_end = False
         # A release and the collision after it are written in one pass.
         if n + 2 > len(events) or hold == len(holds) or full(work.nodes):
-            return TOO_MANY, n, hold, turn, 0
+            return rows.TOO_MANY, n, hold, turn, 0
         if resting:
             place = released(work.line[c], cells, count_u, span, u, travel)
             if place < 0.0:
-                return UNTOLD, n, hold, turn, 0
+                return rows.UNTOLD, n, hold, turn, 0
             at_end = place > travel
             if off_rows(charts, c, u, min(place, travel), (0.0, 0.0), 0.0, 0.0):
-                return OFF_ROWS, n, hold, turn, 0
+                return rows.OFF_ROWS, n, hold, turn, 0
             if stop == clamp:
-                holds[hold, HOLD_TURN], holds[hold, HOLD_CHART] = turn, c
-                holds[hold, HOLD_BEGIN], holds[hold, HOLD_END] = u, min(place, travel)
+                holds[hold, columns.HOLD_TURN], holds[hold, columns.HOLD_CHART] = turn, c
+                holds[hold, columns.HOLD_BEGIN] = u
+                holds[hold, columns.HOLD_END] = min(place, travel)
                 same = charts.stop[charts.after[c]] == stop
-                holds[hold, ENDED_BY] = RELEASE if not at_end else (REST if same else COLLISION)
-                holds[hold, HOLD_BEGIN_ERROR] = unsure
-                holds[hold, HOLD_END_ERROR] = 0.0 if same else charts.corner_error[c]
+                ended = columns.REST if same else columns.COLLISION
+                holds[hold, columns.ENDED_BY] = ended if at_end else columns.RELEASE
+                holds[hold, columns.HOLD_BEGIN_ERROR] = unsure
+                holds[hold, columns.HOLD_END_ERROR] = 0.0 if same else charts.corner_error[c]
                 if not at_end:
                     freed = release_error(work.line[c], sizes, cells, count_u, span, place)
-                    holds[hold, HOLD_END_ERROR] = freed
+                    holds[hold, columns.HOLD_END_ERROR] = freed
                 hold += 1
             late, since, unsure = dt, u, 0.0
             u = travel if at_end else place
@@ -125,14 +96,14 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, cases: Cases, case
             dt = 4.0 * EPS * t
             if not at_end:
                 dt += release_error(work.line[c], sizes, cells, count_u, span, u) / speed
-            if work.nodes.shape[0] > SCRATCH_ROWS:
+            if work.nodes.shape[0] > rows.SCRATCH_ROWS:
                 keep_rest(work.nodes, c, since, u, speed, max(late, dt), settled)
             settled = False
             if not at_end:
-                note(events, n, RELEASE, stop, t, _TURN * turn + charts.begin[c] + u, dt)
+                note(events, n, columns.RELEASE, stop, t, _TURN * turn + charts.begin[c] + u, dt)
                 n += 1
                 rest_chart, rest_end = float(c), u
-                resting, free, touching, bounces, last = False, True, False, ZERO, -1
+                resting, free, touching, bounces, last = False, True, False, rows.ZERO, -1
         elif x == 0.0 and not free:
             contract(work.mixed[c], work.poly, row, span, u)
             still = acceleration(case, work.poly, degree, 0.0, 0.0)
@@ -141,7 +112,7 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, cases: Cases, case
                 if bounces == 0:
                     origin, fastest_rebound = t, 0.0
                 if bounces >= most:
-                    return TOO_MANY, n, hold, turn, 0
+                    return rows.TOO_MANY, n, hold, turn, 0
                 fastest_rebound = max(fastest_rebound, v)
                 work.series[0, bounces], work.series[1, bounces] = t - origin, v
                 bounces += 1
@@ -154,29 +125,29 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, cases: Cases, case
                 late = dt + LIMIT_ERROR_SAFETY * uncertain
                 late += abs(ahead) * (dw / v) if v > 0.0 else 0.0
                 if u + speed * (ahead + late) >= travel:
-                    return UNTOLD, n, hold, turn, 0
+                    return rows.UNTOLD, n, hold, turn, 0
                 t += ahead
                 u += speed * ahead
-                note(events, n, REST, stop, t, _TURN * turn + charts.begin[c] + u, late)
+                note(events, n, columns.REST, stop, t, _TURN * turn + charts.begin[c] + u, late)
                 n += 1
                 resting = settled = True
                 dt, unsure = late, speed * late + 4.0 * EPS * _TURN
                 continue
         if not resting:
             before = kept(work.nodes)
-            ended, T, rate, top, peak, a, fastest, changed, left, gap, hit = flight(
+            end, T, rate, top, peak, a, fastest, changed, left, gap, hit = flight(
                 grids, case, work.mixed[c], work.poly, work.nodes, degree, u, x, v, tolerance,
                 touching,
             )  # fmt: skip
-            status = int(ended)
+            status = int(end)
             touching = free = False
             if off_rows(charts, c, u, u + speed * T, (x, gap), top, fastest / speed):
-                return OFF_ROWS, n, hold, turn, 0
-            if status == AT_REST:
+                return rows.OFF_ROWS, n, hold, turn, 0
+            if status == rows.AT_REST:
                 duration, dv, height = flight_errors(
                     sizes, speed, T, rate, a, peak, fastest, changed, left, dt, dw
                 )
-                if not np.isnan(work.nodes[GROWTH, 0]):
+                if not np.isnan(work.nodes[rows.GROWTH, 0]):
                     height, dv = errors_after(
                         work.nodes, sizes, speed, T, fastest, changed, left, dt, dx, dw, a / rate
                     )
@@ -190,8 +161,8 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, cases: Cases, case
                 dt += duration
                 if last >= 0:
                     risen, unsure_top = max(risen, top), max(unsure_top, height)
-                    events[last, AMPLITUDE] = risen
-                    events[last, AMPLITUDE_ERROR] = unsure_top + 4.0 * EPS * risen
+                    events[last, columns.AMPLITUDE] = risen
+                    events[last, columns.AMPLITUDE_ERROR] = unsure_top + 4.0 * EPS * risen
                 risen = unsure_top = 0.0
                 t += T
                 u += speed * T
@@ -201,7 +172,7 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, cases: Cases, case
                 n += 1
                 x, v, dx, dw = 0.0, -e_N * rate, 0.0, e_N * dv
                 continue
-            if status == OTHER_STOP:
+            if status == rows.OTHER_STOP:
                 x_before, v_before = dx, dw
                 dx, dv = errors_after(
                     work.nodes, sizes, speed, T, fastest, changed, left, dt, dx, dw, 0.0
@@ -216,7 +187,7 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, cases: Cases, case
                 stop = charts.others[c, s]
                 to = chart_at(charts, stop, charts.begin[c] + u)
                 if to < 0 or closing >= 0.0:
-                    return OTHER_STOP, n, hold, turn, 0
+                    return rows.OTHER_STOP, n, hold, turn, 0
                 by_x = surface(charts.slopes[c], s, span, case, u, gap)
                 late = d_gap / -closing
                 dt += late
@@ -231,9 +202,9 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, cases: Cases, case
                 x, v, dx, dw, bounces = 0.0, -e_N * closing, 0.0, e_N * dv, 0
                 risen = unsure_top = 0.0
                 continue
-            if status == LEFT_GAP and off_rows_at(charts, c, charts.high[c]):
-                return OFF_ROWS, n, hold, turn, 0
-            if status != LEFT_TRAVEL:
+            if status == rows.LEFT_GAP and off_rows_at(charts, c, charts.high[c]):
+                return rows.OFF_ROWS, n, hold, turn, 0
+            if status != rows.LEFT_TRAVEL:
                 return status, n, hold, turn, 0
             x_before, v_before = dx, dw
             dx, dw = errors_after(
@@ -254,7 +225,7 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, cases: Cases, case
             x, v, dx, dw = seen_by(charts, work, c, s, speed, u, x, v, dx, dw)
             bounces, last = 0, -1
             if x <= 0.0:
-                return UNRESOLVED, n, hold, turn, 0
+                return rows.UNRESOLVED, n, hold, turn, 0
         if resting and ahead_of != stop:
             rest_chart, rest_end = float(c), u
         if charts.begin[to] == 0.0:
@@ -265,10 +236,10 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, cases: Cases, case
             rest_chart = -1.0
             again = repeats(charts, ends, turn)
             if turn == turns or again > 0:
-                return AT_REST, n, hold, turn, again
+                return rows.AT_REST, n, hold, turn, again
         if resting and ahead_of != stop:
             if throw <= 0.0:
-                return JAM, n, hold, turn, 0
+                return rows.JAM, n, hold, turn, 0
             e_N = restitution[ahead_of]
             t = (_TURN * turn + charts.begin[to]) / speed
             v = approach * speed

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from ...arrays import FloatArray
+from . import layout as rows
 from .arrival_check import prepare
 from .compiled import part
-from .layout import LOW, SCALE, SPAN, TRACED, Tables, Work
+from .layout import Tables, Work
 from .turn_layout import Charts, TurnWork
 
 
@@ -29,9 +30,9 @@ def visit(charts: Charts, work: TurnWork, c: int, speed: float, gravity: float,
     mixed = work.mixed[c]
     one = Work(work.case[c], mixed, work.poly, work.nodes, work.series, work.sizes[c], work.line[c])
     prepare(tables_of(charts, c), one, speed, gravity, stiffness, preload)
-    work.case[c, SPAN], work.case[c, TRACED] = charts.span[c], 1.0
+    work.case[c, rows.SPAN], work.case[c, rows.TRACED] = charts.span[c], 1.0
     cells, count_u, count_x = charts.equation.shape[2:]
-    zero = work.case[c, SCALE] * -charts.low[c] - 1.0
+    zero = work.case[c, rows.SCALE] * -charts.low[c] - 1.0
     for cell in range(cells):
         for i in range(count_u):
             older, old = 1.0, zero
@@ -51,7 +52,7 @@ def surface(table: FloatArray, row: int, span: float, case: FloatArray, u: float
     width = span / cells
     cell = min(max(int(u / width), 0), cells - 1)
     place_u = 2.0 * (u - cell * width) / width - 1.0
-    place_x = case[SCALE] * (x - case[LOW]) - 1.0
+    place_x = case[rows.SCALE] * (x - case[rows.LOW]) - 1.0
     total = 0.0
     older, old = 0.0, 1.0
     for i in range(count_u):

@@ -9,29 +9,13 @@ import numpy as np
 from ...arrays import FloatArray
 from ...tolerances.mechanics import EPS
 from ...tolerances.reduced import GROWTH_SAFETY
+from . import layout as rows
+from . import turn_layout as columns
 from .arrival_check import along
 from .compiled import part
-from .flight_errors import size
-from .layout import BY_U, BY_V, BY_X, GROWTH, RESIDUAL
+from .flight_errors import exponent, size
 from .panel import chebyshev
-from .turn_layout import (
-    AMPLITUDE,
-    AMPLITUDE_ERROR,
-    APPROACH,
-    COLLISION,
-    ENERGY,
-    ENERGY_ERROR,
-    IMPULSE,
-    IMPULSE_ERROR,
-    KIND,
-    RATE_ERROR,
-    SEPARATION,
-    STOP,
-    TIME,
-    TIME_ERROR,
-    TRAVEL,
-    Charts,
-)
+from .turn_layout import Charts
 
 _TURN = 2.0 * pi
 
@@ -45,10 +29,10 @@ def errors_after(nodes: FloatArray, sizes: FloatArray, speed: float, T: float, f
     A long flight has told how errors grow along it; of a short one Gronwall's lemma does. With
     ``bend`` = x'' / x' at the end the second error is that of x' where x is zero.
     """
-    felt = min(size(sizes, BY_V, fastest) * T + 0.5 * size(sizes, BY_X, fastest) * T * T, 50.0)
-    late = speed * size(sizes, BY_U, fastest) * dt
-    e = min(felt, 1.0) * changed + size(sizes, RESIDUAL, fastest) + late + left
-    g = nodes[GROWTH]
+    felt = exponent(sizes, fastest, T)
+    late = speed * size(sizes, rows.BY_U, fastest) * dt
+    e = min(felt, 1.0) * changed + size(sizes, rows.RESIDUAL, fastest) + late + left
+    g = nodes[rows.GROWTH]
     if not np.isnan(g[0]):
         x = GROWTH_SAFETY * (abs(g[0]) * dx + abs(g[1]) * dw + g[2] * e)
         v = abs(g[3] - bend * g[0]) * dx + abs(g[4] - bend * g[1]) * dw
@@ -56,7 +40,7 @@ def errors_after(nodes: FloatArray, sizes: FloatArray, speed: float, T: float, f
     else:
         K = exp(felt)
         x = K * (dx + dw * T + 0.5 * e * T * T)
-        v = K * (dw + (e + size(sizes, BY_X, fastest) * dx) * T) + abs(bend) * x
+        v = K * (dw + (e + size(sizes, rows.BY_X, fastest) * dx) * T) + abs(bend) * x
     return x, v + 4.0 * EPS * fastest
 
 
@@ -70,17 +54,18 @@ def collide(charts: Charts, events: FloatArray, n: int, c: int, speed: float, e_
     C = chebyshev(charts.inertia[c], cell, 0, count, 2.0 * (u - cell * width) / width - 1.0)
     lever = charts.lever[charts.stop[c]]
     row = events[n]
-    row[KIND], row[STOP], row[TIME] = COLLISION, charts.stop[c], t
-    row[TRAVEL] = _TURN * turn + charts.begin[c] + u
-    row[APPROACH], row[SEPARATION] = v, -e_N * v
-    row[IMPULSE] = C * (1.0 + e_N) * -v / lever
-    row[ENERGY] = 0.5 * C * (1.0 - e_N * e_N) * v * v
-    row[AMPLITUDE] = row[AMPLITUDE_ERROR] = np.nan
-    row[TIME_ERROR], row[RATE_ERROR] = dt + 4.0 * EPS * t, dv
+    row[columns.KIND], row[columns.STOP], row[columns.TIME] = columns.COLLISION, charts.stop[c], t
+    row[columns.TRAVEL] = _TURN * turn + charts.begin[c] + u
+    row[columns.APPROACH], row[columns.SEPARATION] = v, -e_N * v
+    row[columns.IMPULSE] = C * (1.0 + e_N) * -v / lever
+    row[columns.ENERGY] = 0.5 * C * (1.0 - e_N * e_N) * v * v
+    row[columns.AMPLITUDE] = row[columns.AMPLITUDE_ERROR] = np.nan
+    row[columns.TIME_ERROR], row[columns.RATE_ERROR] = dt + 4.0 * EPS * t, dv
     # The inertia changes by less than itself over a chart.
     relative = charts.inertia_residual[c] + speed * dt / charts.travel[c]
-    row[IMPULSE_ERROR] = C * (1.0 + e_N) * (dv + abs(v) * relative) / lever
-    row[ENERGY_ERROR] = C * (1.0 - e_N * e_N) * (abs(v) * (dv + abs(v) * relative) + dv * dv)
+    row[columns.IMPULSE_ERROR] = C * (1.0 + e_N) * (dv + abs(v) * relative) / lever
+    by_rate = abs(v) * (dv + abs(v) * relative) + dv * dv
+    row[columns.ENERGY_ERROR] = C * (1.0 - e_N * e_N) * by_rate
 
 
 @part
@@ -89,8 +74,9 @@ def note(events: FloatArray, n: int, kind: int, stop: int, t: float, travel: flo
     """Write a rest or a release."""
     row = events[n]
     row[:] = np.nan
-    row[KIND], row[STOP], row[TIME], row[TRAVEL] = kind, stop, t, travel
-    row[TIME_ERROR] = dt + 4.0 * EPS * t
+    row[columns.KIND], row[columns.STOP] = kind, stop
+    row[columns.TIME], row[columns.TRAVEL] = t, travel
+    row[columns.TIME_ERROR] = dt + 4.0 * EPS * t
 
 
 @part
@@ -103,4 +89,4 @@ def release_error(line: FloatArray, sizes: FloatArray, cells: int, count: int, s
     slope = (
         along(line, cell, count, width, u + step) - along(line, cell, count, width, u - step)
     ) / (2.0 * step)
-    return size(sizes, RESIDUAL, 0.0) / max(abs(slope), 1e-300)
+    return size(sizes, rows.RESIDUAL, 0.0) / max(abs(slope), 1e-300)

@@ -10,66 +10,14 @@ from numpy.typing import NDArray
 
 from ...arrays import FloatArray
 from ...tolerances.mechanics import EPS
+from . import turn_layout as columns
 from .arrival_check import along
 from .compiled import compiled, part
 from .flight_errors import drift, size
 from .layout import AT_REST, RESIDUAL, Cases, Settings
 from .turn import follow
 from .turn_charts import chart_at
-from .turn_layout import (
-    AMPLITUDE,
-    AMPLITUDE_ERROR,
-    APPROACH,
-    CLAMPED,
-    CLAMPED_ERROR,
-    CLOSED_AT,
-    CLOSED_ERROR,
-    COLLISION,
-    COUNT,
-    ENDED_BY,
-    ENERGY,
-    ENERGY_ERROR,
-    FORCE_ERROR,
-    GAP_ERROR,
-    HOLD_BEGIN,
-    HOLD_BEGIN_ERROR,
-    HOLD_CHART,
-    HOLD_END,
-    HOLD_END_ERROR,
-    HOLD_TURN,
-    IMPULSE,
-    IMPULSE_ERROR,
-    IMPULSE_MOST,
-    IMPULSE_SUM,
-    KIND,
-    LARGEST_ERROR,
-    LARGEST_GAP,
-    LEAST_ERROR,
-    LEAST_FORCE,
-    LOSS_ERROR,
-    LOST_AT,
-    LOST_ENERGY,
-    LOST_ERROR,
-    MOST_ERROR,
-    MOST_FORCE,
-    OPENED_AT,
-    OPENED_ERROR,
-    PER_STOP,
-    RELEASE,
-    REST,
-    RESTS_AT,
-    RESTS_ERROR,
-    SEPARATION,
-    STOP,
-    SUM_ERROR,
-    TIME,
-    TIME_ERROR,
-    TRAVEL,
-    TURN_NUMBERS,
-    Charts,
-    Records,
-    TurnWork,
-)
+from .turn_layout import Charts, Records, TurnWork
 
 # Places of a cell between which a force has at most one extreme.
 _PLACES = 16
@@ -211,7 +159,7 @@ def held(charts: Charts, work: TurnWork, hold: FloatArray,
         Least force, largest force and travel with a force above the level, each before the bound on
         its error.
     """
-    c, begin, end = int(hold[HOLD_CHART]), hold[HOLD_BEGIN], hold[HOLD_END]
+    c, begin, end = int(hold[columns.HOLD_CHART]), hold[columns.HOLD_BEGIN], hold[columns.HOLD_END]
     absolute, relative = wrong_by(charts, work, c)
     near = absolute + relative * abs(level)
     at = _Stretch(charts, work, c, begin, end, level, near)
@@ -220,11 +168,11 @@ def held(charts: Charts, work: TurnWork, hold: FloatArray,
     old, old_slope = force_at(charts, work, c, u)
     least = most = old
     # The stretch may begin and end a little earlier or later.
-    ends = 2.0 * abs(old_slope) * hold[HOLD_BEGIN_ERROR]
+    ends = 2.0 * abs(old_slope) * hold[columns.HOLD_BEGIN_ERROR]
     low, high = old - ends, old + ends
     above = beside = 0.0
     if old >= level - near - ends:
-        beside += hold[HOLD_BEGIN_ERROR]
+        beside += hold[columns.HOLD_BEGIN_ERROR]
     while True:
         new = min(step * (np.floor(u / step * (1.0 + 8.0 * EPS)) + 1.0), end)
         force, slope = force_at(charts, work, c, new)
@@ -243,10 +191,10 @@ def held(charts: Charts, work: TurnWork, hold: FloatArray,
         u, old, old_slope = new, force, slope
         if new >= end:
             break
-    ends = 2.0 * abs(old_slope) * hold[HOLD_END_ERROR]
+    ends = 2.0 * abs(old_slope) * hold[columns.HOLD_END_ERROR]
     low, high = min(low, old - ends), max(high, old + ends)
     if old >= level - near - ends:
-        beside += hold[HOLD_END_ERROR]
+        beside += hold[columns.HOLD_END_ERROR]
     least_wrong = absolute + relative * abs(least) + max(least - low, 0.0)
     most_wrong = absolute + relative * abs(most) + max(high - most, 0.0)
     beside += 8.0 * EPS * (end - begin)
@@ -274,64 +222,68 @@ def summed(charts: Charts, work: TurnWork, records: Records, count: int, hold_co
     """
     events, holds = records.events, records.holds
     found[:] = np.nan
-    found[CLAMPED] = found[LOST_ENERGY] = found[CLAMPED_ERROR] = found[LOSS_ERROR] = 0.0
-    found[TURN_NUMBERS:] = 0.0
+    found[columns.CLAMPED] = found[columns.LOST_ENERGY] = found[columns.CLAMPED_ERROR] = found[
+        columns.LOSS_ERROR
+    ] = 0.0
+    found[columns.TURN_NUMBERS :] = 0.0
     before = -1
     for i in range(count):
         row = events[i]
-        clamps, last = int(row[STOP]) == clamp, before
-        if clamps and row[KIND] == COLLISION:
+        clamps, last = int(row[columns.STOP]) == clamp, before
+        if clamps and row[columns.KIND] == columns.COLLISION:
             before = i
-        if not _TURN * turn <= row[TRAVEL] < _TURN * (turn + 1):
+        if not _TURN * turn <= row[columns.TRAVEL] < _TURN * (turn + 1):
             continue
-        at = row[TRAVEL] - _TURN * turn
-        wrong = speed * row[TIME_ERROR] + 4.0 * EPS * row[TRAVEL]
-        if row[KIND] == COLLISION:
+        at = row[columns.TRAVEL] - _TURN * turn
+        wrong = speed * row[columns.TIME_ERROR] + 4.0 * EPS * row[columns.TRAVEL]
+        if row[columns.KIND] == columns.COLLISION:
             _add_collision(found, row)
             # A rebound counts in the turn in which it ends.
-            if clamps and last >= 0 and not np.isnan(events[last, AMPLITUDE]):
-                _raise_gap(found, events[last, AMPLITUDE], events[last, AMPLITUDE_ERROR])
-            if clamps and np.isnan(found[CLOSED_AT]):
-                found[CLOSED_AT], found[CLOSED_ERROR] = at, wrong
-        elif row[KIND] == REST:
-            if limits and i > 0 and events[i - 1, KIND] == COLLISION:
+            if clamps and last >= 0 and not np.isnan(events[last, columns.AMPLITUDE]):
+                _raise_gap(
+                    found, events[last, columns.AMPLITUDE], events[last, columns.AMPLITUDE_ERROR]
+                )
+            if clamps and np.isnan(found[columns.CLOSED_AT]):
+                found[columns.CLOSED_AT], found[columns.CLOSED_ERROR] = at, wrong
+        elif row[columns.KIND] == columns.REST:
+            if limits and i > 0 and events[i - 1, columns.KIND] == columns.COLLISION:
                 _add_rest_of_series(charts, work, found, events[i - 1], row, speed, clamps)
-            if clamps and np.isnan(found[RESTS_AT]):
-                found[RESTS_AT], found[RESTS_ERROR] = at, wrong
+            if clamps and np.isnan(found[columns.RESTS_AT]):
+                found[columns.RESTS_AT], found[columns.RESTS_ERROR] = at, wrong
     for i in range(hold_count):
-        if int(holds[i, HOLD_TURN]) == turn:
+        if int(holds[i, columns.HOLD_TURN]) == turn:
             _add_hold(charts, work, found, holds[i], level)
     # Bounds on the least and the largest values become bounds on their errors.
-    found[LEAST_ERROR] = found[LEAST_FORCE] - found[LEAST_ERROR]
-    found[LARGEST_ERROR] -= found[MOST_FORCE]
-    found[FORCE_ERROR] = max(found[LEAST_ERROR], found[LARGEST_ERROR])
-    found[GAP_ERROR] -= found[LARGEST_GAP]
-    for place in range(TURN_NUMBERS, len(found), PER_STOP):
-        most = found[place + IMPULSE_MOST]
-        found[place + MOST_ERROR] += 4.0 * EPS * most - most
+    found[columns.LEAST_ERROR] = found[columns.LEAST_FORCE] - found[columns.LEAST_ERROR]
+    found[columns.LARGEST_ERROR] -= found[columns.MOST_FORCE]
+    found[columns.FORCE_ERROR] = max(found[columns.LEAST_ERROR], found[columns.LARGEST_ERROR])
+    found[columns.GAP_ERROR] -= found[columns.LARGEST_GAP]
+    for place in range(columns.TURN_NUMBERS, len(found), columns.PER_STOP):
+        most = found[place + columns.IMPULSE_MOST]
+        found[place + columns.MOST_ERROR] += 4.0 * EPS * most - most
 
 
 @part
 def _add_collision(found: FloatArray, row: FloatArray) -> None:
     """Count a collision, its impulse and its loss."""
-    place = TURN_NUMBERS + PER_STOP * int(row[STOP])
-    impulse, wrong = row[IMPULSE], row[IMPULSE_ERROR]
-    found[place + COUNT] += 1.0
-    found[place + IMPULSE_SUM] += impulse
-    found[place + SUM_ERROR] += wrong + 4.0 * EPS * impulse
-    found[place + IMPULSE_MOST] = max(found[place + IMPULSE_MOST], impulse)
-    found[place + MOST_ERROR] = max(found[place + MOST_ERROR], impulse + wrong)
-    found[LOST_ENERGY] += row[ENERGY]
-    found[LOSS_ERROR] += row[ENERGY_ERROR] + 4.0 * EPS * row[ENERGY]
+    place = columns.TURN_NUMBERS + columns.PER_STOP * int(row[columns.STOP])
+    impulse, wrong = row[columns.IMPULSE], row[columns.IMPULSE_ERROR]
+    found[place + columns.COUNT] += 1.0
+    found[place + columns.IMPULSE_SUM] += impulse
+    found[place + columns.SUM_ERROR] += wrong + 4.0 * EPS * impulse
+    found[place + columns.IMPULSE_MOST] = max(found[place + columns.IMPULSE_MOST], impulse)
+    found[place + columns.MOST_ERROR] = max(found[place + columns.MOST_ERROR], impulse + wrong)
+    found[columns.LOST_ENERGY] += row[columns.ENERGY]
+    found[columns.LOSS_ERROR] += row[columns.ENERGY_ERROR] + 4.0 * EPS * row[columns.ENERGY]
 
 
 @part
 def _raise_gap(found: FloatArray, gap: float, wrong: float) -> None:
     """The largest gap so far, and the largest that it can be in truth."""
-    if np.isnan(found[LARGEST_GAP]):
-        found[LARGEST_GAP] = found[GAP_ERROR] = 0.0
-    found[LARGEST_GAP] = max(found[LARGEST_GAP], gap)
-    found[GAP_ERROR] = max(found[GAP_ERROR], gap + wrong)
+    if np.isnan(found[columns.LARGEST_GAP]):
+        found[columns.LARGEST_GAP] = found[columns.GAP_ERROR] = 0.0
+    found[columns.LARGEST_GAP] = max(found[columns.LARGEST_GAP], gap)
+    found[columns.GAP_ERROR] = max(found[columns.GAP_ERROR], gap + wrong)
 
 
 @part
@@ -341,12 +293,13 @@ def _add_rest_of_series(charts: Charts, work: TurnWork, found: FloatArray, row: 
 
     Each is slower than the one before by the restitution, as far as x'' stays as it is.
     """
-    stop, w, ahead = int(row[STOP]), row[SEPARATION], rest[TIME] - row[TIME]
-    travel = row[TRAVEL] % _TURN
+    stop, w = int(row[columns.STOP]), row[columns.SEPARATION]
+    ahead = rest[columns.TIME] - row[columns.TIME]
+    travel = row[columns.TRAVEL] % _TURN
     c = chart_at(charts, stop, travel)
     if w <= 0.0 or c < 0:
         return
-    place, e_N = TURN_NUMBERS + PER_STOP * stop, w / -row[APPROACH]
+    place, e_N = columns.TURN_NUMBERS + columns.PER_STOP * stop, w / -row[columns.APPROACH]
     cells, count = charts.inertia.shape[1], charts.inertia.shape[2]
     width, u = charts.span[c] / cells, travel - charts.begin[c]
     cell = min(max(int(u / width), 0), cells - 1)
@@ -354,13 +307,13 @@ def _add_rest_of_series(charts: Charts, work: TurnWork, found: FloatArray, row: 
     uneven = 1.0
     if a < 0.0:
         uneven = drift(work.sizes[c], speed, w, a, ahead) + speed * ahead / charts.travel[c]
-    further = row[IMPULSE] * e_N / (1.0 - e_N)
-    lost = row[ENERGY] * e_N * e_N / (1.0 - e_N * e_N)
-    by_rate = row[IMPULSE_ERROR] / row[IMPULSE]
-    found[place + IMPULSE_SUM] += further
-    found[place + SUM_ERROR] += further * (uneven + by_rate)
-    found[LOST_ENERGY] += lost
-    found[LOSS_ERROR] += 2.0 * lost * (uneven + by_rate)
+    further = row[columns.IMPULSE] * e_N / (1.0 - e_N)
+    lost = row[columns.ENERGY] * e_N * e_N / (1.0 - e_N * e_N)
+    by_rate = row[columns.IMPULSE_ERROR] / row[columns.IMPULSE]
+    found[place + columns.IMPULSE_SUM] += further
+    found[place + columns.SUM_ERROR] += further * (uneven + by_rate)
+    found[columns.LOST_ENERGY] += lost
+    found[columns.LOSS_ERROR] += 2.0 * lost * (uneven + by_rate)
     if clamps and a < 0.0:
         _raise_gap(found, 0.5 * w * w / -a, w * w / -a * (uneven + by_rate))
 
@@ -370,23 +323,22 @@ def _add_hold(charts: Charts, work: TurnWork, found: FloatArray, hold: FloatArra
               level: float) -> None:  # fmt: skip
     """Add a stretch on which the clamping stop was closed."""
     least, low, most, high, above, beside = held(charts, work, hold, level)
-    if np.isnan(found[LEAST_FORCE]):
-        found[LEAST_FORCE] = found[LEAST_ERROR] = least
-        found[MOST_FORCE] = found[LARGEST_ERROR] = most
-    found[LEAST_FORCE], found[MOST_FORCE] = (
-        min(found[LEAST_FORCE], least),
-        max(found[MOST_FORCE], most),
-    )
-    found[LEAST_ERROR] = min(found[LEAST_ERROR], least - low)
-    found[LARGEST_ERROR] = max(found[LARGEST_ERROR], most + high)
-    found[CLAMPED] += above
-    found[CLAMPED_ERROR] += beside
-    ended, end = int(hold[ENDED_BY]), charts.begin[int(hold[HOLD_CHART])] + hold[HOLD_END]
-    wrong = hold[HOLD_END_ERROR] + 4.0 * EPS * _TURN
-    if ended == RELEASE and np.isnan(found[LOST_AT]):
-        found[LOST_AT], found[LOST_ERROR] = end, wrong
-    if ended == COLLISION and np.isnan(found[OPENED_AT]):
-        found[OPENED_AT], found[OPENED_ERROR] = end, wrong
+    if np.isnan(found[columns.LEAST_FORCE]):
+        found[columns.LEAST_FORCE] = found[columns.LEAST_ERROR] = least
+        found[columns.MOST_FORCE] = found[columns.LARGEST_ERROR] = most
+    found[columns.LEAST_FORCE] = min(found[columns.LEAST_FORCE], least)
+    found[columns.MOST_FORCE] = max(found[columns.MOST_FORCE], most)
+    found[columns.LEAST_ERROR] = min(found[columns.LEAST_ERROR], least - low)
+    found[columns.LARGEST_ERROR] = max(found[columns.LARGEST_ERROR], most + high)
+    found[columns.CLAMPED] += above
+    found[columns.CLAMPED_ERROR] += beside
+    c, ended = int(hold[columns.HOLD_CHART]), int(hold[columns.ENDED_BY])
+    end = charts.begin[c] + hold[columns.HOLD_END]
+    wrong = hold[columns.HOLD_END_ERROR] + 4.0 * EPS * _TURN
+    if ended == columns.RELEASE and np.isnan(found[columns.LOST_AT]):
+        found[columns.LOST_AT], found[columns.LOST_ERROR] = end, wrong
+    if ended == columns.COLLISION and np.isnan(found[columns.OPENED_AT]):
+        found[columns.OPENED_AT], found[columns.OPENED_ERROR] = end, wrong
 
 
 @compiled

@@ -7,39 +7,13 @@ from numpy.typing import NDArray
 
 from ...arrays import FloatArray
 from ...tolerances.reduced import FLAT_EXTREME
+from . import flight as panels
+from . import layout as rows
 from .arrival_check import along
 from .compiled import compiled, part
-from .flight import (
-    A_WRONG,
-    BOUNCED,
-    CHART,
-    COVERED,
-    FROM,
-    LENGTH,
-    NODES,
-    T_WRONG,
-    V_BEGIN,
-    V_WRONG,
-    X_BEGIN,
-    X_WRONG,
-    kept,
-)
+from .flight import kept
 from .flight_errors import size
-from .layout import (
-    AT_REST,
-    BY_U,
-    BY_V,
-    BY_X,
-    KEPT,
-    LOW,
-    RESIDUAL,
-    SCALE,
-    SCRATCH_ROWS,
-    SERIES,
-    UNTOLD,
-    Cases,
-    Settings,
-)
+from .layout import Cases, Settings
 from .panel import chebyshev, contract, position, rate_at
 from .repeats import begin_at
 from .turn import follow
@@ -66,7 +40,7 @@ def torque_at(torques: Charts, work: TurnWork, i: int, u: float, x: float, v: fl
     """
     row, degree = work.poly.shape[0] - 1, torques.equation.shape[4]
     contract(work.mixed[i], work.poly, row, torques.span[i], u)
-    place = work.case[i, SCALE] * (x - work.case[i, LOW]) - 1.0
+    place = work.case[i, rows.SCALE] * (x - work.case[i, rows.LOW]) - 1.0
     p0 = chebyshev(work.poly, row, 0, degree, place)
     p1 = chebyshev(work.poly, row, degree, degree, place)
     p2 = chebyshev(work.poly, row, 2 * degree, degree, place)
@@ -78,14 +52,14 @@ def torque_at(torques: Charts, work: TurnWork, i: int, u: float, x: float, v: fl
 def _value(torques: Charts, work: TurnWork, i: int, block: FloatArray, speed: float,
            sigma: float) -> float:  # fmt: skip
     """Torque at a part of a panel that is kept."""
-    numbers = block[KEPT]
-    h, order = numbers[LENGTH], int(numbers[NODES])
-    u = numbers[FROM] + speed * h * sigma
+    numbers = block[rows.KEPT]
+    h, order = numbers[panels.LENGTH], int(numbers[panels.NODES])
+    u = numbers[panels.FROM] + speed * h * sigma
     if order == 0:
         return float(torque_at(torques, work, i, u, 0.0, 0.0, 0.0)[0])
-    x = position(block, order, h, numbers[X_BEGIN], numbers[V_BEGIN], sigma)
-    v = rate_at(block, order, h, numbers[V_BEGIN], sigma)
-    a = chebyshev(block, SERIES, 0, order, 2.0 * sigma - 1.0)
+    x = position(block, order, h, numbers[panels.X_BEGIN], numbers[panels.V_BEGIN], sigma)
+    v = rate_at(block, order, h, numbers[panels.V_BEGIN], sigma)
+    a = chebyshev(block, rows.SERIES, 0, order, 2.0 * sigma - 1.0)
     return float(torque_at(torques, work, i, u, x, v, a)[0])
 
 
@@ -113,12 +87,12 @@ def _extreme(torques: Charts, work: TurnWork, i: int, block: FloatArray, speed: 
 def _panel(torques: Charts, work: TurnWork, i: int, block: FloatArray, speed: float,
            beaten: float) -> tuple[float, float]:  # fmt: skip
     """Largest torque of a panel and a bound on its error; less may be returned than ``beaten``."""
-    numbers = block[KEPT]
-    order, end = int(numbers[NODES]), numbers[COVERED]
+    numbers = block[rows.KEPT]
+    order, end = int(numbers[panels.NODES]), numbers[panels.COVERED]
     count = _PER_NODE * order
     if order == 0:
         width = torques.span[i] / torques.equation.shape[2]
-        count = max(_LEAST, int(_PER_CELL * speed * numbers[LENGTH] / width) + 1)
+        count = max(_LEAST, int(_PER_CELL * speed * numbers[panels.LENGTH] / width) + 1)
     most, older = 0.0, 0.0
     old = first = _value(torques, work, i, block, speed, 0.0)
     slope = 0.0
@@ -138,25 +112,26 @@ def _panel(torques: Charts, work: TurnWork, i: int, block: FloatArray, speed: fl
             slope = max(slope, abs(value - old))
         older, old = old, value
     most = max(most, abs(first))
-    rate_of_change = slope * count / (end * numbers[LENGTH]) if numbers[LENGTH] > 0.0 else 0.0
-    return most, rate_of_change * numbers[T_WRONG]
+    length = numbers[panels.LENGTH]
+    rate_of_change = slope * count / (end * length) if length > 0.0 else 0.0
+    return most, rate_of_change * numbers[panels.T_WRONG]
 
 
 @part
 def _wrong(torques: Charts, work: TurnWork, i: int, block: FloatArray, speed: float) -> float:
     """Bound on the error of the torque along a panel, by those of the functions and the motion."""
-    numbers, sizes = block[KEPT], work.sizes[i]
-    order, h = int(numbers[NODES]), numbers[LENGTH]
+    numbers, sizes = block[rows.KEPT], work.sizes[i]
+    order, h = int(numbers[panels.NODES]), numbers[panels.LENGTH]
     fastest = steepest = 0.0
     for j in range(order + 1):
-        sigma = numbers[COVERED] * j / max(order, 1)
-        fastest = max(fastest, abs(rate_at(block, order, h, numbers[V_BEGIN], sigma)))
-        steepest = max(steepest, abs(chebyshev(block, SERIES, 0, order, 2.0 * sigma - 1.0)))
-    wrong = size(sizes, RESIDUAL, fastest) + torques.gap_residual[i, 0] * steepest
-    wrong += size(sizes, BY_U, fastest) * speed * numbers[T_WRONG]
-    wrong += size(sizes, BY_X, fastest) * numbers[X_WRONG]
-    wrong += size(sizes, BY_V, fastest) * numbers[V_WRONG]
-    return float(wrong + _largest_by_a(torques, i) * numbers[A_WRONG])
+        sigma = numbers[panels.COVERED] * j / max(order, 1)
+        fastest = max(fastest, abs(rate_at(block, order, h, numbers[panels.V_BEGIN], sigma)))
+        steepest = max(steepest, abs(chebyshev(block, rows.SERIES, 0, order, 2.0 * sigma - 1.0)))
+    wrong = size(sizes, rows.RESIDUAL, fastest) + torques.gap_residual[i, 0] * steepest
+    wrong += size(sizes, rows.BY_U, fastest) * speed * numbers[panels.T_WRONG]
+    wrong += size(sizes, rows.BY_X, fastest) * numbers[panels.X_WRONG]
+    wrong += size(sizes, rows.BY_V, fastest) * numbers[panels.V_WRONG]
+    return float(wrong + _largest_by_a(torques, i) * numbers[panels.A_WRONG])
 
 
 @part
@@ -178,7 +153,7 @@ def _after_bounces(charts: Charts, work: TurnWork, torques: Charts, mixed: TurnW
                    block: FloatArray) -> float:  # fmt: skip
     """Torque in bounces too small to be computed: at rest, but for the acceleration of a flight."""
     cells, count = work.line.shape[1], work.line.shape[2]
-    width, u = charts.span[c] / cells, block[KEPT, FROM]
+    width, u = charts.span[c] / cells, block[rows.KEPT, panels.FROM]
     cell = min(max(int(u / width), 0), cells - 1)
     still = along(work.line[c], cell, count, width, u)
     return abs(torque_at(torques, mixed, i, u, 0.0, 0.0, still)[0])
@@ -203,15 +178,15 @@ def largest_torques(charts: Charts, work: TurnWork, torques: Charts, mixed: Turn
     drives = len(most)
     most[:] = wrong[:] = 0.0
     for number in range(kept(work.nodes)):
-        first = (1 + number) * SCRATCH_ROWS
-        block = work.nodes[first : first + SCRATCH_ROWS]
-        c = int(block[KEPT, CHART])
+        first = (1 + number) * rows.SCRATCH_ROWS
+        block = work.nodes[first : first + rows.SCRATCH_ROWS]
+        c = int(block[rows.KEPT, panels.CHART])
         for d in range(drives):
             i = c * drives + d
             visit(torques, mixed, i, speed, gravity, stiffness, preload)
             value, late = _panel(torques, mixed, i, block, speed, most[d])
             late += _wrong(torques, mixed, i, block, speed)
-            if block[KEPT, BOUNCED] > 0.0:
+            if block[rows.KEPT, panels.BOUNCED] > 0.0:
                 value = max(value, _after_bounces(charts, work, torques, mixed, c, i, block))
             # An extreme that is just beaten may be the larger one by its error.
             wrong[d] = max(wrong[d], late)
@@ -245,21 +220,21 @@ def run_torques(grids: FloatArray, charts: Charts, work: TurnWork, keeping: Turn
             grids, charts, work, cases, i, settings, turns, start, clamp, records
         )
         case = speed, cases.gravity[i], cases.stiffness[i], cases.preload[i]
-        for j in range(min(found.shape[1], done) if status == AT_REST else 0):
+        for j in range(min(found.shape[1], done) if status == rows.AT_REST else 0):
             known, one = begin_at(records.ends, done - 1 - j)
             if not known and done - 1 - j > 0:
-                status = UNTOLD
+                status = rows.UNTOLD
                 break
             if done - 1 - j == 0:
                 one = start
-            keeping.nodes[KEPT, 0] = 0.0
+            keeping.nodes[rows.KEPT, 0] = 0.0
             # A literal 1 would be a type of its own, for which all of it is compiled once more.
             status, _, _, _, _ = follow(
                 grids, charts, keeping, cases, i, settings, min(turns, 1), one, clamp, again
             )
-            if status != AT_REST:
+            if status != rows.AT_REST:
                 break
             largest_torques(charts, keeping, torques, mixed, case, found[i, j, 0], found[i, j, 1])
         told[i] = status
-        if status != AT_REST:
+        if status != rows.AT_REST:
             found[i] = np.nan
