@@ -9,6 +9,8 @@ import pytest
 
 from nipper_pin import Mechanism, ModelError, changed, load
 from nipper_pin.cli import main
+from nipper_pin.mechanism import number_of
+from nipper_pin.mechanism.edit.overrides import by_path
 from nipper_pin.written_units import number_in, unit_of_key
 
 
@@ -52,6 +54,36 @@ def test_what_is_no_number_in_mm(e62: Mechanism, text: str, told: str) -> None:
     with pytest.raises(ModelError) as caught:
         changed(e62, {"preload": text})
     assert told in caught.value.evidence["allowed"]
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "read", "own", "number"),
+    [
+        ("springs.steeve.stiffness_N_per_mm", 9, 9.0, "springs.steeve.stiffness_N_per_m", 9000.0),
+        (
+            "springs.steeve.stiffness_N_per_mm",
+            "8 kN/m",
+            8.0,
+            "springs.steeve.stiffness_N_per_m",
+            8000.0,
+        ),
+        ("springs.steeve.preload_length_cm", "0.9", 0.9, "springs.steeve.preload_length_mm", 9.0),
+    ],
+)
+def test_a_path_may_end_in_another_unit(
+    e62: Mechanism, path: str, value: object, read: float, own: str, number: float
+) -> None:
+    """It is the number of the key that the table has, given and read; it counts once."""
+    machine = changed(e62, {path: value})
+    assert number_of(machine, own) == pytest.approx(number, rel=4e-16)
+    assert number_of(machine, path) == pytest.approx(read, rel=4e-16)
+    with pytest.raises(ModelError, match=r"a number once: .* gives the same one"):
+        load("e62", {path: value, own: 1.0})
+
+
+def test_so_may_that_of_a_number_that_is_not_written(e62: Mechanism) -> None:
+    found = by_path({"stops.jaw.at_rad": -0.01}, e62.description, "e62.toml")
+    assert found == {"stops.jaw.at_deg": pytest.approx(math.degrees(-0.01), rel=4e-16)}
 
 
 def test_numbers_without_a_unit_take_none() -> None:

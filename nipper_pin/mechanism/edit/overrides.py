@@ -13,7 +13,7 @@ from ..files.csv_tables import inline_tables
 from ..files.describe import describe
 from ..files.urdf import parse_xml
 from .dimensions import HEADS, change_dimensions
-from .toml_paths import UNWRITTEN, number_at, number_from, replace_value
+from .toml_paths import UNWRITTEN, in_unit_of, number_at, number_from, replace_value
 from .urdf_paths import steps_of
 
 # Squares and products of larger numbers overflow before they can be checked.
@@ -37,16 +37,18 @@ def by_path(
     shortcuts = table if isinstance(table, Mapping) else {}
     known = {*shortcuts, *data, *HEADS, *UNWRITTEN}
     found: dict[str, object] = {}
-    names: dict[str, str] = {}
+    given: dict[str, str] = {}
     for name, value in overrides.items():
-        path = str(shortcuts.get(name, name))
+        written = str(shortcuts.get(name, name))
+        path, factor = in_unit_of(data, written)
         steps = steps_of(name)
         if len(steps) == 1 and name not in known and steps[0] not in known:
             raise UnknownNameError(kind="key or shortcut", name=name, known=known, where=file)
         if path in found:
-            allowed = f"a number once: {names[path]} = {found[path]!r} gives the same one"
+            allowed = f"a number once: {given[path]} gives the same one"
             raise ModelError(file=file, key=name, value=value, allowed=allowed)
-        found[path], names[path] = value, name
+        found[path] = value if path == written else factor * number_from(value, written, file)
+        given[path] = f"{name} = {value!r}"
     return found
 
 

@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ...errors import ModelError, UnknownNameError
-from ...written_units import number_in, unit_of_key
+from ...written_units import known_key, number_in, unit_of_key
 from ..files.describe import optional_numbers
 from .urdf_paths import steps_of
 
@@ -34,6 +34,7 @@ def number_at(document: Mapping[str, object], path: str, file: str) -> float:
         UnknownNameError: The path leads nowhere.
         ModelError: There is no number.
     """
+    path, factor = in_unit_of(document, path)
     steps, where = steps_of(path), f"path {path}"
     holder = _holder(document, steps, path, where)
     value = _unwritten(holder, steps).get(steps[-1])
@@ -42,7 +43,22 @@ def number_at(document: Mapping[str, object], path: str, file: str) -> float:
         if isinstance(found, bool) or not isinstance(found, int | float):
             raise ModelError(file=file, key=path, value=found, allowed="the path of one number")
         value = float(found)
-    return value
+    return value / factor
+
+
+def in_unit_of(document: object, path: str) -> tuple[str, float]:
+    """A path with the key that the document has, and the factor into the unit of that.
+
+    ``springs.rod.stiffness_N_per_mm`` is the number under ``stiffness_N_per_m``, by 1000.
+    """
+    steps = steps_of(path)
+    holder = document
+    for step in steps[:-1]:
+        holder = holder.get(step) if isinstance(holder, Mapping) else None
+    if not isinstance(holder, Mapping) or not steps or steps[-1] in holder:
+        return path, 1.0
+    key, factor = known_key(steps[-1], [*holder, *_unwritten(holder, steps)]) or (steps[-1], 1.0)
+    return path.removesuffix(steps[-1]) + key, factor
 
 
 def replace_value(document: dict[str, object], path: str, value: object, file: str) -> None:
