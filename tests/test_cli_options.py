@@ -52,7 +52,7 @@ class Entry:
 # The call of each command.
 CALLS = {
     "simulate": "nipper_pin.cli.simulate.simulate",
-    "view": "nipper_pin.view.scene.page.write_page",
+    "view": "nipper_pin.view.show.write_page",
     "compare": "nipper_pin.cli.compare.compare",
     "live": "nipper_pin.view.live.serve.serve_live",
     "new": "nipper_pin.mechanism.skeleton.write_skeleton",
@@ -117,16 +117,16 @@ SIMULATE = {
                      at=("nipper_pin.view.run.export.export",)),
 }  # fmt: skip
 VIEW = {
-    "MODEL": Entry(PENDULUM, {"write_page.solution.mechanism.name": PENDULUM,
-                              "write_page.solution.case.speed_rpm": 220.0}, PAGE,
-                   ("write_page.solution.mechanism.",)),
-    **of_a_model("write_page.solution.mechanism", base=PAGE),
-    "--speed": Entry("--speed 500", {"write_page.solution.case.speed_rpm": 500.0}, PAGE),
-    "--window": Entry(BRIEF, {"write_page.solution.case.window": "transition"}, "--html a.html"),
-    "--start-index": Entry("--start-index 20", {"write_page.solution.case.start_index": 20.0},
+    "MODEL": Entry(PENDULUM, {"write_page.shown.mechanism.name": PENDULUM,
+                              "write_page.shown.case.speed_rpm": 220.0}, PAGE,
+                   ("write_page.shown.mechanism.",)),
+    **of_a_model("write_page.shown.mechanism", base=PAGE),
+    "--speed": Entry("--speed 500", {"write_page.shown.case.speed_rpm": 500.0}, PAGE),
+    "--window": Entry(BRIEF, {"write_page.shown.case.window": "transition"}, "--html a.html"),
+    "--start-index": Entry("--start-index 20", {"write_page.shown.case.start_index": 20.0},
                            "--html a.html"),
-    "--solution": Entry("--solution {run}", {"write_page.solution.case.speed_rpm": 620.0,
-                                             "write_page.solution.case.window": "transition"},
+    "--solution": Entry("--solution {run}", {"write_page.shown.case.speed_rpm": 620.0,
+                                             "write_page.shown.case.window": "transition"},
                         "--html a.html"),
     "--slow": Entry("--slow 50", {"write_page.look.slow": 50.0}, PAGE),
     "--exaggerate": Entry("--exaggerate 7", {"write_page.look.exaggerate": 7.0}, PAGE),
@@ -152,7 +152,7 @@ def sides(words: str, key: str, value: object, which: str = "ab", base: str = BR
     return Entry(words, {f"compare.{side}.{key}": value for side in which}, base)
 
 
-WRITE = "nipper_pin.view.compare.page.write_comparison"
+WRITE = "nipper_pin.view.show.write_page"
 COMPARE = {
     "A": replace(sides(PENDULUM, "mechanism.name", PENDULUM), moves=("compare.",)),
     "B": replace(sides(PENDULUM, "mechanism.name", PENDULUM, "b", f"{BRIEF} e62"),
@@ -165,10 +165,10 @@ COMPARE = {
     "--start-index": sides("--start-index 20", "case.start_index", 20.0, base=""),
     "--cycles": sides("--cycles 2", "case.cycles", 2, base=""),
     "--drive": sides("--drive held inertial", "case.drive", "inertial", "b"),
-    "--html": Entry("--html b.html", {"write_comparison.path": "b.html"}, BRIEF, at=(WRITE,),
+    "--html": Entry("--html b.html", {"write_page.path": "b.html"}, BRIEF, at=(WRITE,),
                     without="--html a.html"),
-    "--slow": Entry("--slow 50", {"write_comparison.look.slow": 50.0}, PAGE, at=(WRITE,)),
-    "--exaggerate": Entry("--exaggerate 7", {"write_comparison.look.exaggerate": 7.0}, PAGE,
+    "--slow": Entry("--slow 50", {"write_page.look.slow": 50.0}, PAGE, at=(WRITE,)),
+    "--exaggerate": Entry("--exaggerate 7", {"write_page.look.exaggerate": 7.0}, PAGE,
                           at=(WRITE,)),
     "--browser": Entry("--browser", {"serve.browser": True}, BRIEF, ("serve.",), at=(SERVE,)),
     "--out": Entry("--out here", {"write_files.folder": "here"}, BRIEF, without="--out a",

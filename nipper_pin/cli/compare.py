@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import shlex
+from pathlib import Path
 from typing import Any
 
 from ..dynamics import DriveMode
@@ -152,8 +153,8 @@ def _run(options: argparse.Namespace) -> None:
     one, other = sources(options)
     comparison = compare(simulated(one, options), simulated(other, options))
     if options.html is not None or options.browser:
-        from ..view.compare.page import comparison_page, write_comparison
         from ..view.scene import Look
+        from ..view.show import shown_page, write_page
 
         look = Look(slow=options.slow, exaggerate=options.exaggerate)
     if options.out is not None:
@@ -163,13 +164,13 @@ def _run(options: argparse.Namespace) -> None:
     if options.json is not None:
         write_json(comparison.record(), options.json)
     if options.html is not None:
-        write_comparison(comparison, options.html, look)
+        write_page(comparison, Path(options.html), look)
     if options.json != "-":
         _print(comparison, options)
     if options.browser:
         from ..view.scene.server import serve
 
-        serve(comparison_page(comparison, look), 0, browser=True)
+        serve(shown_page(comparison, look), 0, browser=True)
 
 
 def _check(options: argparse.Namespace, *, pictured: bool) -> None:

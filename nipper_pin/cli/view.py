@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from pathlib import Path
 
 from ..errors import InputError, one_line
 from ..hybrid import Solution, Window, need_sound
@@ -57,7 +58,8 @@ def _run(options: argparse.Namespace) -> None:
         need_page()
     if options.gif is not None:
         need_film()
-    from ..view.scene import Look, film
+    from ..view.scene import Look
+    from ..view.show import shown_page, write_page
 
     if options.json == "-" and served:
         message = "--json - needs stdout to itself, and so does the server; add --html FILE"
@@ -78,9 +80,7 @@ def _run(options: argparse.Namespace) -> None:
 
         write_json(record(solution), options.json)
     if options.html is not None:
-        from ..view.scene.page import write_page
-
-        write_page(solution, options.html, look)
+        write_page(solution, Path(options.html), look)
     if options.gif is not None:
         from ..view.scene.gif import write_gif
 
@@ -89,11 +89,10 @@ def _run(options: argparse.Namespace) -> None:
         for place in filter(None, (options.html, options.gif, options.json)):
             sys.stdout.write(f"{one_line(f'written: {place}')}\n")
     if served:
-        from ..view.scene.page import scene_page
         from ..view.scene.server import serve
 
         port = PORT if options.port is None else options.port
-        serve(scene_page(film(solution, look)), port, browser=not options.no_browser)
+        serve(shown_page(solution, look), port, browser=not options.no_browser)
 
 
 def _solution(options: argparse.Namespace) -> Solution:

@@ -81,11 +81,6 @@ def legend(solution: Solution) -> list[Interval]:
     return sorted(first.values(), key=place)
 
 
-def phase_colour(mechanism: Mechanism, closed: frozenset[str]) -> str:
-    """Colour of solids in the phase with these closed stops, as in #RRGGBB."""
-    return _pair(mechanism, closed)[0]
-
-
 def _pair(mechanism: Mechanism, closed: frozenset[str]) -> tuple[str, str]:
     """Strong and pale colour of the phase with these closed stops."""
     order = [phase.closed for phase in mechanism.phases]

@@ -60,12 +60,12 @@ def view(
         from .scene.server import serve
 
         port = whole("port", port, 0, 65535)
-        serve(_page(solution, look), port, browser=flag("browser", browser))
+        serve(shown_page(solution, look), port, browser=flag("browser", browser))
         return None
     target = Path(file)
     if target.suffix == ".html":
         need_page()
-        _write_page(solution, target, look)
+        write_page(solution, target, look)
     elif target.suffix == ".gif" and isinstance(solution, Simulated):
         need_film()
         from .scene.gif import write_gif
@@ -78,7 +78,12 @@ def view(
     return target
 
 
-def _page(shown: Solution | Comparison, look: Look) -> str:
+def shown_page(shown: Solution | Comparison, look: Look) -> str:
+    """The page of a solution or a comparison, served or written alike.
+
+    Raises:
+        InputError: There is nothing to show.
+    """
     from ..study.compare import Comparison
 
     if isinstance(shown, Comparison):
@@ -91,17 +96,17 @@ def _page(shown: Solution | Comparison, look: Look) -> str:
     return scene_page(film(shown, look))
 
 
-def _write_page(shown: Solution | Comparison, target: Path, look: Look) -> None:
-    from ..study.compare import Comparison
+def write_page(shown: Solution | Comparison, path: Path, look: Look) -> None:
+    """Write one HTML file that needs nothing else, not even a network.
 
-    if isinstance(shown, Comparison):
-        from .compare.page import write_comparison
+    Raises:
+        InputError: There is nothing to show, or the file cannot be written.
+    """
+    from ..outputs import complete_file
 
-        write_comparison(shown, target, look)
-    else:
-        from .scene.page import write_page
-
-        write_page(shown, target, look)
+    page = shown_page(shown, look)
+    with complete_file(path) as partial:
+        partial.write_text(page, encoding="utf-8")
 
 
 def need_page() -> None:

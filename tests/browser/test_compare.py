@@ -10,8 +10,7 @@ import pytest
 from playing_page import picture, playing, seek, until
 from playwright.sync_api import Page
 
-from nipper_pin import Case, Comparison, compare, load, simulate
-from nipper_pin.view.compare.page import write_comparison
+from nipper_pin import Case, Comparison, compare, load, simulate, view
 from nipper_pin.view.compare.pair import COLOUR_A, COLOUR_B, Pair, pair
 from nipper_pin.view.scene import Look
 from nipper_pin.view.scene.colours import channels
@@ -34,7 +33,7 @@ def both(turns: Comparison) -> Pair:
 
 @pytest.fixture(scope="module")
 def page_file(turns: Comparison, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write_comparison(turns, tmp_path_factory.mktemp("page") / "compare.html", LOOK)
+    return view(turns, tmp_path_factory.mktemp("page") / "compare.html", exaggerate=LOOK.exaggerate)
 
 
 @pytest.fixture(scope="module")

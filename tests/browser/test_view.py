@@ -10,11 +10,10 @@ import pytest
 from playing_page import picture, playing, seek, until
 from playwright.sync_api import Browser, Page
 
-from nipper_pin import Case, PhaseInterval, Solution, load, simulate
-from nipper_pin.view.phases import phase_colour
+from nipper_pin import Case, PhaseInterval, Solution, load, simulate, view
+from nipper_pin.view.phases import intervals
 from nipper_pin.view.scene import Film, Look, film
 from nipper_pin.view.scene.colours import channels
-from nipper_pin.view.scene.page import write_page
 
 # A browser takes seconds to start and to draw.
 pytestmark = pytest.mark.slow
@@ -32,9 +31,7 @@ def shown(solution: Solution) -> Film:
 
 def shown_page(open_page, folder: Path, solution: Solution, factor: float) -> Iterator[Page]:
     """The static file, opened once; what it complains of or asks for fails the last test."""
-    with playing(
-        open_page, write_page(solution, folder / "e62.html", Look(exaggerate=factor))
-    ) as page:
+    with playing(open_page, view(solution, folder / "e62.html", exaggerate=factor)) as page:
         yield page
 
 
@@ -125,17 +122,14 @@ def test_numbers_follow_the_time(page: Page, shown: Film) -> None:
 
 def test_colour_tells_the_phase(page: Page, shown: Film) -> None:
     """In the middle of each phase its own colour covers more than the others' do."""
-    mechanism = shown.solution.mechanism
+    colours = {item.start: item.colour for item in intervals(shown.solution)}
     bouncing = [item for item in shown.solution.phases if not elsewhere(shown.solution, item)]
     for item in bouncing[-3:]:
         seek(page, float(shown.pace.playback_at(0.5 * (item.t_start + item.t_end))))
         image = machine(page)
-        own = tinted(image, phase_colour(mechanism, item.closed))
-        others = [
-            tinted(image, phase_colour(mechanism, phase.closed))
-            for phase in mechanism.phases
-            if phase.closed != item.closed
-        ]
+        own = tinted(image, colours[item.t_start])
+        named = {colours[one.t_start] for one in bouncing}
+        others = [tinted(image, one) for one in named - {colours[item.t_start]}]
         assert own > 2000
         assert own > 2 * max(others)
 

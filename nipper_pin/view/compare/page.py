@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from importlib import resources
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ...outputs import complete_file
 from ...study.compare import Comparison
 from ...terms import digits
 from ..scene import Look
@@ -27,22 +25,6 @@ _FILES = ("compare.js", "compare.css")
 _Message = dict[str, Any]
 
 
-def write_comparison(comparison: Comparison, path: str | Path, look: Look | None = None) -> Path:
-    """Write a comparison as one HTML file that needs nothing else, not even a network.
-
-    Args:
-        path: File to write; it appears only when it is complete.
-        look: How both are shown.
-
-    Raises:
-        InputError: There is nothing to show, or the file cannot be written.
-    """
-    page = comparison_page(comparison, look or Look())
-    with complete_file(Path(path)) as partial:
-        partial.write_text(page, encoding="utf-8")
-    return Path(path)
-
-
 def comparison_page(comparison: Comparison, look: Look) -> str:
     """The page of a comparison, served or written alike."""
     both = pair(comparison, look)
@@ -50,13 +32,9 @@ def comparison_page(comparison: Comparison, look: Look) -> str:
     film = one.pop()
     second = [_renamed(message) for message in other]
     clips = second.pop()["animations"]
-    film = {**film, "animations": [*_clips(film["animations"]), *clips]}
+    film = {**film, "animations": [*film["animations"], *clips]}
     files = [resources.files(__package__) / "page_files" / name for name in _FILES]
     return assembled([*background(), *one, *second, film], _readings(comparison, both), files)
-
-
-def _clips(clips: Any) -> list[_Message]:
-    return list(clips)
 
 
 def _renamed(message: _Message) -> _Message:
@@ -96,7 +74,7 @@ def _readings(comparison: Comparison, both: Pair) -> dict[str, object]:
         "columns": _columns(one["columns"], other["columns"]),
         "collisions": _collisions(one["collisions"], other["collisions"]),
         "curves": [_lane_record(lane) for lane in lanes(both)],
-        "arrows": [*_paths(one), *([_OTHER, *path[1:]] for path in _paths(other))],
+        "arrows": [*one["arrows"], *([_OTHER, *path[1:]] for path in other["arrows"])],
         "cameras": cameras(both.a, both.b),
         **_lips(one["lips"], other["lips"]),
         "compare": {
@@ -109,10 +87,6 @@ def _readings(comparison: Comparison, both: Pair) -> dict[str, object]:
             "rows": [cells(row) for row in shown_rows(comparison)],
         },
     }  # fmt: skip
-
-
-def _paths(found: Any) -> list[list[str]]:
-    return list(found["arrows"])
 
 
 def _columns(one: Any, other: Any) -> list[_Message]:

@@ -38,7 +38,6 @@ class Answer:
         hit_time: Times of the collisions, likewise [ms], shape (C,).
         impulse: Their impulses, shape (C,).
         solution: The motion to show, one index beyond the rest; None if there is none to follow.
-        largest: Largest gap of a rebound [rad or m].
     """
 
     parts: tuple[str, ...]
@@ -51,7 +50,6 @@ class Answer:
     hit_time: FloatArray = field(default_factory=lambda: np.zeros(0))
     impulse: FloatArray = field(default_factory=lambda: np.zeros(0))
     solution: Solution | None = None
-    largest: float = 0.0
 
     @property
     def setting(self) -> str:
@@ -101,7 +99,6 @@ def _numbers(parts: tuple[str, ...], solution: Solution) -> Answer:
         hit_time=np.array([MS_PER_S * (item.t - origin) for item in struck]),
         impulse=np.array([item.impulse for item in struck]),
         solution=whole if whole.segments else None,
-        largest=max((item.rebound_amplitude or 0.0 for item in hits), default=0.0),
     )
 
 

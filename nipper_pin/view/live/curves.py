@@ -13,7 +13,7 @@ from ..naming import coordinate_shown
 from ..reading import gap_noun
 from ..scene.readings import rounded, ticks
 from .answer import Answer
-from .axes import SteadyAxis, SteadyDecades
+from .axes import DECADES, SteadyAxis
 from .memory import Kept, Memory
 
 PINNED, BEFORE, NOW = "#E69F00", "#A6CDE6", "#0072B2"
@@ -42,11 +42,12 @@ class Curves:
         self._force = ("clamping", f"force [{unit}]")
         self._impulse = ("impulse", f"[{unit} s]")
         self._time, self._high, self._most = SteadyAxis(), SteadyAxis(), SteadyAxis()
-        self._decades = SteadyDecades()
+        # Ends of the logarithmic axis: the upper one, and the reciprocal of the lower one.
+        self._largest, self._least = (SteadyAxis(DECADES, 1.001) for _ in range(2))
 
     def forget(self) -> None:
         """Fit the axes to what is shown next."""
-        for axis in (self._time, self._high, self._most, self._decades):
+        for axis in (self._time, self._high, self._most, self._largest, self._least):
             axis.forget()
 
     def record(self, memory: Memory) -> _Record:
@@ -70,7 +71,7 @@ class Curves:
 
         high, until = self._high.top, self._time.top
         lips = f"{digits(self._lips * high)} mm at the contact" if self._lips else ""
-        low, top = self._decades.ends
+        low, top = 1.0 / self._least.top, self._largest.top
         lanes = [
             lane(self._gap, self._stop, high, lambda item: (item.time, item.gap), right=lips),
             lane(self._force, "", self._most.top, lambda item: (item.force_time, item.force)),
@@ -86,7 +87,10 @@ class Curves:
             self._time.hold(float(item.force_time[-1]))
             self._high.hold(float(item.gap.max(initial=0.0)))
             self._most.hold(float(item.force.max(initial=0.0)))
-        self._decades.hold(value for item in shown for value in item.impulse)
+        impulses = [value for item in shown for value in item.impulse.tolist()]
+        if impulses:
+            self._largest.hold(max(impulses))
+            self._least.hold(1.0 / min(impulses))
 
     def _line(self, line: _Line, colour: str, dash: tuple[int, ...]) -> _Record:
         time, values = line

@@ -9,15 +9,14 @@ from collections.abc import Mapping, Sequence
 from importlib import resources
 from importlib.resources.abc import Traversable
 from pathlib import Path
+from typing import Any
 
 import meshcat
 import numpy as np
 import umsgpack
 
-from ...hybrid import Solution
-from ...outputs import complete_file
 from .arrows import arrow_stops
-from .film import Film, Look, film
+from .film import Film
 from .framing import ALONG, OBLIQUE, camera, corners
 from .objects import arrow_commands, solid_commands, strut_command
 from .readings import readings
@@ -26,22 +25,6 @@ from .tracks import animation
 
 _VIEWER = Path(meshcat.__file__).parent / "viewer"
 _SCRIPTS = ("scene.js", "lips.js", "curves.js", "controls.js")
-
-
-def write_page(solution: Solution, path: str | Path, look: Look | None = None) -> Path:
-    """Write a solution as one HTML file that needs nothing else, not even a network.
-
-    Args:
-        path: File to write; it appears only when it is complete.
-        look: How the solution is shown.
-
-    Raises:
-        InputError: There is nothing to show, or the file cannot be written.
-    """
-    page = scene_page(film(solution, look or Look()))
-    with complete_file(Path(path)) as partial:
-        partial.write_text(page, encoding="utf-8")
-    return Path(path)
 
 
 def scene_page(shown: Film) -> str:
@@ -104,7 +87,7 @@ def background() -> list[dict[str, object]]:
     ]
 
 
-def machine_messages(shown: Film) -> list[dict[str, object]]:
+def machine_messages(shown: Film) -> list[dict[str, Any]]:
     """Messages that draw the machine of a film; the last one is its animation."""
     mechanism = shown.solution.mechanism
     drawn = solids(mechanism)

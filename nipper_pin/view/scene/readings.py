@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from itertools import groupby
+from typing import Any
 
 import numpy as np
 
@@ -33,7 +34,7 @@ NOTE = (
 )
 
 
-def readings(film: Film) -> dict[str, object]:
+def readings(film: Film) -> dict[str, Any]:
     """Everything that the page writes, as plain data."""
     solution, pace = film.solution, film.pace
     mechanism = solution.mechanism

@@ -17,10 +17,8 @@ from PIL import Image
 from playwright.sync_api import Browser, Page
 
 import nipper_pin as nip
-from nipper_pin.view.compare.page import write_comparison
 from nipper_pin.view.compare.pair import pair
 from nipper_pin.view.scene import Film, Look, film
-from nipper_pin.view.scene.page import write_page
 
 ROOT = Path(__file__).resolve().parents[3]
 SPEED, EXAGGERATE = 650.0, 10.0
@@ -60,7 +58,9 @@ def view_pictures(browser: Browser, folder: Path) -> None:
     solution = nip.simulate(nip.load("e62"), nip.Case(speed_rpm=SPEED, window=nip.Window.CYCLE))
     look = Look(exaggerate=EXAGGERATE)
     with tempfile.TemporaryDirectory() as place:
-        page = opened(browser, write_page(solution, Path(place) / "view.html", look))
+        file = Path(place) / "view.html"
+        nip.view(solution, file, exaggerate=EXAGGERATE)
+        page = opened(browser, file)
         for name, time in moments(film(solution, look)).items():
             stop_at(page, time)
             save(page, folder / f"view_{name}.png")
@@ -75,7 +75,9 @@ def comparison_picture(browser: Browser, path: Path) -> None:
     look = Look(exaggerate=EXAGGERATE)
     first = moments(pair(comparison, look).a)["phase3"]
     with tempfile.TemporaryDirectory() as place:
-        page = opened(browser, write_comparison(comparison, Path(place) / "both.html", look))
+        file = Path(place) / "both.html"
+        nip.view(comparison, file, exaggerate=EXAGGERATE)
+        page = opened(browser, file)
         page.locator("#names").uncheck()
         stop_at(page, first)
         save(page, path)
@@ -112,7 +114,8 @@ def live_picture(browser: Browser, path: Path) -> None:
             page.wait_for_timeout(1000)
             field.fill(f"{speed:g}")
         wait(page, f"film.case.startsWith('{LIVE_SPEEDS[-1]:g}')")
-        # In the middle of the first rebound.
+        # In the middle of the first rebound; the film is not to play on after the last move.
+        page.evaluate("() => { playOn = false; }")
         stop_at(page, 3.0)
         save(page, path)
         page.close()
