@@ -13,27 +13,24 @@ from ..given import LARGEST, flag, number
 from ..hybrid import comes_back
 from ..hybrid.error_estimate.local_error import at_start
 from ..made_once import made_once
-from ..mechanism import Mechanism, Stop, rad_s_from_rpm
+from ..mechanism import Mechanism, Stop
 from ..tolerances.reduced import ARRIVAL_TABLES, NO_ACCELERATION
 from .inputs import check_tolerance
 from .model import (
-    BY_GRAVITY,
-    BY_RATE,
-    BY_SPEED,
-    BY_SPEED_AND_RATE,
     BY_SPRINGS,
+    FAST,
+    LIVELY,
+    MARGIN,
+    ROOM,
     ReducedModel,
+    factors,
+    lively_speed,
     numbers_of,
 )
 from .tables.arrival import NOT_SAMPLED, Arrival, Opening, Waiting, arrival, found_opening, unknown
 from .tables.functions import Sampler
 from .tables.tables import Domain, checks, resolved, trimmed
 
-# Part of the range of x below zero; flights are solved a little beyond their end.
-_MARGIN = 1.0 / 16.0
-# Default gap of the domain: multiple of the rated speed, restitution, and a factor for flights
-# higher than ballistic ones.
-_FAST, _LIVELY, _ROOM = 1.5, 0.5, 1.25
 # Least assumed share of a spring's preload in x''.
 _LEAST_SHARE = 0.01
 _MODEL = "reduced model"
@@ -130,7 +127,7 @@ def build(
     opening = found_opening(sampler, mechanism.stop(name)) if turn or travel_rad is None else None
     if travel_rad is None:
         travel_rad = _USUAL if opening is None else min(opening.travel, _LONGEST)
-    domain = Domain(travel_rad, -_MARGIN * gap_max, gap_max)
+    domain = Domain(travel_rad, -MARGIN * gap_max, gap_max)
     tables, samples = resolved(sampler, domain, weights, tolerance)
     kept = trimmed(checks(sampler, domain, tables), domain, tables, weights, tolerance)
     return ReducedModel(
@@ -194,7 +191,7 @@ def _pressed(mechanism: Mechanism, gap_max: float) -> float:
     if not gap_max > 0.0:
         message = (
             f"{mechanism.name}: stop {mechanism.transition_stop!r} is not pressed shut after its "
-            f"first collision at {_FAST:g} times the rated speed; use the direct engine, "
+            f"first collision at {FAST:g} times the rated speed; use the direct engine, "
             "or nipper_pin.reduced.build with a gap_max"
         )
         raise InputError(message, stop=mechanism.transition_stop)
@@ -268,17 +265,11 @@ def _nominal(mechanism: Mechanism, sampler: Sampler, rate: float) -> tuple[Float
         Weights, shape (4 + 2 springs,), and the gap; not above zero if no stop is pressed shut.
     """
     touch = sampler.at(np.zeros(1), np.zeros(1), np.zeros((1, len(mechanism.joints))))
-    speed = _FAST * rad_s_from_rpm(mechanism.cylinder.rated_speed_rpm)
-    w = -_LIVELY * rate * speed
-    weights = np.zeros(len(touch.equation))
-    weights[BY_SPEED], weights[BY_SPEED_AND_RATE] = speed**2, speed * w
-    weights[BY_RATE], weights[BY_GRAVITY] = w**2, 1.0
-    for row, spring in enumerate(mechanism.springs):
-        place = BY_SPRINGS + 2 * row
-        weights[place], weights[place + 1] = spring.stiffness * spring.preload, spring.stiffness
+    w = -LIVELY * rate * lively_speed(mechanism)
+    weights = factors(mechanism, len(touch.equation), w)
     terms = weights * touch.equation[:, 0]
     a = float(terms.sum())
-    gap = 0.0 if a >= 0.0 else _ROOM * 0.5 * w**2 / -a
+    gap = 0.0 if a >= 0.0 else ROOM * 0.5 * w**2 / -a
     size = float(np.abs(terms).sum())
     # Without acceleration at touch the scale is arbitrary.
     weights = np.abs(weights) / (size if size > NO_ACCELERATION else 1.0)

@@ -70,7 +70,7 @@ def test_a_line_of_a_case() -> None:
     np.testing.assert_allclose(found, expected + 7.0 * (-0.2 * f[6] + f[7]), rtol=1e-13)
     u, place = 1.2, 2.0 * (1.2 - 0.8) / 0.8 - 1.0
     expected = chebyshev.chebval(place, found[1])
-    assert arrival_check.along(found, 1, 5, 0.8, u) == pytest.approx(expected, rel=1e-13)
+    assert arrival_check.within(found, 1, 0.8, u) == pytest.approx(expected, rel=1e-13)
 
 
 @pytest.mark.parametrize(
@@ -297,6 +297,4 @@ def test_where_a_stop_lets_go(values: Any, begin: float, end: float, expected: f
             for cell in range(cells)
         ]
     )
-    assert arrival_check.released(line, cells, count, 3.0, begin, end) == pytest.approx(
-        expected, abs=1e-9
-    )
+    assert arrival_check.released(line, 3.0, begin, end) == pytest.approx(expected, abs=1e-9)

@@ -10,7 +10,7 @@ import pytest
 from numpy.polynomial import Polynomial, chebyshev
 from written_tables import level, tables_of, turn_of
 
-from nipper_pin.reduced.kernels import flight_errors, kernel
+from nipper_pin.reduced.kernels import flight_errors, kernel, panel
 from nipper_pin.reduced.kernels import series as bounces
 from nipper_pin.reduced.kernels.layout import (
     AMPLITUDE,
@@ -278,7 +278,7 @@ def test_inertia_along_the_travel(u: float) -> None:
     tables = tables_of(level(-1.0, cells=3), travel=3.6, inertia=inertia)
     cell = min(max(math.floor(u / 1.2), 0), 2)
     value = chebyshev.chebval(2.0 * (u / 1.2 - cell) - 1.0, inertia[cell])
-    assert kernel._inertia(tables, u) == pytest.approx(value, rel=1e-13)
+    assert panel.along(tables.inertia, tables.travel, u) == pytest.approx(value, rel=1e-13)
 
 
 @pytest.mark.parametrize(("opening", "push", "told"), [(4.0, -1.0, True), (4.0, 1.0, False),

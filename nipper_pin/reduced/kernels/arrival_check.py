@@ -25,7 +25,7 @@ from .compiled import part
 from .flight import flight
 from .flight_errors import drift, exponent, flight_errors, size, sizes_of
 from .layout import Tables, Turn, Work
-from .panel import acceleration, chebyshev, contract, mix
+from .panel import acceleration, along, chebyshev, contract, mix
 
 _MOST_FLIGHTS = 64
 _PLACES = 24
@@ -46,13 +46,13 @@ def line(functions: FloatArray, speed: float, gravity: float, stiffness: FloatAr
 
 
 @part
-def released(line: FloatArray, cells: int, count: int, length: float, begin: float,
-             end: float) -> float:  # fmt: skip
+def released(line: FloatArray, length: float, begin: float, end: float) -> float:
     """First place in [begin, end] from which on the force of a stop is zero or below.
 
     Returns:
         The place; ``end`` plus 1 if there is none; -1 if round-off hides the sign.
     """
+    cells, count = line.shape
     width = length / cells
     scale = 0.0
     for cell in range(cells):
@@ -72,9 +72,9 @@ def released(line: FloatArray, cells: int, count: int, length: float, begin: flo
         step = (right - left) / _PLACES
         for j in range(_PLACES + 1):
             u = left + step * j
-            value = along(line, cell, count, width, u)
+            value = within(line, cell, width, u)
             if value > 0.0:
-                return u if old == -np.inf else _crossing(line, cells, count, width, u - step, u)
+                return u if old == -np.inf else _crossing(line, length, u - step, u)
             if j == 0:
                 # The end of the cell before.
                 old = value if old == -np.inf else old
@@ -82,35 +82,29 @@ def released(line: FloatArray, cells: int, count: int, length: float, begin: flo
             # Between places it is higher by less than it falls beside them.
             fall = old - value if older == -np.inf else old - min(older, value)
             if old >= older and old >= value and old + fall > 0.0:
-                top = _top(line, cells, count, width, max(begin, u - 2.0 * step), u)
-                highest = _at(line, cells, count, width, top)
+                top = _top(line, length, max(begin, u - 2.0 * step), u)
+                highest = along(line, length, top)
                 if abs(highest) <= beside:
                     return -1.0
                 if highest > 0.0:
-                    return _crossing(line, cells, count, width, max(begin, u - 2.0 * step), top)
+                    return _crossing(line, length, max(begin, u - 2.0 * step), top)
             older, old = old, value
     return -1.0 if old > -beside and old > -np.inf else end + 1.0
 
 
 @part
-def along(line: FloatArray, cell: int, count: int, width: float, u: float) -> float:
-    """Value of a line at a place in a cell."""
-    return chebyshev(line, cell, 0, count, 2.0 * (u - cell * width) / width - 1.0)
+def within(line: FloatArray, cell: int, width: float, u: float) -> float:
+    """Value of a series of the travel at a place of a cell, or beside it."""
+    return chebyshev(line, cell, 0, line.shape[1], 2.0 * (u - cell * width) / width - 1.0)
 
 
 @part
-def _at(line: FloatArray, cells: int, count: int, width: float, u: float) -> float:
-    """Value of a line at a place in any cell."""
-    return along(line, min(max(int(u / width), 0), cells - 1), count, width, u)
-
-
-@part
-def _top(line: FloatArray, cells: int, count: int, width: float, low: float, high: float) -> float:
+def _top(line: FloatArray, length: float, low: float, high: float) -> float:
     """Place of the largest value between two places that hold one."""
     for _ in range(_ROOT_STEPS):
         third = (high - low) / 3.0
         left, right = low + third, high - third
-        if _at(line, cells, count, width, left) < _at(line, cells, count, width, right):
+        if along(line, length, left) < along(line, length, right):
             low = left
         else:
             high = right
@@ -118,14 +112,13 @@ def _top(line: FloatArray, cells: int, count: int, width: float, low: float, hig
 
 
 @part
-def _crossing(line: FloatArray, cells: int, count: int, width: float, low: float,
-              high: float) -> float:  # fmt: skip
+def _crossing(line: FloatArray, length: float, low: float, high: float) -> float:
     """Rising zero of a line, on its far side."""
     for _ in range(_ROOT_STEPS):
         middle = 0.5 * (low + high)
         if not low < middle < high:
             break
-        if _at(line, cells, count, width, middle) > 0.0:
+        if along(line, length, middle) > 0.0:
             high = middle
         else:
             low = middle
@@ -161,8 +154,7 @@ def arrives(grids: FloatArray, y: Tables, turn: Turn, work: Work, speed: float,
         which it left its stop, independent of the motion before: at a release, or at the opening.
     """
     case, mixed, poly, nodes = work.case, work.mixed, work.poly, work.nodes
-    degree, cells = y.equation.shape[3], turn.waiting.shape[1]
-    e_N, touch, count = turn.restitution, y.travel, turn.waiting.shape[2]
+    degree, e_N, touch = y.equation.shape[3], turn.restitution, y.travel
     u, w = 0.0, -turn.restitution * y.approach * speed
     u_free, w_free = u, w
     at_opening = True
@@ -179,12 +171,12 @@ def arrives(grids: FloatArray, y: Tables, turn: Turn, work: Work, speed: float,
                 over = u + LATE_REST_SAFETY * speed * ahead
                 steady = drift(work.sizes, speed, w, a, ahead) < STEADY_DECELERATION
                 if over < touch - BEFORE_TOUCH and steady:
-                    next_one = released(work.line, cells, count, touch, u, touch)
+                    next_one = released(work.line, touch, u, touch)
                     if next_one < 0.0:
                         return rows.UNKNOWN, 0.0, 0.0
                     resting = next_one > over
         if resting:
-            u = released(work.line, cells, count, touch, u, touch)
+            u = released(work.line, touch, u, touch)
             if u < 0.0 or abs(u - touch) < BEFORE_TOUCH:
                 return rows.UNKNOWN, 0.0, 0.0
             if u > touch:

@@ -16,21 +16,11 @@ from .compiled import compiled, part
 from .flight import flight
 from .flight_errors import flight_errors
 from .layout import Cases, Settings, Start, Tables, Turn, Work
-from .panel import acceleration, chebyshev, contract, grids
+from .panel import acceleration, along, contract, grids
 from .series import settles
 
 # Where no first collision is given it is at the touch.
 _AT_TOUCH, _NO_RESTS = np.empty((0, 4)), np.empty(0)
-
-
-@part
-def _inertia(tables: Tables, u: float) -> float:
-    """Effective inertia at x = 0."""
-    cells, count = tables.inertia.shape
-    width = tables.travel / cells
-    cell = min(max(int(u / width), 0), cells - 1)
-    place = 2.0 * (u - cell * width) / width - 1.0
-    return chebyshev(tables.inertia, cell, 0, count, place)
 
 
 @part
@@ -57,7 +47,7 @@ def _transition(grids: FloatArray, tables: Tables, work: Work, speed: float, res
         u = start.travel + speed * t
         w = -restitution * before
         dw = restitution * dv
-        C = _inertia(tables, u)
+        C = along(tables.inertia, tables.travel, u)
         table[rows.TIME, n] = t
         table[rows.ANGLE, n] = tables.touch_angle + tables.sense * u
         table[rows.APPROACH, n] = before
@@ -240,8 +230,7 @@ def _clamps(turn: Turn, line: FloatArray, status: int, rest: float) -> bool:
     """True if the transition stop is at rest at a travel and pressed shut until the opening."""
     if status != rows.AT_REST or not rest < turn.opening:
         return False
-    cells, count = line.shape
-    return released(line, cells, count, turn.opening, rest, turn.opening) > turn.opening
+    return released(line, turn.opening, rest, turn.opening) > turn.opening
 
 
 def premise_of(tables: Tables, y: Tables, turn: Turn, cases: Cases, settings: Settings,

@@ -52,12 +52,18 @@ def mix(tables: Tables, mixed: FloatArray, speed: float, gravity: float, stiffne
 
 
 @part
+def cell_at(span: float, cells: int, u: float) -> tuple[int, float]:
+    """Cell of a travel, and its place in [-1, 1] there."""
+    width = span / cells
+    cell = min(max(int(u / width), 0), cells - 1)
+    return cell, 2.0 * (u - cell * width) / width - 1.0
+
+
+@part
 def contract(mixed: FloatArray, poly: FloatArray, j: int, span: float, u: float) -> None:
     """Polynomials in x at one travel, into row j of ``poly``."""
     cells, count_u, size = mixed.shape
-    width = span / cells
-    cell = min(max(int(u / width), 0), cells - 1)
-    place = 2.0 * (u - cell * width) / width - 1.0
+    cell, place = cell_at(span, cells, u)
     for m in range(size):
         poly[j, m] = mixed[cell, 0, m] + place * mixed[cell, 1, m]
     older, old = 1.0, place
@@ -81,6 +87,13 @@ def chebyshev(table: FloatArray, row: int, first: int, count: int, place: float)
     for i in range(first + count - 1, first, -1):
         high, low = table[row, i] + 2.0 * place * high - low, high
     return float(table[row, first] + place * high - low)
+
+
+@part
+def along(line: FloatArray, span: float, u: float) -> float:
+    """Value of a series of the travel, one row a cell."""
+    cell, place = cell_at(span, line.shape[0], u)
+    return chebyshev(line, cell, 0, line.shape[1], place)
 
 
 @part

@@ -50,7 +50,6 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, cases: Cases, case
     work.ready[:] = False
     row = work.poly.shape[0] - 1
     degree = charts.equation.shape[4]
-    cells, count_u = charts.equation.shape[2], charts.equation.shape[3]
     smallest = tolerance ** (1.0 / 3.0)
     most = work.series.shape[1]
     c, x, v, resting, dx, dw = begin
@@ -70,7 +69,7 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, cases: Cases, case
         if n + 2 > len(events) or hold == len(holds) or full(work.nodes):
             return rows.TOO_MANY, n, hold, turn, 0
         if resting:
-            place = released(work.line[c], cells, count_u, span, u, travel)
+            place = released(work.line[c], span, u, travel)
             if place < 0.0:
                 return rows.UNTOLD, n, hold, turn, 0
             at_end = place > travel
@@ -86,7 +85,7 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, cases: Cases, case
                 holds[hold, columns.HOLD_BEGIN_ERROR] = unsure
                 holds[hold, columns.HOLD_END_ERROR] = 0.0 if same else charts.corner_error[c]
                 if not at_end:
-                    freed = release_error(work.line[c], sizes, cells, count_u, span, place)
+                    freed = release_error(work.line[c], sizes, span, place)
                     holds[hold, columns.HOLD_END_ERROR] = freed
                 hold += 1
             late, since, unsure = dt, u, 0.0
@@ -95,7 +94,7 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, cases: Cases, case
             x = v = dx = dw = 0.0
             dt = 4.0 * EPS * t
             if not at_end:
-                dt += release_error(work.line[c], sizes, cells, count_u, span, u) / speed
+                dt += release_error(work.line[c], sizes, span, u) / speed
             if work.nodes.shape[0] > rows.SCRATCH_ROWS:
                 keep_rest(work.nodes, c, since, u, speed, max(late, dt), settled)
             settled = False

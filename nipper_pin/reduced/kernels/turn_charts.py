@@ -7,6 +7,7 @@ from . import layout as rows
 from .arrival_check import prepare
 from .compiled import part
 from .layout import Tables, Work
+from .panel import cell_at
 from .turn_layout import Charts, TurnWork
 
 
@@ -49,9 +50,7 @@ def surface(table: FloatArray, row: int, span: float, case: FloatArray, u: float
             x: float) -> float:  # fmt: skip
     """Value of one function of (u, x), shape of ``table`` (functions, cells, Nu, Nx)."""
     _, cells, count_u, count_x = table.shape
-    width = span / cells
-    cell = min(max(int(u / width), 0), cells - 1)
-    place_u = 2.0 * (u - cell * width) / width - 1.0
+    cell, place_u = cell_at(span, cells, u)
     place_x = case[rows.SCALE] * (x - case[rows.LOW]) - 1.0
     total = 0.0
     older, old = 0.0, 1.0

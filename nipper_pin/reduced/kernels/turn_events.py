@@ -11,10 +11,10 @@ from ...tolerances.mechanics import EPS
 from ...tolerances.reduced import GROWTH_SAFETY
 from . import layout as rows
 from . import turn_layout as columns
-from .arrival_check import along
+from .arrival_check import within
 from .compiled import part
 from .flight_errors import exponent, size
-from .panel import chebyshev
+from .panel import along, cell_at
 from .turn_layout import Charts
 
 _TURN = 2.0 * pi
@@ -48,10 +48,7 @@ def errors_after(nodes: FloatArray, sizes: FloatArray, speed: float, T: float, f
 def collide(charts: Charts, events: FloatArray, n: int, c: int, speed: float, e_N: float,
              turn: int, t: float, u: float, v: float, dt: float, dv: float) -> None:  # fmt: skip
     """Write a collision of a chart's stop at travel u with rate v before it."""
-    cells, count = charts.inertia.shape[1], charts.inertia.shape[2]
-    width = charts.span[c] / cells
-    cell = min(max(int(u / width), 0), cells - 1)
-    C = chebyshev(charts.inertia[c], cell, 0, count, 2.0 * (u - cell * width) / width - 1.0)
+    C = along(charts.inertia[c], charts.span[c], u)
     lever = charts.lever[charts.stop[c]]
     row = events[n]
     row[columns.KIND], row[columns.STOP], row[columns.TIME] = columns.COLLISION, charts.stop[c], t
@@ -80,13 +77,11 @@ def note(events: FloatArray, n: int, kind: int, stop: int, t: float, travel: flo
 
 
 @part
-def release_error(line: FloatArray, sizes: FloatArray, cells: int, count: int, span: float,
-                   u: float) -> float:  # fmt: skip
+def release_error(line: FloatArray, sizes: FloatArray, span: float, u: float) -> float:
     """Bound on the error of the travel at which the force of a stop has fallen to zero."""
-    width = span / cells
-    cell = min(max(int(u / width), 0), cells - 1)
+    width = span / line.shape[0]
+    cell, _ = cell_at(span, line.shape[0], u)
     step = 1e-3 * width
-    slope = (
-        along(line, cell, count, width, u + step) - along(line, cell, count, width, u - step)
-    ) / (2.0 * step)
-    return size(sizes, rows.RESIDUAL, 0.0) / max(abs(slope), 1e-300)
+    later, before = within(line, cell, width, u + step), within(line, cell, width, u - step)
+    slope = (later - before) / (2.0 * step)
+    return float(size(sizes, rows.RESIDUAL, 0.0) / max(abs(slope), 1e-300))

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from ...arrays import FloatArray
 from ...tolerances.mechanics import EPS
 from . import turn_layout as columns
-from .arrival_check import along
 from .compiled import compiled, part
 from .flight_errors import drift, size
 from .layout import AT_REST, RESIDUAL, Cases, Settings
+from .panel import along
 from .turn import follow
 from .turn_charts import chart_at
 from .turn_layout import Charts, Records, TurnWork
@@ -300,10 +300,7 @@ def _add_rest_of_series(charts: Charts, work: TurnWork, found: FloatArray, row: 
     if w <= 0.0 or c < 0:
         return
     place, e_N = columns.TURN_NUMBERS + columns.PER_STOP * stop, w / -row[columns.APPROACH]
-    cells, count = charts.inertia.shape[1], charts.inertia.shape[2]
-    width, u = charts.span[c] / cells, travel - charts.begin[c]
-    cell = min(max(int(u / width), 0), cells - 1)
-    a = along(work.line[c], cell, count, width, u)
+    a = along(work.line[c], charts.span[c], travel - charts.begin[c])
     uneven = 1.0
     if a < 0.0:
         uneven = drift(work.sizes[c], speed, w, a, ahead) + speed * ahead / charts.travel[c]

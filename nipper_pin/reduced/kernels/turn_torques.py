@@ -9,12 +9,11 @@ from ...arrays import FloatArray
 from ...tolerances.reduced import FLAT_EXTREME
 from . import flight as panels
 from . import layout as rows
-from .arrival_check import along
 from .compiled import compiled, part
 from .flight import kept
 from .flight_errors import size
 from .layout import Cases, Settings
-from .panel import chebyshev, contract, position, rate_at
+from .panel import along, chebyshev, contract, position, rate_at
 from .repeats import begin_at
 from .turn import follow
 from .turn_charts import visit
@@ -152,10 +151,8 @@ def _largest_by_a(torques: Charts, i: int) -> float:
 def _after_bounces(charts: Charts, work: TurnWork, torques: Charts, mixed: TurnWork, c: int, i: int,
                    block: FloatArray) -> float:  # fmt: skip
     """Torque in bounces too small to be computed: at rest, but for the acceleration of a flight."""
-    cells, count = work.line.shape[1], work.line.shape[2]
-    width, u = charts.span[c] / cells, block[rows.KEPT, panels.FROM]
-    cell = min(max(int(u / width), 0), cells - 1)
-    still = along(work.line[c], cell, count, width, u)
+    u = block[rows.KEPT, panels.FROM]
+    still = along(work.line[c], charts.span[c], u)
     return abs(torque_at(torques, mixed, i, u, 0.0, 0.0, still)[0])
 
 

@@ -29,7 +29,6 @@ from .tables import Tables as Series
 
 # Step of the search for the opening [rad].
 _STEP = math.radians(3.0)
-_ROOT_STEPS = 40
 # Nodes of functions of one variable; cells as in tables of two.
 _NODES, _TOUCH_NODES, _NODES_Y = 16, 24, 8
 _CHECKS = 16
@@ -174,33 +173,16 @@ def found_opening(sampler: Sampler, stop: Stop) -> Opening | None:
     try:
         for travel, row in zip(u, sampler.along(u, np.zeros(1), before), strict=True):
             if stop.gap(row[0]) <= 0.0:
-                return _root(sampler, stop, float(travel - _STEP), float(travel), before)
+                low = float(travel - _STEP)
+                if low <= 0.0:
+                    # The stop does not open.
+                    return None
+                found, q = sampler.closing(stop, low, float(travel), before)
+                return Opening(found, q[None])
             before = row
     except SimulationError:
         return None
     return None
-
-
-def _root(sampler: Sampler, stop: Stop, low: float, high: float, q: FloatArray) -> Opening | None:
-    if low <= 0.0:
-        # The stop does not open.
-        return None
-    travel = high
-    for _ in range(_ROOT_STEPS):
-        (row,) = sampler.along(np.array([travel]), np.zeros(1), q)
-        gap = stop.gap(row[0])
-        rate = stop.rate(sampler.rates(np.array([travel]), row)[1][0])
-        if gap > 0.0:
-            low = travel
-        else:
-            high = travel
-        new = travel - gap / rate if rate < 0.0 else math.nan
-        if not low <= new <= high:
-            new = 0.5 * (low + high)
-        if abs(new - travel) <= 4.0 * EPS * travel or gap == 0.0:
-            break
-        travel = new
-    return Opening(travel, row)
 
 
 def _check_open(mechanism: Mechanism, tables: Series) -> None:

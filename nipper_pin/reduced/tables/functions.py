@@ -20,6 +20,7 @@ Source: R. E. Kalaba and F. E. Udwadia, Analytical Dynamics, 1996 (null-space fo
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -28,6 +29,9 @@ import numpy as np
 from ...arrays import FloatArray
 from ...dynamics import INFINITE_INERTIA, Partition, System, close_positions, close_velocities
 from ...mechanism import Mechanism, Stop, rad_s_from_rpm
+from ...tolerances.mechanics import EPS
+
+_ROOT_STEPS = 40
 
 
 @dataclass(frozen=True, eq=False)
@@ -244,6 +248,36 @@ class Sampler:
             n and m, shape (N, nv) each.
         """
         return self._rates(self._system.shaft.driven(u)[1], q, self._system.body.closures(q)[1])
+
+    def closing(
+        self, stop: Stop, low: float, high: float, before: FloatArray
+    ) -> tuple[float, FloatArray]:
+        """Travel at which the gap of another stop falls through zero, with x at zero.
+
+        Args:
+            low: Travel before [rad].
+            high: Travel behind it.
+            before: Configuration at ``low``, shape (1, nv).
+
+        Returns:
+            The travel, and the configuration there, shape (nv,).
+        """
+        travel = high
+        for _ in range(_ROOT_STEPS):
+            ((row,),) = self.along(np.array([travel]), np.zeros(1), before)
+            gap = stop.gap(row)
+            rate = stop.rate(self.rates(np.array([travel]), row[None])[1][0])
+            if gap > 0.0:
+                low = travel
+            else:
+                high = travel
+            new = travel - gap / rate if rate < 0.0 else math.nan
+            if not low <= new <= high:
+                new = 0.5 * (low + high)
+            if abs(new - travel) <= 4.0 * EPS * travel or gap == 0.0:
+                break
+            travel = new
+        return travel, row
 
     def _across(self, x: FloatArray, u: FloatArray, q: FloatArray) -> FloatArray:
         """Configurations at all x from those at x = 0, shape (U, X, nv)."""

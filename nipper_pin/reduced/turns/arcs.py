@@ -16,7 +16,7 @@ from ...arrays import FloatArray
 from ...dynamics import ShaftMotion, System, partition
 from ...errors import InputError, SimulationError
 from ...mechanism import Mechanism, Stop
-from ...tolerances.mechanics import EPS, KNOT_ANGLE
+from ...tolerances.mechanics import KNOT_ANGLE
 from ..tables.functions import Sampler
 
 TURN = 2.0 * math.pi
@@ -158,7 +158,7 @@ class Walk:
                 message = f"stop {stop.name!r} cannot stay closed beside {names}: they jam"
                 raise SimulationError(message, stop=stop.name)
             if beyond:
-                corners = [self._corner(sampler, other, low, high, before)
+                corners = [sampler.closing(other, low, high, before)
                            for other, high in beyond]  # fmt: skip
                 first = int(np.argmin([corner for corner, _ in corners]))
                 (corner, q), (other, _) = corners[first], beyond[first]
@@ -184,28 +184,6 @@ class Walk:
             (rate,) = _rates_of(sampler, [other], middle, row)
             low, high = (middle, high) if rate < 0.0 else (low, middle)
         return middle, row
-
-    @staticmethod
-    def _corner(
-        sampler: Sampler, other: Stop, low: float, high: float, before: FloatArray
-    ) -> tuple[float, FloatArray]:
-        """Where the gap of another stop falls through zero, and the configuration there."""
-        travel = high
-        for _ in range(_ROOT_STEPS):
-            ((row,),) = sampler.along(np.array([travel]), np.zeros(1), before)
-            gap = other.gap(row)
-            rate = other.rate(sampler.rates(np.array([travel]), row[None])[1][0])
-            if gap > 0.0:
-                low = travel
-            else:
-                high = travel
-            new = travel - gap / rate if rate < 0.0 else math.nan
-            if not low <= new <= high:
-                new = 0.5 * (low + high)
-            if abs(new - travel) <= 4.0 * EPS * travel or gap == 0.0:
-                break
-            travel = new
-        return travel, row
 
 
 def _rates_of(sampler: Sampler, others: list[Stop], travel: float, row: FloatArray) -> list[float]:

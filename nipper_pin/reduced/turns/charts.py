@@ -10,20 +10,15 @@ import numpy as np
 from ...arrays import FloatArray
 from ...errors import SimulationError
 from ...hybrid.error_estimate.local_error import of_rates
-from ...mechanism import Mechanism, rad_s_from_rpm
+from ...mechanism import Mechanism
 from ...tolerances.reduced import CORNER_ROUND_OFF, GAP_SHARE
 from ..kernels.turn_layout import Charts
-from ..model import BY_GRAVITY, BY_RATE, BY_SPEED, BY_SPEED_AND_RATE, BY_SPRINGS
+from ..model import MARGIN, factors
 from ..tables.series2d import needed
 from ..tables.tables import Domain, Tables, Trimmed, checks, misfit, resolved, trimmed
 from .arcs import TURN, Arc, sampler_at, system_at
 from .rows import on_rows
 
-# Part of the range of x below zero; flights are solved a little beyond their end.
-_MARGIN = 1.0 / 16.0
-# Gap of a chart: multiple of the rated speed, restitution, and a factor for flights higher than
-# ballistic ones.
-_FAST, _LIVELY, _ROOM = 1.5, 0.5, 1.25
 _PLACES = 9
 _NODES_X = 8
 # Travel over which the change of a rate is taken [rad].
@@ -122,29 +117,14 @@ class Surroundings:
 
     def acceleration(self, w: float, place: int) -> tuple[float, FloatArray]:
         """X'' at a place on the stop with a rate w, and its terms, at a lively speed."""
-        terms = self.factors(w) * self.along.equation[:, place]
+        terms = factors(self.mechanism, len(self.along.equation), w) * self.along.equation[:, place]
         return float(terms.sum()), terms
 
     def weights(self, w: float) -> FloatArray:
         """Weights of the functions in x'' by the size of x'', at rates up to w."""
-        weights = self.factors(w)
+        weights = factors(self.mechanism, len(self.along.equation), w)
         size = float((np.abs(weights[:, None] * self.along.equation)).sum(axis=0).mean())
         return np.abs(weights) / (size if size > 0.0 else 1.0)
-
-    def factors(self, w: float) -> FloatArray:
-        """Factors of the functions in x'' at a rate w of x and a lively speed."""
-        mechanism = self.mechanism
-        speed = _FAST * rad_s_from_rpm(mechanism.cylinder.rated_speed_rpm)
-        weights = np.zeros(len(self.along.equation))
-        weights[BY_SPEED], weights[BY_SPEED_AND_RATE] = speed**2, speed * w
-        weights[BY_RATE], weights[BY_GRAVITY] = w**2, 1.0
-        for number, spring in enumerate(mechanism.springs):
-            place = BY_SPRINGS + 2 * number
-            weights[place], weights[place + 1] = spring.stiffness * spring.preload, spring.stiffness
-        elements = BY_SPRINGS + 2 * len(mechanism.springs)
-        if len(weights) > elements:
-            weights[elements:] = 1.0, speed, w
-        return weights
 
 
 def chart_of(around: Surroundings, gap: float, w: float, tolerance: float) -> Chart:
@@ -170,7 +150,7 @@ def chart_of(around: Surroundings, gap: float, w: float, tolerance: float) -> Ch
 
 def _sampled(around: Surroundings, gap: float, w: float, tolerance: float) -> Chart:
     arc, sampler = around.arc, around.sampler
-    domain = Domain(float(arc.travels[-1]), -_MARGIN * gap, gap, count_x=_NODES_X)
+    domain = Domain(float(arc.travels[-1]), -MARGIN * gap, gap, count_x=_NODES_X)
     weights = around.weights(w)
     tables, samples = resolved(sampler, domain, weights, tolerance)
     points = checks(sampler, domain, tables)

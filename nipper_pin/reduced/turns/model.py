@@ -11,10 +11,11 @@ from ...arrays import FloatArray
 from ...dynamics import ShaftMotion, System
 from ...errors import InputError
 from ...hybrid import comes_back, initial_state
-from ...mechanism import Mechanism, Stop, rad_s_from_rpm
+from ...mechanism import Mechanism, Stop
 from ..kernels.turn_layout import Charts
+from ..model import LIVELY, ROOM, lively_speed
 from .arcs import Arc, Walk, system_at
-from .charts import _FAST, _LIVELY, _ROOM, Surroundings, chart_of, stacked
+from .charts import Surroundings, chart_of, stacked
 
 
 def unfit_turns(mechanism: Mechanism) -> str | None:
@@ -203,7 +204,7 @@ def _reach(
     mechanism: Mechanism, around: list[Surroundings], after: list[int]
 ) -> list[tuple[float, float]]:
     """Largest gap of each chart, and usual rates in it."""
-    speed = _FAST * rad_s_from_rpm(mechanism.cylinder.rated_speed_rpm)
+    speed = lively_speed(mechanism)
     gaps = np.zeros(len(around))
     rates = np.zeros(len(around))
     for number, item in enumerate(around):
@@ -211,11 +212,11 @@ def _reach(
         if throw == 0.0:
             continue
         to = after[number]
-        w = _LIVELY * abs(approach) * speed
+        w = LIVELY * abs(approach) * speed
         a, _ = around[to].acceleration(w, 0)
         rates[to] = max(rates[to], w)
         if a < 0.0:
-            gaps[to] = max(gaps[to], _ROOM * 0.5 * w * w / -a)
+            gaps[to] = max(gaps[to], ROOM * 0.5 * w * w / -a)
     # Where stops meet slowly, a stop that is released flies higher than after their collision.
     for number, item in enumerate(around):
         if gaps[number] > 0.0:

@@ -26,6 +26,7 @@ from ...mechanism import Mechanism
 from ...tolerances.reduced import TORQUE_TABLES
 from ..kernels.layout import Cases
 from ..kernels.turn_layout import Charts
+from ..model import factors
 from ..results import ENGINE
 from ..tables.functions import Samples
 from ..tables.tables import Domain, checks, resolved, trimmed
@@ -130,7 +131,7 @@ def _weights(around: Surroundings, sampler: _DriveSampler, rate: float) -> Float
     u, q = around.arc.travels[places], around.arc.path[places]
     functions = sampler.at(u, np.zeros_like(u), q).equation
     fastest = float(np.abs(around.acceleration(rate, 0)[1]).sum())
-    weights = np.append(np.abs(around.factors(rate)), fastest)
+    weights = np.append(np.abs(factors(around.mechanism, len(functions) - 1, rate)), fastest)
     size = float(np.abs(weights[:, None] * functions).sum(axis=0).mean())
     return weights / (size if size > 0.0 else 1.0)
 
