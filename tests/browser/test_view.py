@@ -283,6 +283,29 @@ def test_keys_buttons_and_speed(page: Page) -> None:
     until(page, "byId('labels').hidden")
 
 
+def test_a_dark_page(chromium: Browser, watch, solution: Solution, tmp_path: Path) -> None:
+    """As the browser wants it: paper and background dark, words and curves bright; and back."""
+    file = view(solution, tmp_path / "dark.html")
+    found = watch(chromium.new_page(color_scheme="dark", viewport={"width": 1024, "height": 768}))
+    page = found.page
+    page.goto(file.resolve().as_uri())
+    until(page, "animator.time > 0.1")
+    seek(page, 1.0)
+    for scheme, dim in (("dark", True), ("light", False)):
+        page.emulate_media(color_scheme=scheme)
+        seek(page, 1.0)
+        for part in ("#pane", "#curves canvas", "#note", "#numbers"):
+            image = picture(page, part)
+            assert bool(np.median(image) < 100.0) is dim, part
+            # Something is told from its ground.
+            assert np.abs(image - np.median(image)).max() > 100.0
+    # In a window of this size the curves are in sight.
+    box = page.locator("#curves").bounding_box()
+    assert box["y"] + box["height"] <= 768.0
+    assert found.complaints == []
+    page.close()
+
+
 @pytest.mark.parametrize(("width", "height"), [(900, 700), (390, 844)])
 def test_nothing_covers_the_machine_on_small_screens(plain: Page, width: int, height: int) -> None:
     """Picture, close-up, numbers and curves stand beside or below one another, within the width."""

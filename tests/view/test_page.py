@@ -67,7 +67,7 @@ def test_page_is_one_file_that_asks_for_nothing(page: str) -> None:
 
 
 def test_words_of_the_scene(page: str, words: Words) -> None:
-    """No grid and no axes, a light background, two sides, and tracks as three.js calls them.
+    """No grid and no axes, two sides, and tracks as three.js calls them.
 
     One that it does not know ends the whole film.
     """

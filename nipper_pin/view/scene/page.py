@@ -78,10 +78,8 @@ def assembled(
 
 
 def background() -> list[dict[str, object]]:
-    """Messages that make the viewer's scene an empty page."""
+    """Messages that make the viewer's scene an empty page; its script colours the background."""
     return [
-        _property("Background", "top_color", [1.0, 1.0, 1.0]),
-        _property("Background", "bottom_color", [0.80, 0.84, 0.88]),
         _property("Grid", "visible", False),
         _property("Axes", "visible", False),
     ]

@@ -95,4 +95,5 @@ function follow() {
   drawNames();
 }
 follow();
+dark.addEventListener("change", () => { shadeScene(); written = null; });
 new ResizeObserver(() => { viewer.set_3d_pane_size(); written = null; }).observe(byId("picture"));

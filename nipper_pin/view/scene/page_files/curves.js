@@ -33,9 +33,9 @@ function ticks(canvas, pen, top, bottom) {
   const placed = film.ticks.map((tick) => ({
     ...tick, x: across(canvas, tick.at), half: pen.measureText(tick.text).width / 2,
   }));
-  pen.fillStyle = "#8a93a0";
+  pen.fillStyle = shade("tick");
   for (const tick of placed) pen.fillRect(tick.x, top, 1, 4);
-  pen.fillStyle = "#1c2430";
+  pen.fillStyle = shade("ink");
   for (const tick of labelled(placed))
     if (tick.x + tick.half <= canvas.clientWidth) pen.fillText(tick.text, tick.x, bottom);
 }
@@ -47,7 +47,7 @@ function drawStrip() {
     pen.fillStyle = phase.colour;
     pen.fillRect(across(canvas, phase.start), 2, across(canvas, end) - across(canvas, phase.start), 13);
   });
-  pen.strokeStyle = "#8a93a0";
+  pen.strokeStyle = shade("tick");
   pen.strokeRect(LEFT, 2, canvas.clientWidth - LEFT - RIGHT, 13);
   ticks(canvas, pen, 15, 28);
   pen.textAlign = "left";
@@ -63,9 +63,9 @@ function drawCurves() {
     const [low, high] = curve.decades || [];
     const share = low ? (value) => Math.log(value / low) / Math.log(high / low) : (value) => value / curve.most;
     const y = (value) => bottom - Math.min(share(value), 1) * (bottom - top);
-    pen.strokeStyle = "#dde2e9";
+    pen.strokeStyle = shade("lane");
     pen.strokeRect(LEFT, top, canvas.clientWidth - LEFT - RIGHT, bottom - top);
-    pen.fillStyle = "#1c2430";
+    pen.fillStyle = shade("ink");
     pen.font = "11px system-ui, sans-serif";
     pen.textAlign = "left";
     curve.label.forEach((text, row) => pen.fillText(text, 0, top + 10 + 12 * row));
@@ -107,7 +107,7 @@ function drawCurves() {
       pen.fill();
     }
   });
-  pen.fillStyle = "#1c2430";
+  pen.fillStyle = shade("ink");
   pen.fillRect(across(canvas, animator.time) - 1, 0, 2, canvas.clientHeight);
 }
 // A click near a collision goes to it; elsewhere the cursor follows the pointer.

@@ -46,7 +46,7 @@ function drawLips({ whose, figure, camera, hidden, around }) {
   renderer.setScissorTest(false);
   renderer.setViewport(0, 0, pane.clientWidth, pane.clientHeight);
   const long = lips.scale_mm / 1000 / lips.height * high;
-  pen.fillStyle = "#1c2430";
+  pen.fillStyle = shade("ink");
   pen.fillRect(12, high - 14, long, 3);
   pen.fillRect(12, high - 18, 1, 11);
   pen.fillRect(12 + long, high - 18, 1, 11);

@@ -18,6 +18,17 @@ const fit = viewer.set_3d_pane_size.bind(viewer);
 viewer.set_3d_pane_size = () => fit(byId("pane").clientWidth, byId("pane").clientHeight);
 viewer.set_3d_pane_size();
 
+// Colours of the page's style, light or dark as the browser wants it; the scene has a background of its own.
+const style = getComputedStyle(document.documentElement), dark = matchMedia("(prefers-color-scheme: dark)");
+const shade = (name) => style.getPropertyValue(`--${name}`);
+const light = [[1, 1, 1], [0.80, 0.84, 0.88]], dim = [[0.08, 0.09, 0.12], [0.20, 0.23, 0.28]];
+function shadeScene() {
+  const value = dark.matches ? dim : light;
+  for (const [place, property] of ["top_color", "bottom_color"].entries())
+    viewer.handle_command({ type: "set_property", path: "/Background", property, value: value[place] });
+}
+shadeScene();
+
 // The axes of cameras and of the world have y up: x, z and -y of the machine.
 const upright = ([x, y, z]) => [x, z, -y];
 viewer.camera.fov = 40;
