@@ -112,6 +112,7 @@ def transitions(
         InputError: A parameter is out of range, or numba is not installed.
     """
     cases = _cases(model, speed_rpm, restitution, stiffness, preload, gravity)
+    require("study", "numba", what=_ENGINE)
     check_run(rest_rate, tolerance, max_collisions)
     table = np.full((len(cases.speed), COLUMNS, max_collisions), np.nan)
     found, tell = _solved(model, cases, rest_rate, tolerance, assumed, table)
