@@ -185,13 +185,13 @@ def test_a_path_of_any_length_is_printed_whole(
     for letters in range(1, 121, 5):
         path = str(tmp_path / (letters * "q"))
         assert main(["new", path]) == 0
-        heading, end, rest = capsys.readouterr().out.partition("in mm\n")
+        heading, end, rest = capsys.readouterr().out.partition("each.\n")
         assert all(len(line) <= width or path in line for line in heading.splitlines())
         headings.add(" ".join(f"{heading}{end}".replace(path, "PATH").split()))
         commands.add(rest.partition("as it stands:\n")[2].replace(path, "PATH"))
     assert headings == {
         "PATH: a press with one stop to strike and one to come back to, every line explained; "
-        "one drawing, in mm"
+        "one drawing, in mm. Change its points, bodies and joints, and check after each."
     }
     assert [line.split()[1:3] for line in commands.pop().splitlines()] == [
         ["check", "PATH"], ["simulate", "PATH"], ["view", "PATH"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from .arguments import add_set, load_mechanism
-from .new import SCHEMA, written
+from .new import written
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -24,10 +24,5 @@ def _run(options: argparse.Namespace) -> None:
     from ..mechanism.export import export
 
     mechanism = load_mechanism(options)
-    folder = export(mechanism, options.folder)
-    files = (
-        (f"{folder.name}.urdf", "links, joints, masses, shapes"),
-        (f"{folder.name}.toml", "drives, springs, stops, closures, phases"),
-        SCHEMA,
-    )
-    written(f"{options.folder}: {mechanism.title}", files, options.folder)
+    export(mechanism, options.folder)
+    written(f"{options.folder}: {mechanism.title}, as URDF and TOML", options.folder)

@@ -4,15 +4,11 @@ from __future__ import annotations
 
 import argparse
 import shlex
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
 from .arguments import refuse_beside
-
-SCHEMA = ("model.schema.json", "what editors complete the TOML by")
-"""A file beside a model, and what it is for."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -74,8 +70,8 @@ def _drawing(name: str | None, model: str) -> None:
     else:
         new_model(model, file_of(name).read_text(encoding="utf-8"))
     what = name or "a press with one stop to strike and one to come back to, every line explained"
-    remark = "Change its points, bodies and joints, and check after each."
-    written(f"{model}: {what}; one drawing, in mm", (), model, remark)
+    advice = "Change its points, bodies and joints, and check after each."
+    written(f"{model}: {what}; one drawing, in mm. {advice}", model)
 
 
 def _exported(urdf: str, model: str) -> None:
@@ -106,16 +102,12 @@ def _place(stop: dict[str, Any]) -> str:
     return f"{stop['at_mm']:g} mm" if "at_mm" in stop else f"{stop['at_deg']:g} deg"
 
 
-def written(head: str, files: Sequence[tuple[str, str]], model: str, remark: str = "") -> None:
+def written(head: str, model: str) -> None:
     """Tell what was written, and what to run next."""
-    from ..view.console import paste, say, show_table, unbroken_console
+    from ..view.console import paste, say, unbroken_console
 
     console, turns = unbroken_console(), ("--window", "cycle")
     say(console, head)
-    if files:
-        show_table(console, ("file", "what it holds"), files, text=(0, 1))
-    if remark:
-        say(console, remark)
     say(console, "It runs as it stands:")
     for words in (
         ("check", model),

@@ -66,7 +66,8 @@ def test_several_links_at_one_pin(tmp_path: Path, name: str) -> None:
 
 def test_an_export_with_a_drive_runs(tmp_path: Path) -> None:
     """The drive that the file proposes, taken in: the motion is that of the full-digit machine."""
-    folder = take_urdf(STRANGERS / "sw_fourbar_5" / "sw_fourbar_5.urdf", tmp_path / "mine").folder
+    folder = tmp_path / "mine"
+    take_urdf(STRANGERS / "sw_fourbar_5" / "sw_fourbar_5.urdf", folder)
     file = folder / "mine.toml"
     text = file.read_text(encoding="utf-8")
     for line in ("[drives.crank_joint]", 'joint = "crank_joint"', 'law = "constant_speed"',

@@ -42,7 +42,6 @@ class Exported:
     """What was found in a URDF.
 
     Attributes:
-        folder: The model's folder.
         closures: Pins that close loops, as the table of the model has them.
         gaps_mm: What the frames of each miss one another by [mm].
         stops: Limits of joints, likewise.
@@ -52,7 +51,6 @@ class Exported:
         wrong: Why the model cannot be loaded as it is; empty if it can.
     """
 
-    folder: Path
     closures: dict[str, dict[str, str]]
     gaps_mm: dict[str, float]
     stops: dict[str, dict[str, Any]]
@@ -90,7 +88,7 @@ def take_urdf(urdf: str | Path, folder: str | Path) -> Exported:
             mechanism = from_sources(name, text, document, partial)
         except InputError as error:
             raise with_words(error, {file: path.name}) from error
-        found = _found(root, mechanism, target, lost)
+        found = _found(root, mechanism, lost)
         document["degrees_of_freedom"] = max(free - 2 * len(found.closures), 1)
         first = next(iter(found.stops), "")
         document |= {"closures": found.closures, "stops": found.stops, "transition_stop": first}
@@ -132,9 +130,7 @@ def _document(title: str, file: str, freedoms: int) -> dict[str, Any]:
     }
 
 
-def _found(
-    root: ElementTree.Element, mechanism: Mechanism, folder: Path, lost: tuple[str, ...]
-) -> Exported:
+def _found(root: ElementTree.Element, mechanism: Mechanism, lost: tuple[str, ...]) -> Exported:
     fixed = {
         child.get("link")
         for joint in root.findall("joint")
@@ -159,7 +155,6 @@ def _found(
     used = {name for a, b, _ in pairs.values() for name in (a, b)}
     parents = mechanism.model.parents
     return Exported(
-        folder,
         {name: {"frame_a": a, "frame_b": b} for name, (a, b, _) in pairs.items()},
         {name: MM_PER_M * gap for name, (_, _, gap) in pairs.items()},
         stops,
