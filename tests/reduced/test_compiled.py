@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import importlib.util
 import re
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -22,10 +23,14 @@ from nipper_pin.reduced.kernels.kernel import run_batch
 from nipper_pin.reduced.kernels.turn_quantities import run_turns
 
 SOURCE = """
-from nipper_pin.reduced.kernels.compiled import compiled
+import numpy as np
+from nipper_pin.reduced.kernels.compiled import compiled, part
+@part
+def scaled(row, x):
+    return row[0] * x
 @compiled
 def triple(x):
-    return 3.0 * x
+    return scaled(np.full(1, 3.0), x)
 """
 
 
@@ -128,6 +133,37 @@ def test_a_folder_that_stops_taking_files(tmp_path: Path, monkeypatch: pytest.Mo
     assert triple(14.0) == 42.0
 
 
+def test_a_terminal_is_told_of_the_wait(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Where code is compiled, not where it is kept, and nobody else."""
+    monkeypatch.setattr(config, "CACHE_DIR", str(tmp_path / "kept"))
+    told = []
+    for terminal, folder in ((False, "a"), (True, "b"), (True, "c"), (True, "c")):
+        monkeypatch.setattr(sys.stderr, "isatty", lambda terminal=terminal: terminal)
+        (tmp_path / folder).mkdir(exist_ok=True)
+        compiling._tell_that_it_takes_time.cache_clear()
+        assert loaded(tmp_path / folder)(14.0) == 42.0
+        told.append(capsys.readouterr().err.count("compiling the reduced engine"))
+    assert told == [0, 1, 1, 0]
+
+
+def test_references_are_as_many_after_a_call_as_before(model: ReducedModel) -> None:
+    """Of arrays that compiled code reads, without counting them, and of those that it wrote."""
+
+    def counted() -> list[int]:
+        read = (*model.tables, *model.arrival.tables, *model.arrival.turn)
+        return [sys.getrefcount(item) for item in read if isinstance(item, np.ndarray)]
+
+    before = counted()
+    for _ in range(20):
+        found = transitions(model, speed_rpm=[450.0, 650.0], assumed=False)
+        written = sys.getrefcount(found.table)
+        assert written == 2
+    assert found.premise.tolist() == [1, 1]
+    assert counted() == before
+
+
 def test_all_machine_code_is_kept_so() -> None:
     """What is true of a small function is true of transitions, turns and searches."""
     package = Path(compiling.__file__).parents[2]
@@ -162,5 +198,5 @@ def test_other_columns_of_a_table_compile_nothing(model: ReducedModel, e62: Mech
 
 
 def test_compiled_functions_divide_by_zero_as_numpy_does(tmp_path: Path) -> None:
-    (tmp_path / "function.py").write_text(SOURCE.replace("3.0 * x", "x / 0.0"))
+    (tmp_path / "function.py").write_text(SOURCE.replace("row[0] * x", "x / 0.0"))
     assert loaded(tmp_path)(1.0) == np.inf
