@@ -230,6 +230,23 @@ def advised_by(capsys: pytest.CaptureFixture[str], *words: str) -> list[list[str
 
 
 @pytest.mark.usefixtures("here")
+@pytest.mark.parametrize(
+    ("study", "options"),
+    [
+        ("sweep", "--dry-run"),
+        ("identify", "--starts 1 --profiles 0 --workers 1"),
+        pytest.param("optimise", "--starts 1 --no-check --workers 1", marks=pytest.mark.slow),
+    ],
+)
+def test_a_study_runs_as_it_is_written(
+    study: str, options: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["new", "--study", study, "own.toml"]) == 0
+    assert f"nipper-pin {study} own.toml" in capsys.readouterr().out
+    assert main([study, "own.toml", *options.split()]) == 0
+
+
+@pytest.mark.usefixtures("here")
 @pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("name", "transition"),

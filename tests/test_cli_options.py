@@ -193,6 +193,9 @@ NEW = {
     "--urdf": Entry("--urdf a.urdf", {"take_urdf.urdf": "a.urdf", "take_urdf.folder": "press"},
                     "press", ("write_skeleton.",),
                     (CALLS["new"], "nipper_pin.mechanism.skeleton.exported.take_urdf")),
+    "--study": Entry("--study sweep", {"write_study.study": "sweep", "write_study.target": "a"},
+                     "a", ("write_skeleton.",),
+                     (CALLS["new"], "nipper_pin.study.starts.write_study")),
 }  # fmt: skip
 EXPORT = {
     "MODEL": Entry("e62_identified mine", {"export.mechanism.name": "e62_identified"},

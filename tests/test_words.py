@@ -55,6 +55,7 @@ COMMANDS = {
     "compare_saved": ((80,), "compare saved.npz --set-b speed=620"),
     "levers": ((60, 80), "levers e62 --speed 650"),
     "new": ((60,), "new a_press"),
+    "new_study": ((60,), "new --study optimise a_design.toml"),
     "new_of_the_gallery": ((80,), "new --from toggle_press another"),
     "export": ((60,), "export sieve a_sieve"),
     "gallery": (ALL, "new --list"),

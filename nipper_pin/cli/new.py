@@ -7,7 +7,7 @@ import shlex
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError
+from ..errors import InputError, UnknownNameError
 from .arguments import refuse_beside
 
 
@@ -30,21 +30,29 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="start from a URDF that another program exported: a copy, its meshes, and a TOML",
     )
+    parser.add_argument(
+        "--study",
+        metavar="KIND",
+        help="write the commented file of a study instead: sweep, optimise or identify",
+    )
     parser.add_argument("--list", action="store_true", help="name the machines of the gallery")
     parser.set_defaults(run=_run)
 
 
 def _run(options: argparse.Namespace) -> None:
     if options.list:
-        others = {"folder": "MODEL", "start": "--from", "urdf": "--urdf"}
+        others = {"folder": "MODEL", "start": "--from", "urdf": "--urdf", "study": "--study"}
         refuse_beside(options, "--list", others)
         _list()
     elif options.folder is None:
         message = "name the folder to write, as in nipper-pin new my_press"
         raise InputError(message)
     elif options.urdf is not None:
-        refuse_beside(options, "--urdf", {"start": "--from"})
+        refuse_beside(options, "--urdf", {"start": "--from", "study": "--study"})
         _exported(options.urdf, options.folder)
+    elif options.study is not None:
+        refuse_beside(options, "--study", {"start": "--from"})
+        _study(options.study, options.folder)
     else:
         _drawing(options.start, options.folder)
 
@@ -72,6 +80,18 @@ def _drawing(name: str | None, model: str) -> None:
     what = name or "a press with one stop to strike and one to come back to, every line explained"
     advice = "Change its points, bodies and joints, and check after each."
     written(f"{model}: {what}; one drawing, in mm. {advice}", model)
+
+
+def _study(kind: str, file: str) -> None:
+    from ..study.starts import STUDIES, write_study
+    from ..view.console import paste, say, unbroken_console
+
+    if kind not in STUDIES:
+        raise UnknownNameError(kind="study", name=kind, known=STUDIES, where="--study")
+    write_study(kind, file)
+    console = unbroken_console()
+    say(console, f"{file}: a study of e62, every line explained. It runs as it stands:")
+    paste(console, f"  {shlex.join(['nipper-pin', kind, file])}")
 
 
 def _exported(urdf: str, model: str) -> None:

@@ -131,6 +131,10 @@ new mine --urdf missing.urdf
 new mine --urdf file --from bell
 new --urdf file
 new mine --urdf full
+new mine.toml --study swep
+new mine --study sweep
+new fit.toml --study identify
+new mine.toml --study sweep --from bell
 export e62 e62
 export e62 full
 export no-such-model mine
