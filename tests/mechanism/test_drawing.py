@@ -390,6 +390,10 @@ WRONG = {
     "follows by nothing": ('along = "O Y"', 'along = "O Y", follows = "feed"'),
     "by a lead": ('along = "O Y"', 'along = "O Y", follows = "feed", lead_mm_per_turn = 2.0'),
     "a ratio to nothing": ('along = "O Y"', 'along = "O Y", ratio = 2.0'),
+    "a key of the whole": ("touch_deg = 12.0", "touch_dg = 12.0"),
+    "no freedom": (
+        '  { pin = "A"', '  { pin = "A", name = "two", parent = "crank", child = "ram" },\n'
+        '  { pin = "Y", parent = "yoke", child = "ram" },\n  { pin = "A"'),
     "loose body": ("[drives]", 'loose = { points = "O A" }\n[drives]'),
     "no mass": ("mass_kg = 1.5, ", ""),
     "two joints": ('slide = "feed"', 'slide = "lift"'),

@@ -46,10 +46,19 @@ def document(tree: Tree) -> dict[str, Any]:
                 drawn.refuse(key, name, allowed)
     slots = sum(cut.slot is not None for cut in tree.cut.values())
     geared = sum(joint.follows is not None for joint in tree.carried.values())
+    mobility = len(tree.carried) + slots - geared - 2 * len(tree.cut)
+    if mobility < 1:
+        value = f"{len(tree.carried) + slots} coordinates and {len(tree.cut)} closed loops"
+        allowed = (
+            "a machine that moves: each pin or slot that closes a loop takes two freedoms, each "
+            f"joint that follows one, and {mobility} are left; loops are closed by "
+            f"{', '.join(tree.cut)}; of bodies that are guided twice alike leave one out"
+        )
+        drawn.refuse("joints", value, allowed)
     found: dict[str, Any] = {
         "format": 1,
         "title": table.title,
-        "degrees_of_freedom": len(tree.carried) + slots - geared - 2 * len(tree.cut),
+        "degrees_of_freedom": mobility,
         "gravity_m_s2": table.gravity_m_s2,
         "transition_stop": struck,
         "initial_phase": 1,

@@ -100,6 +100,11 @@ def read(document: Mapping[str, Any], name: str) -> Drawn:
         if key in document:
             allowed = "nothing: a drawing makes it, of its points, bodies, joints and shaft"
             raise ModelError(file=file, key=key, value=document[key], allowed=allowed)
+    known = sorted(top - {*MADE})
+    for key in document:
+        if key not in top:
+            allowed = f"unknown key; {meant(key, known)}known here: {', '.join(known)}"
+            raise ModelError(file=file, key=key, value=document[key], allowed=allowed)
     refuse_unusable(own, "", file)
     table: DrawingTable = converted(own, DrawingTable, "", file)
     for key in _TABLES:

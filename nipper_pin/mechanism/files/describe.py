@@ -332,7 +332,8 @@ def _explain(refusal: Refusal, prefix: str, file: str) -> ModelError:
     known = ", ".join(_keys(refusal.kind))
     if refusal.unknown is not None:
         value = found[refusal.unknown] if isinstance(found, Mapping) else None
-        key, allowed = f"{key}.{refusal.unknown}", f"unknown key; known here: {known}"
+        near = meant(refusal.unknown, _keys(refusal.kind))
+        key, allowed = f"{key}.{refusal.unknown}", f"unknown key; {near}known here: {known}"
     elif refusal.missing is not None:
         key, value = f"{key}.{refusal.missing}", None
         allowed = f"a required key; known here: {known}"
