@@ -256,7 +256,10 @@ def test_the_cursor_follows_and_a_click_goes_to_a_collision(page: Page, solution
 
 
 def test_keys_buttons_and_speed(page: Page) -> None:
-    """Space plays, arrows step a frame, the views move the camera, names can be switched off."""
+    """Space plays, arrows step a frame, the views move the camera, names can be switched off.
+
+    The place in the turn is an index, or an angle of 9 degrees for each.
+    """
     seek(page, 1.0)
     page.keyboard.press("Space")
     until(page, "animator.playing")
@@ -274,6 +277,12 @@ def test_keys_buttons_and_speed(page: Page) -> None:
         page.click(f"#{button}")
         places.append(page.evaluate("viewer.camera.position.toArray()"))
     assert len({tuple(place) for place in places}) == 3
+    index = numbers(page)["index"]
+    page.click("#numbers button")
+    until(page, "!byId('numbers').textContent.startsWith('index')")
+    assert numbers(page)["angle from index 0"] == pytest.approx(9.0 * index, rel=2e-3)
+    page.click("#numbers button")
+    until(page, "byId('numbers').textContent.startsWith('index')")
     page.select_option("#pace", "2")
     assert page.evaluate("animator.mixer.timeScale") == 2.0
     page.locator("#names").check()

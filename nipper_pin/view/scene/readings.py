@@ -12,7 +12,7 @@ import numpy as np
 from ...arrays import FloatArray
 from ...hybrid import Collision, Solution, Window
 from ...hybrid.result.quantities import force_unit
-from ...mechanism import Mechanism, Stop
+from ...mechanism import INDEX_PER_TURN, Mechanism, Stop
 from ...terms import digits
 from ...units import MM_PER_M, MS_PER_S
 from ..naming import coordinate_shown
@@ -47,6 +47,7 @@ def readings(film: Film) -> dict[str, Any]:
         "case": case_text(solution),
         "note": note(film),
         "exaggerate": film.look.exaggerate,
+        "index_per_turn": INDEX_PER_TURN,
         "playback": rounded(pace.playback),
         "duration": float(pace.playback[-1]),
         "columns": [

@@ -1,14 +1,27 @@
 // Texts, names, buttons and keys, and what is written in every frame.
 const scrub = byId("scrub");
-let cells, names, hitTimes, written = null;
+let cells, names, hitTimes, written = null, asAngle = false;
+// The place in the turn by the comber's index, or by the angle that the shaft has turned since index 0.
+function placeOf(column) {
+  const turned = (values) => values && values.map((value) => value * 360 / film.index_per_turn);
+  if (!asAngle) return column;
+  return { label: "angle from index 0", unit: "deg", values: turned(column.values), other: turned(column.other) };
+}
+function placeButton(words) {
+  const button = document.createElement("button");
+  Object.assign(button, { type: "button", textContent: words, title: "by index or by angle" });
+  button.addEventListener("click", () => { asAngle = !asAngle; tell(); });
+  return button;
+}
 // What is written once for a film.
 function tell() {
   document.title = film.title;
   for (const id of ["title", "case", "note"]) byId(id).textContent = film[id];
-  byId("numbers").replaceChildren();
-  cells = film.columns.flatMap((column) => {
-    const row = byId("numbers").insertRow();
-    row.insertCell().textContent = column.label;
+  byId("numbers").querySelectorAll("tbody").forEach((part) => part.remove());
+  cells = film.columns.flatMap((each) => {
+    const row = byId("numbers").insertRow(), isPlace = each.label === "index";
+    const column = isPlace ? placeOf(each) : each;
+    row.insertCell().append(isPlace ? placeButton(column.label) : column.label);
     // Of two machines there are two numbers in a row.
     const values = [column.values, ...(film.compare ? [column.other] : [])];
     const places = values.map((list) => [row.insertCell(), list]);
