@@ -122,9 +122,8 @@ def resolved(
         if cells > _MOST_CELLS or count_x > _MOST_X:
             break
     message = (
-        f"the functions of the mechanism are not resolved on this domain (tails {by_u:.2g} by "
-        f"travel, {by_x:.2g} by gap): it comes near a dead centre; use the direct "
-        "engine, or nipper_pin.reduced.build with a smaller travel_rad or gap_max"
+        f"the motion is too rough here for its tables (unresolved: {by_u:.2g} along the travel, "
+        f"{by_x:.2g} along the gap): a law of a drive bends, or a dead centre is near"
     )
     raise ConvergenceError(
         message, residual=max(by_u, by_x), tolerance=tolerance, iterations=sampled
