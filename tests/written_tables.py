@@ -18,7 +18,6 @@ from nipper_pin.reduced.kernels.layout import (
     Turn,
     Work,
 )
-from nipper_pin.reduced.tables.arrival import unknown
 
 # Places of functions in x'' = F0 w^2 + F1 w x' + F2 x'^2 + Fg g + k (F4 p + F5).
 BY_SPEED, BY_BOTH, BY_RATE, WEIGHT, UNIT, MOVED = range(6)
@@ -40,9 +39,10 @@ def tables_of(
         "travel": travel,
         "low": low,
         "high": high,
+        "inertia_residual": 0.0,
         "approach": -1.0,
     }
-    return unknown("written down").tables._replace(**{**values, **more})
+    return Tables(**{**values, **more})
 
 
 def level(*values: float, cells: int = 1, count: int = 3) -> FloatArray:
@@ -114,4 +114,6 @@ def work_of(tables: Tables, *, most: int = 8, line: tuple[int, int] = (1, 2)) ->
 
 def turn_of(**values: Any) -> Turn:
     """The rest of a turn, of which all is known that is given."""
-    return unknown("written down").turn._replace(known=1.0, **values)
+    none = np.zeros((6, 1, 2))
+    written = Turn(0.0, 0.0, none, none, np.zeros(6), np.zeros((3, 2)), np.zeros(3))
+    return written._replace(**values)

@@ -142,6 +142,12 @@ class ReducedModel:
         )
 
 
+def of_series(kept: Tables) -> dict[str, Any]:
+    """Return the fields of a reduced model that are those of its series."""
+    named = {"travel": "travel_rad", "low": "gap_low", "high": "gap_max"}
+    return {named.get(name, name): getattr(kept, name) for name in Tables._fields[:11]}
+
+
 def numbers_of(mechanism: Mechanism, stop: Stop, others: tuple[Stop, ...]) -> dict[str, Any]:
     """Return the fields of a reduced model that are those of its mechanism.
 

@@ -26,6 +26,7 @@ from .model import (
     factors,
     lively_speed,
     numbers_of,
+    of_series,
 )
 from .tables.arrival import NOT_SAMPLED, Arrival, Opening, Waiting, arrival, found_opening, unknown
 from .tables.functions import Sampler
@@ -132,10 +133,7 @@ def build(
     kept = trimmed(checks(sampler, domain, tables), domain, tables, weights, tolerance)
     return ReducedModel(
         **numbers_of(mechanism, stop, others),
-        travel_rad=travel_rad,
-        gap_low=domain.low,
-        gap_max=gap_max,
-        **vars(kept),
+        **of_series(kept),
         approach_rate=rate,
         approach_residual=rounded,
         tolerance=tolerance,

@@ -132,7 +132,7 @@ def test_long_bounces_are_not_called_true(e62: Mechanism) -> None:
 @pytest.mark.slow
 def test_without_tables_nothing_is_told(e62: Mechanism, model: ReducedModel) -> None:
     """Where the turn is unknown no verdict is given, and a table asks the direct engine."""
-    dark = replace(model.arrival, turn=model.arrival.turn._replace(known=0.0))
+    dark = replace(model.arrival, turn=None)
     blind = replace(model, arrival=dark)
     assert transition(blind, speed_rpm=650.0).premise_holds is None
     assert transitions(blind, speed_rpm=[450.0, 650.0]).premise.tolist() == [-1, -1]

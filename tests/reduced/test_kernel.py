@@ -39,7 +39,6 @@ from nipper_pin.reduced.kernels.layout import (
     Cases,
     Settings,
 )
-from nipper_pin.reduced.tables.arrival import unknown
 
 pytestmark = pytest.mark.usefixtures("plain")
 
@@ -69,9 +68,8 @@ def run(
     """One transition: its status, its summary, its premise and its table."""
     if tables is None:
         tables = tables_of(EQUATION, **TABLES)
-    blank = unknown("")
     cases = Cases(np.array([SPEED]), np.array([e]), K[None], P[None], np.array([gravity]))
-    machine = tables, y or blank.tables, turn or blank.turn
+    machine = tables, y, turn
     table, settings = np.full((1, COLUMNS, most), np.nan), Settings(rest_rate, 1e-9)
     found = kernel.solve(*machine, cases, settings, assumed, table)
     premise = found.premise
@@ -344,7 +342,7 @@ def test_a_machine_that_arrives_in_flight_falls_onto_its_stop_first() -> None:
 
 def test_a_batch_is_its_cases() -> None:
     """Every case of a batch has the numbers that it has alone."""
-    tables, blank = tables_of(EQUATION, **TABLES), unknown("")
+    tables = tables_of(EQUATION, **TABLES)
     cases = Cases(
         np.array([2.0, 1.0, 3.0]), np.array([0.4, 0.5, 1.0]), np.array([[300.0], [250.0], [310.0]]),
         np.array([[0.02], [0.03], [0.02]]), np.array([1.0, 0.5, 0.9]),
@@ -352,8 +350,7 @@ def test_a_batch_is_its_cases() -> None:
 
     def solved(cases: Cases) -> Any:
         table = np.full((len(cases.speed), COLUMNS, 9), np.nan)
-        machine = tables, blank.tables, blank.turn
-        return kernel.solve(*machine, cases, Settings(0.3, 1e-9), True, table), table
+        return kernel.solve(tables, None, None, cases, Settings(0.3, 1e-9), True, table), table
 
     found, table = solved(cases)
     for i in range(3):

@@ -233,14 +233,15 @@ def _clamps(turn: Turn, line: FloatArray, status: int, rest: float) -> bool:
     return released(line, turn.opening, rest, turn.opening) > turn.opening
 
 
-def premise_of(tables: Tables, y: Tables, turn: Turn, cases: Cases, settings: Settings,
-               status: NDArray[np.int64], rests: FloatArray) -> NDArray[np.int64]:  # fmt: skip
+def premise_of(tables: Tables, y: Tables | None, turn: Turn | None, cases: Cases,
+               settings: Settings, status: NDArray[np.int64],
+               rests: FloatArray) -> NDArray[np.int64]:  # fmt: skip
     """Whether the machine arrives as a transition from the touch assumes: HOLDS, FAILS or UNKNOWN.
 
     Args:
         rests: Travels of the rests, shape (n,) [rad].
     """
-    if not turn.known:
+    if y is None or turn is None:
         return np.full(len(rests), rows.UNKNOWN)
     premise = np.full(len(rests), rows.NOT_ASKED)
     run_arrivals(
@@ -258,8 +259,8 @@ class Solved(NamedTuple):
     premise: NDArray[np.int64] | None
 
 
-def solve(tables: Tables, y: Tables, turn: Turn, cases: Cases, settings: Settings, assumed: bool,
-          table: FloatArray) -> Solved:  # fmt: skip
+def solve(tables: Tables, y: Tables | None, turn: Turn | None, cases: Cases, settings: Settings,
+          assumed: bool, table: FloatArray) -> Solved:  # fmt: skip
     """Transitions from the touch, or as the turn brings the machine there where not ``assumed``.
 
     Args:
@@ -269,16 +270,16 @@ def solve(tables: Tables, y: Tables, turn: Turn, cases: Cases, settings: Setting
     status, counts = np.zeros((2, n), dtype=np.int64)
     rest, premise, starts = np.empty((n, 4)), None, _AT_TOUCH
     if not assumed:
-        premise = np.full(n, rows.NOT_ASKED if turn.known else rows.UNKNOWN)
-        starts = np.zeros((n, 4))
-        if turn.known:
+        premise, starts = np.full(n, rows.UNKNOWN), np.zeros((n, 4))
+        if y is not None and turn is not None:
+            premise[:] = rows.NOT_ASKED
             run_arrivals(
                 grids(), tables, y, turn, cases, settings, premise, starts, status, _NO_RESTS
             )
     run_batch(grids(), tables, cases, settings, starts, table, status, counts, rest)
     if premise is not None:
         rests = starts[:, 0] + cases.speed * rest[:, 0]
-        if turn.known:
+        if y is not None and turn is not None:
             run_arrivals(
                 grids(), tables, y, turn, cases, settings, premise, _AT_TOUCH, status, rests
             )

@@ -64,12 +64,12 @@ class Tables(NamedTuple):
     travel: float
     low: float
     high: float
-    approach: float
-    approach_residual: float
     inertia_residual: float
-    touch_angle: float
-    sense: float
-    lever: float
+    approach: float = 0.0
+    approach_residual: float = 0.0
+    touch_angle: float = 0.0
+    sense: float = 1.0
+    lever: float = 1.0
 
 
 class Cases(NamedTuple):
@@ -120,7 +120,6 @@ class Turn(NamedTuple):
     transition stop opens, bounces, rests, may be left again, and should be closed at the touch.
 
     Attributes:
-        known: 1 if all this is known of the mechanism; else 0, and the arrays hold nothing.
         opening: Travel from the touch to the opening [rad].
         restitution: e_N of the waiting stop.
         clamping: Functions in x'' along x = 0 from the touch to the opening,
@@ -131,7 +130,6 @@ class Turn(NamedTuple):
         touch_errors: Bounds on their errors, shape (3,).
     """
 
-    known: float
     opening: float
     restitution: float
     clamping: FloatArray

@@ -17,8 +17,7 @@ def tables_of(charts: Charts, c: int) -> Tables:
     return Tables(
         charts.equation[c], charts.gaps[c], charts.inertia[c], charts.residual[c],
         charts.largest[c], charts.steepest_x[c], charts.steepest_u[c], charts.travel[c],
-        charts.low[c], charts.high[c], 0.0, 0.0, charts.inertia_residual[c], 0.0, 1.0,
-        charts.lever[charts.stop[c]],
+        charts.low[c], charts.high[c], charts.inertia_residual[c], 0.0, 0.0, 0.0, 1.0, 1.0,
     )  # fmt: skip
 
 

@@ -39,14 +39,14 @@ class Arrival:
     """Tables of a turn from its opening to the touch.
 
     Attributes:
-        tables: Functions of (u, y), u counted from the opening.
-        turn: Functions along stops and at the touch.
+        tables: Functions of (u, y), u counted from the opening; None where these are not known.
+        turn: Functions along stops and at the touch, or None.
         why: Reason why there are no tables; empty if there are.
         asked: Whether the premise can be decided; without tables by simulating whole turns.
     """
 
-    tables: Tables = field(repr=False)
-    turn: Turn = field(repr=False)
+    tables: Tables | None = field(repr=False)
+    turn: Turn | None = field(repr=False)
     why: str = ""
     asked: bool = True
 
@@ -80,27 +80,7 @@ class Waiting(NamedTuple):
 
 def unknown(why: str, *, asked: bool = True) -> Arrival:
     """Return an arrival without tables."""
-    none = np.zeros((6, 1, 2))
-    empty = Tables(
-        equation=np.zeros((6, 1, 2, 2)),
-        gaps=np.zeros((0, 1, 2, 2)),
-        inertia=np.zeros((1, 2)),
-        residual=np.zeros(6),
-        largest=np.zeros(6),
-        steepest_x=np.zeros(6),
-        steepest_u=np.zeros(6),
-        travel=1.0,
-        low=0.0,
-        high=1.0,
-        approach=0.0,
-        approach_residual=0.0,
-        inertia_residual=0.0,
-        touch_angle=0.0,
-        sense=1.0,
-        lever=1.0,
-    )
-    turn = Turn(0.0, 0.0, 0.0, none, none, np.zeros(6), np.zeros((3, 2)), np.zeros(3))
-    return Arrival(tables=empty, turn=turn, why=why, asked=asked)
+    return Arrival(tables=None, turn=None, why=why, asked=asked)
 
 
 NOT_SAMPLED = unknown("the rest of the turn was not sampled")
@@ -142,11 +122,7 @@ def arrival(
     touch, touch_errors = _touch(waiting.sampler, mechanism, domain)
     clamped, clamped_residual = _clamping(sampler, opening.travel)
     return Arrival(
-        tables=Tables(
-            **vars(kept),
-            travel=travel,
-            low=domain.low,
-            high=domain.high,
+        tables=kept._replace(
             approach=approach,
             approach_residual=rounded.size(sampler.size + stop.index),
             touch_angle=float(mechanism.cylinder.angle_at_touch_rad),
@@ -154,7 +130,6 @@ def arrival(
             lever=stop.lever,
         ),
         turn=Turn(
-            known=1.0,
             opening=opening.travel,
             restitution=stop.restitution,
             clamping=clamped,

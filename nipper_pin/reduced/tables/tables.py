@@ -15,6 +15,7 @@ from ...arrays import FloatArray
 from ...errors import ConvergenceError
 from ...tolerances.mechanics import EPS
 from ...tolerances.reduced import REFINEMENT_GAIN, TABLE_ERROR_SAFETY, TRIMMED_SHARE
+from ..kernels.layout import Tables as Chart
 from . import series2d
 from .functions import Samples
 
@@ -243,31 +244,6 @@ def _sampled(sampler: PointSampler, domain: Domain, cells: int, count_x: int) ->
     return Tables(u, x, q, equation, gaps, slopes, np.asarray(inertia @ zero))
 
 
-@dataclass(frozen=True, kw_only=True)
-class Trimmed:
-    """Series as the compiled code reads them.
-
-    Attributes:
-        equation: Coefficients of the functions in x'', shape (functions, cells, Nu, Nx).
-        gaps: Coefficients of the gaps of the other stops, shape (other stops, cells, Nu, Nx).
-        inertia: Coefficients of the inertia at x = 0, shape (cells, Nu).
-        residual: Bounds on the errors of the functions, shape (functions,).
-        inertia_residual: Relative one of the inertia.
-        largest: Largest value of each function, shape (functions,).
-        steepest_x: Largest derivative by x, shape (functions,).
-        steepest_u: Largest derivative by u, shape (functions,).
-    """
-
-    equation: FloatArray
-    gaps: FloatArray
-    inertia: FloatArray
-    residual: FloatArray
-    inertia_residual: float
-    largest: FloatArray
-    steepest_x: FloatArray
-    steepest_u: FloatArray
-
-
 def trimmed(
     points: Checks,
     domain: Domain,
@@ -275,7 +251,7 @@ def trimmed(
     weights: FloatArray,
     tolerance: float,
     least: tuple[int, int] = (2, 2),
-) -> Trimmed:
+) -> Chart:
     """Leave out the highest degrees while their weighted sums stay below a share of the tolerance.
 
     Args:
@@ -284,6 +260,9 @@ def trimmed(
         weights: Weight of an error of each function, shape (functions,).
         tolerance: Relative accuracy of the tables.
         least: Least orders that are kept, by travel and by x.
+
+    Returns:
+        The series as compiled code reads them, without what the machine does at the touch.
     """
     count_u, count_x = series2d.needed(tables.equation, weights, TRIMMED_SHARE * tolerance)
     count_u, count_x = max(count_u, least[0]), max(count_x, least[1])
@@ -292,7 +271,7 @@ def trimmed(
     residual, inertia_residual = residuals(points, domain, equation, inertia)
     width = domain.travel / equation.shape[1]
     largest, steep_u, steep_x = series2d.largest(equation)
-    return Trimmed(
+    return Chart(
         equation=equation,
         gaps=np.ascontiguousarray(tables.gaps[:, :, :count_u, :count_x]),
         inertia=inertia,
@@ -301,4 +280,7 @@ def trimmed(
         largest=largest,
         steepest_x=2.0 / (domain.high - domain.low) * steep_x,
         steepest_u=2.0 / width * steep_u,
+        travel=domain.travel,
+        low=domain.low,
+        high=domain.high,
     )

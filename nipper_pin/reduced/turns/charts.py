@@ -12,10 +12,11 @@ from ...errors import SimulationError
 from ...hybrid.error_estimate.local_error import of_rates
 from ...mechanism import Mechanism
 from ...tolerances.reduced import CORNER_ROUND_OFF, GAP_SHARE
+from ..kernels.layout import Tables as Series
 from ..kernels.turn_layout import Charts
 from ..model import MARGIN, factors
 from ..tables.series2d import needed
-from ..tables.tables import Domain, Tables, Trimmed, checks, misfit, resolved, trimmed
+from ..tables.tables import Domain, Tables, checks, misfit, resolved, trimmed
 from .arcs import TURN, Arc, sampler_at, system_at
 from .rows import on_rows
 
@@ -47,7 +48,7 @@ class Chart:
 
     arc: Arc
     domain: Domain
-    kept: Trimmed
+    kept: Series
     slopes: FloatArray
     gap_residual: FloatArray
     slope_residual: FloatArray

@@ -12,7 +12,7 @@ sampled on the charts of the turns, and only where torques are asked for.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
@@ -110,8 +110,7 @@ def _chart(around: Surroundings, drive: int, domain: Domain) -> Chart:
     tables, samples = resolved(sampler, domain, weights, TORQUE_TABLES)
     points = checks(sampler, domain, tables)
     kept = trimmed(points, domain, tables, weights, TORQUE_TABLES)
-    functions = replace(
-        kept,
+    functions = kept._replace(
         equation=np.ascontiguousarray(kept.equation[:-1]),
         gaps=np.ascontiguousarray(kept.equation[-1:]),
         residual=kept.residual[:-1],
