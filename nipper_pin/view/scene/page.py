@@ -19,7 +19,7 @@ from .arrows import arrow_stops
 from .film import Film
 from .framing import ALONG, OBLIQUE, camera, corners
 from .objects import arrow_commands, solid_commands, strut_command
-from .readings import readings
+from .readings import readings, rounded
 from .solids import solids
 from .tracks import animation
 
@@ -109,7 +109,7 @@ def cameras(*films: Film) -> dict[str, object]:
     found: dict[str, object] = {}
     for name, direction in (("whole", OBLIQUE), ("side", ALONG)):
         target, place = camera(points, direction)
-        found[name] = {"target": target.tolist(), "position": place.tolist()}
+        found[name] = {"target": rounded(target), "position": rounded(place)}
     return found
 
 
