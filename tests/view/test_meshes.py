@@ -311,6 +311,13 @@ def test_no_shape_floats(boxes: list[Any], bars: list[Any]) -> None:
     np.testing.assert_allclose(np.abs(pin.placement[:3, 2]), [0.0, 1.0, 0.0], atol=1e-15)
 
 
+def test_a_bar_ends_inside_the_shape_that_it_goes_to() -> None:
+    """A lip is seen no thicker than it is: half of it in side view, whatever its depth is."""
+    made = machine([boxed(link("arm"), (0.4, 0.0, 0.02, 0.06)), hinge("pin", "frame", "arm")], 1)
+    (bar,) = (solid for solid in solids(made) if "bar_" in solid.name)
+    assert bar.sizes == (pytest.approx(0.005), pytest.approx(0.4))
+
+
 def test_colours_are_those_of_the_material_itself_or_of_its_name() -> None:
     named = {"steel": (0.1, 0.2, 0.3)}
     own = "<visual><material name='steel'><color rgba='0.5 0.6 0.7 1'/></material></visual>"

@@ -164,25 +164,27 @@ def _bars(mechanism: Mechanism, body: int, joint: int, shapes: Sequence[Solid]) 
     if not (ends or shapes):
         ends = [mechanism.model.inertias[joint].lever]
     hinged = mechanism.joints[body].kind == "revolute"
-    far = [end for end in ends
+    far = [(end, thick) for end in ends
            if np.linalg.norm(end) > thick and not _reached(end, shapes, thick)]  # fmt: skip
     if shapes and hinged and not _reached(np.zeros(3), shapes, thick):
-        far.append(min((item.placement[:3, 3] for item in shapes), key=np.linalg.norm))
+        near = min(shapes, key=lambda item: np.linalg.norm(item.placement[:3, 3]))
+        # Its end stays inside the shape: a lip would be thicker than it is.
+        slim = 0.5 * _half(near)[np.abs(near.placement[1, :3]) < 0.9].min()
+        far.append((near.placement[:3, 3], min(thick, slim)))
     elif shapes and not far:
         return []
     one, colour = np.ones(3), shapes[0].colour if shapes else link_colour(body)
     own = "own_" if shapes else ""  # no other shape of the link may have the name of a bar
     bars = [Solid(f"{own}joint", body, "sphere", (1.6 * thick,), None, np.eye(4), one, colour)]
-    for place, end in enumerate(far):
+    for place, (end, radius) in enumerate(far):
         length = float(np.linalg.norm(end))
         along = end / length
         matrix = np.eye(4)
         matrix[:3, 2], matrix[:3, 1] = along, (0.0, 1.0, 0.0)
         matrix[:3, 0] = np.cross(matrix[:3, 1], along)
         matrix[:3, 3] = 0.5 * end
-        bars.append(
-            Solid(f"{own}bar_{place}", body, "cylinder", (thick, length), None, matrix, one, colour)
-        )
+        name, sizes = f"{own}bar_{place}", (radius, length)
+        bars.append(Solid(name, body, "cylinder", sizes, None, matrix, one, colour))
     return bars
 
 
@@ -220,17 +222,23 @@ def _reached(end: FloatArray, shapes: Sequence[Solid], near: float) -> bool:
     """Whether a place is in one of the plain shapes, or near it, in side view."""
     for solid in shapes:
         local = np.abs(solid.placement[:3, :3].T @ (end - solid.placement[:3, 3]))
-        sizes = solid.sizes
-        half = {
-            "box": 0.5 * np.array(sizes),
-            "sphere": np.full(3, sizes[0]),
-            "cylinder": np.array([sizes[0], sizes[0], 0.5 * sizes[-1]]),
-        }[solid.kind]
+        half = _half(solid)
         # Across the plane links stand beside one another.
         across = np.abs(solid.placement[1, :3])
         if np.all((local <= half + near) | (across > 0.9)):
             return True
     return False
+
+
+def _half(solid: Solid) -> FloatArray:
+    """Half of its extents along its own axes, shape (3,) [m]; of a mesh infinite."""
+    sizes = solid.sizes or (np.inf,)
+    return {
+        "mesh": np.full(3, np.inf),
+        "box": 0.5 * np.array(sizes),
+        "sphere": np.full(3, sizes[0]),
+        "cylinder": np.array([sizes[0], sizes[0], 0.5 * sizes[-1]]),
+    }[solid.kind]
 
 
 def _material(element: ElementTree.Element, colours: dict[str, Colour], body: int) -> Colour:
