@@ -46,10 +46,10 @@ class Run:
     least_force: float
 
     def records(self, turns: int | None = None) -> Records:
-        """Room for what turns do."""
+        """Room for what turns do; memory that no event is written to is never touched."""
         count = self.turns if turns is None else turns
         return Records(
-            np.full((count * (self.most + BESIDE), EVENT_COLUMNS), np.nan),
+            np.empty((count * (self.most + BESIDE), EVENT_COLUMNS)),
             np.empty((count * _STRETCHES, HOLD_COLUMNS)),
             np.empty((count + 1, END_COLUMNS)),
         )

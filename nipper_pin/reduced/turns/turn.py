@@ -88,6 +88,7 @@ def turns(
             break
         cases = one_case(model, speed_rpm, restitution, stiffness, preload)
         records = run.records()
+        records.events.fill(np.nan)
         follow(run, model, cases, records, told, nothing)
         if told[0, 0] != LEFT_GAP:
             break
