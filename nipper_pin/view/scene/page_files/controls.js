@@ -10,7 +10,7 @@ function placeOf(column) {
 function placeButton(words) {
   const button = document.createElement("button");
   Object.assign(button, { type: "button", textContent: words, title: "by index or by angle" });
-  button.addEventListener("click", () => { asAngle = !asAngle; tell(); });
+  button.addEventListener("click", () => { asAngle = !asAngle; tell(); write(animator.time); });
   return button;
 }
 // What is written once for a film.
