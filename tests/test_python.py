@@ -22,7 +22,7 @@ import nipper_pin as nip
 from nipper_pin import frames
 from nipper_pin.study.sweep import SweepReport
 from nipper_pin.view import scene
-from nipper_pin.view.run.export import export
+from nipper_pin.view.run import tables
 from nipper_pin.view.scene import server
 from nipper_pin.view.scene.page import scene_page
 
@@ -121,10 +121,15 @@ IN_MM = (
 GAPS = {"approach_rate": "/s", "separation_rate": "/s", "rebound_amplitude": ""}
 
 
+@pytest.fixture(scope="module")
+def turn() -> nip.Solution:
+    return nip.simulate(nip.load("e62"), speed_rpm=650.0, window="cycle")
+
+
 @pytest.mark.parametrize("table", ["collisions", "phases", "links", "motion"])
-def test_tables_of_a_run_in_mm_and_degrees(table: str, tmp_path: Path) -> None:
+def test_tables_of_a_run_in_mm_and_degrees(table: str, turn: nip.Solution) -> None:
     """Frames and CSV files, of hinges and slides: SI numbers by factors that their names tell."""
-    run = nip.simulate(nip.load("e62"), speed_rpm=650.0, window="cycle")
+    run = turn
     plain, other = (run.to_frame(table, "pandas", units=units) for units in ("SI", "mm"))
     names = {}
     for name in plain:
@@ -141,10 +146,9 @@ def test_tables_of_a_run_in_mm_and_degrees(table: str, tmp_path: Path) -> None:
             continue
         factors = np.where(plain["stop"] == "jaw", 180.0 / np.pi, 1000.0) if own in GAPS else factor
         np.testing.assert_allclose(other[name], factors * plain[own], rtol=1e-15)
-    export(run, tmp_path, "mm")
     file = {"links": "link_velocities"}.get(table, table)
-    with (tmp_path / f"{file}.csv").open(encoding="utf-8", newline="") as stream:
-        assert next(csv.reader(stream)) == list(names)
+    text = dict(tables(run, "mm"))[f"{file}.csv"]
+    assert next(csv.reader(text.splitlines())) == list(names)
 
 
 def test_the_case_of_a_run_by_its_fields() -> None:

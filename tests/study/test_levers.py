@@ -140,6 +140,7 @@ def test_a_machine_without_transition_is_judged_by_its_turns() -> None:
         assert item.duration_change is None
 
 
+@pytest.mark.slow
 def test_the_bounce_of_the_turn_where_the_machine_arrives_otherwise() -> None:
     """12.6 mrad in the turn, and 7.1 as a transition assumes."""
     own = load("e62", {"preload": 9.25486, "stiffness": 7065.98, "restitution": 0.18674})
