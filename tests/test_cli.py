@@ -79,6 +79,21 @@ def test_the_folder_of_a_run(here: Path, capsys: pytest.CaptureFixture[str]) -> 
     assert {file.name: file.read_bytes() for file in (here / "run").iterdir()} == before
 
 
+def test_a_model_that_a_new_value_mends(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Its own number is none to compare with, and no reason to refuse the new one."""
+    folder = tmp_path / "machine"
+    nip.export(load("e62"), folder)
+    file = folder / "machine.toml"
+    text = file.read_text(encoding="utf-8")
+    worse = text.replace("stiffness_N_per_m = 9000.0", "stiffness_N_per_m = -9000.0")
+    assert worse != text
+    file.write_text(worse, encoding="utf-8")
+    assert main(["simulate", str(folder)]) == 2
+    for given in (["--stiffness", "9000"], ["--set", "springs.steeve.stiffness_N_per_m=9"]):
+        assert main(["simulate", str(folder), *given]) == 0
+    capsys.readouterr()
+
+
 def test_numbers_with_shortcuts_are_in_the_document(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -9,14 +9,14 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError
+from ..errors import InputError, NipperError
 from ..given import read_number
 from ..mechanism import Mechanism, load, number_of
 from ..written_units import number_in
 
 MODEL = "e62"
-RESTITUTION = "restitution of the stop that the model's shortcut names"
 """Default model."""
+RESTITUTION = "restitution of the stop that the model's shortcut names"
 
 _SHORT = ("restitution", "stiffness")
 _PER_M = "_N_per_m"
@@ -114,28 +114,39 @@ def load_mechanism(options: argparse.Namespace) -> Mechanism:
     Raises:
         InputError: A value or the model cannot be used.
     """
-    given = overrides(options)
-    mechanism = load(options.model or MODEL, given)
-    if any(isinstance(value, float) or _is_bare(value) for value in given.values()):
-        ask_back(load(options.model or MODEL), given)
+    given, model = overrides(options), options.model or MODEL
+    mechanism = load(model, given)
+    ask_back(mechanism, model, given)
     return mechanism
 
 
-def ask_back(own: Mechanism, given: Mapping[str, object]) -> None:
+def ask_back(mechanism: Mechanism, model: str, given: Mapping[str, object]) -> None:
     """Refuse a stiffness without a unit that reads like N/mm of a machine in N/m.
 
     Args:
-        own: The machine with its own numbers.
+        mechanism: The machine with the new values.
+        model: Its model, which is read once more where it is needed.
         given: New values by path or shortcut.
 
     Raises:
-        InputError: A bare number is a hundredth of the machine's own or less.
+        InputError: A bare number is a hundredth of the model's own or less.
     """
-    for name, value in given.items():
-        path = own.shortcuts.get(name, name)
-        if not path.endswith(_PER_M) or not (isinstance(value, float) or _is_bare(value)):
-            continue
-        number, before = float(str(value)), number_of(own, path)
+    asked = [
+        name
+        for name, value in given.items()
+        if mechanism.shortcuts.get(name, name).endswith(_PER_M)
+        and (isinstance(value, float) or _is_bare(value))
+    ]
+    if not asked:
+        return
+    try:
+        own = load(model)
+    except NipperError:
+        # Only the new values make it a machine, so that there is no number to compare with.
+        return
+    for name in asked:
+        number = float(str(given[name]))
+        before = number_of(own, own.shortcuts.get(name, name))
         if 0.0 < number <= before / _TOO_SOFT:
             message = (
                 f"{name} = {number:g} without a unit is {number:g} N/m, and the model has "

@@ -86,7 +86,7 @@ def simulated(source: Source, options: argparse.Namespace) -> Solution:
         return run
     if run is None:
         mechanism = load(source.name, numbers)
-        ask_back(load(source.name), numbers)
+        ask_back(mechanism, source.name, numbers)
         case = Case(speed_rpm=mechanism.cylinder.rated_speed_rpm, window=Window.CYCLE)
         if source.beside:
             case = load_solution(source.beside).case
