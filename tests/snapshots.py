@@ -6,11 +6,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from typing import Protocol
 
 from syrupy.extensions.single_file import SingleFileSnapshotExtension, WriteMode
-
-Words = Callable[[str], None]
 
 # What differs from one processor, or from one moment, to the next: sizes of round-off (and other
 # small numbers), how much work it was, and times of the clock.
@@ -20,6 +18,12 @@ _OF_THE_MACHINE = re.compile(
     r"|(?<=the dynamics, )[\d.]+|(?<= in )[\d.]+(?= s$)",
     re.M,
 )
+
+
+class Words(Protocol):
+    """Says that a text is the reviewed one: masked, without what depends on its computer."""
+
+    def __call__(self, text: str, *, masked: bool = True) -> None: ...
 
 
 class Text(SingleFileSnapshotExtension):

@@ -18,7 +18,7 @@ from refusals import assert_clear, files, one_line
 from nipper_pin.study import identify, optimise
 from nipper_pin.study.identify.problem.problem import BUILT_IN
 from nipper_pin.study.sweep import read_plan
-from tests.refusals import studies
+from tests.refusals.bases import right
 
 _wrong = st.sampled_from(
     ["0", "-0.0", "1e400", "nan", "-inf", "1_000", "0x10", "", " ", "½", "\uff11"]
@@ -111,10 +111,10 @@ def _edited(text: str, data: st.DataObject) -> str:
 
 @pytest.mark.parametrize(
     ("text", "read"),
-    [(studies.SWEEP, lambda path: read_plan(str(path)).chunks()),
+    [(right("sweep.toml"), lambda path: read_plan(str(path)).chunks()),
      (BUILT_IN.read_text(encoding="utf-8"), identify.read_problem),
-     (studies.FIT.replace('measured = "seen.csv"\n', ""), identify.read_problem),
-     (studies.DESIGN, optimise.read_problem)],
+     (right("fit.toml").replace('measured = "seen.csv"\n', ""), identify.read_problem),
+     (right("design.toml"), optimise.read_problem)],
     ids=["sweep", "built-in fit", "fit", "design"],
 )  # fmt: skip
 @settings(max_examples=40)

@@ -24,9 +24,8 @@ from nipper_pin.mechanism.files import toml
 from nipper_pin.mechanism.files.urdf_shapes import MOST_MESH
 from nipper_pin.study.sweep.results import chunk_file
 from nipper_pin.texts import MOST_JSON, MOST_TABLE, MOST_TEXT
-from tests.refusals.bases import model
-from tests.refusals.studies import TENSION
-from tests.refusals.urdfs import LIP
+from tests.refusals.bases import TENSION, model
+from tests.refusals.hostile import LIP
 
 BYTES = 10**9
 # What grows with the square of a file would take hours: a process that takes minutes is ended.

@@ -25,8 +25,7 @@ from nipper_pin.mechanism import (
 )
 from nipper_pin.mechanism.files import toml
 from nipper_pin.reduced import build, transition, unfit
-from tests.refusals.bases import PARTS, model
-from tests.refusals.descriptions import HEAD, LINES
+from tests.refusals.bases import PARTS, model, right
 
 TIE = {"frame_a": "a", "frame_b": "b"}
 
@@ -84,7 +83,7 @@ def test_table_in_a_file(tmp_path: Path) -> None:
     """The rows of a file make the spring that the same rows in the TOML make, and are kept."""
     rows = {"coordinate_mm": [0.0, 2.0, 5.0], "force_N": [90.0, 100.0, 130.0]}
     written = machine(PARTS, 3, springs={"coil": {**RAIL, **rows}})
-    (tmp_path / "coil.csv").write_bytes(HEAD + LINES)
+    (tmp_path / "coil.csv").write_text(right("coil.csv"))
     urdf, document = sources(PARTS, 3, springs={"coil": {**RAIL, "file": "coil.csv"}})
     read = from_sources("small", urdf, document, tmp_path)
     assert read.tabulated_springs == written.tabulated_springs

@@ -34,8 +34,7 @@ from nipper_pin.mechanism.files import parse_xml, rotation_from_rpy
 from nipper_pin.mechanism.files.describe import describe
 from nipper_pin.mechanism.files.urdf_values import placed
 from nipper_pin.written_units import unit_of_key
-from tests.refusals.bases import model
-from tests.refusals.descriptions import HEAD, LINES, file, swings
+from tests.refusals.bases import model, right
 
 MODELS = {
     **known_models(),
@@ -50,8 +49,6 @@ SPATIAL = {"bricard"}
 
 PLACES = ("xyz", "rpy")
 
-COIL, SWING = file(HEAD + LINES), swings()
-
 LID = 'springs.lid = { joint = "pivot", file = "lid.csv" }'
 
 TURNS = b"coordinate_deg,torque_N_m\n-10,4.0\n0,4.7\n20,7.0\n60,11.0\n"
@@ -59,9 +56,8 @@ TURNS = b"coordinate_deg,torque_N_m\n-10,4.0\n0,4.7\n20,7.0\n60,11.0\n"
 
 def with_csv_tables(folder: Path) -> Path:
     """A model folder whose drive and both kinds of springs come from CSV files."""
-    home = model("small", f"{COIL.edits}\n{SWING.edits}\n{LID}", folder)
-    for name, rows in {**COIL.files, **SWING.files, "lid.csv": TURNS}.items():
-        (home / name).write_bytes(rows)
+    home = model("small with rows", [LID], folder)
+    (home / "lid.csv").write_bytes(TURNS)
     return home
 
 
@@ -375,7 +371,7 @@ def test_a_drive_table_stays_a_turn(tmp_path: Path, place: int) -> None:
 
 def test_another_csv_file_counts_before_its_rows(tmp_path: Path) -> None:
     folder = with_csv_tables(tmp_path)
-    (folder / "stiff.csv").write_bytes(HEAD + LINES.replace(b"130.0", b"160.0"))
+    (folder / "stiff.csv").write_text(right("coil.csv").replace("130.0", "160.0"))
     changes = {"springs.coil.force_N[1]": 3.0, "springs.coil.file": "stiff.csv"}
     found = {item.name: item for item in load(folder, changes).tabulated_springs}
     assert found["coil"].characteristic.force == (90.0, 3.0, 160.0)

@@ -18,11 +18,15 @@ from nipper_pin import Case, Mechanism, ModelError, Window, load, simulate
 from nipper_pin.mechanism import from_sources
 from nipper_pin.mechanism.files.xml_text import encoding_of
 from tests.refusals.bases import model
-from tests.refusals.urdfs import FOOT, FRAME, INERTIA, JAW, LIMIT, MASS, TYPE, frame
+from tests.refusals.hostile import MASS
 
+# Of the E62.
+JAW = '<origin xyz="0.1226 0 0.0561" rpy="0 0 0"/>\n    <axis xyz="0 -1 0"/>'
+INERTIA, TYPE = 'iyy="0.001142"', 'name="jaw" type="revolute"'
+FOOT, FRAME = '<link name="rocker_foot"/>', '<link name="frame">'
 NO_INERTIA = 'ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"'
 ENDED, ROBOT, HEAD = "</robot>", "<robot", '<?xml version="1.0"?>'
-LIMITED, EFFORT = f"{JAW}\n    <limit{LIMIT}", ' effort="10000" velocity="1000"/>'
+LIMITED, EFFORT = f'{JAW}\n    <limit lower="-3.2" upper="3.2"', ' effort="10000" velocity="1000"/>'
 COLOUR = '<material><color rgba="255 0 0 255"/></material>'
 
 # What to replace in the URDF of the E62, and by what: the same machine.
@@ -46,7 +50,8 @@ READ_ALIKE = {
     "other programs": (ENDED, '<gazebo><color/><joint name="x" type="revolute"><axis xyz="1"/>'
                               f'</joint></gazebo><transmission name="t"/>{ENDED}'),
     "namespace": (ROBOT, '<robot xmlns="http://example.org/x"'),
-    "a frame with a mass": (FOOT, frame('<mass value="0"/>', 0)),
+    "a frame with a mass": (FOOT, '<link name="rocker_foot"><inertial><mass value="0"/>'
+        '<inertia ixx="0" iyy="0" izz="0"/></inertial></link>'),
     "a frame without mass at rest": (
         FRAME, f'{FRAME}<inertial><mass value="0"/><inertia ixx="1" iyy="-1"/></inertial>'),
     "a frame without anything": (FRAME, f"{FRAME}<inertial/>"),
@@ -111,7 +116,7 @@ def test_encodings_are_those_of_the_file(
 def test_marks_at_the_start_of_the_other_files(tmp_path: Path) -> None:
     """Of the TOML and of a table; lines may end as on any system."""
     spring = 'springs.coil = { joint = "axle", file = "spring.csv" }'
-    file = model("small", spring, tmp_path) / "small.toml"
+    file = model("small", [spring], tmp_path) / "small.toml"
     text = file.read_text(encoding="utf-8").replace("a lever", "Hebel l\u00e4nger")
     file.write_bytes(codecs.BOM_UTF8 + text.replace("\n", "\r\n").encode())
     table = b"coordinate_deg,torque_N_m\r\n-90,-1\r\n90,1\r\n"

@@ -1,9 +1,10 @@
-"""Machines of which models with one mistake are made."""
+"""Machines and studies with one mistake, as reviewed texts have them, and how they are written."""
 
 from __future__ import annotations
 
 import shutil
 from collections.abc import Mapping, Sequence
+from itertools import groupby
 from pathlib import Path
 from typing import NamedTuple
 
@@ -17,49 +18,69 @@ PARTS = (
     link("wheel"), hinge("axle", "frame", "wheel", (0.0, 0.5)), frame("c", "wheel", (0.1, 0.0)),
     link("sled"), slide("rail", "frame", "sled", (0.6, 0.8)), frame("b", "sled", (0.103, 0.004)),
 )  # fmt: skip
-SMALL = """format = 1
-title = "a lever, a wheel and a sled"
-degrees_of_freedom = 3
-gravity_m_s2 = 9.81
-transition_stop = "low"
-initial_phase = 1
-cylinder = { rated_speed_rpm = 60.0, direction = "clockwise", angle_at_touch_deg = 0.0, \
-reference_index = 0.0, reference_angle_deg = 0.0 }
-phases = [{ number = 1, name = "free", closed = [] }]
-stops.low = { joint = "pivot", restitution = 0.1, at_deg = -20.0 }
-stops.high = { joint = "pivot", restitution = 0.1, side = "upper", at_deg = 30.0 }
-stops.end = { joint = "rail", restitution = 0.1, at_mm = -4.0 }
+# A spring and a drive of the small machine whose rows stand in files of their own.
+ROWS = """springs.coil = { joint = "rail", file = "coil.csv" }
+drives.x = { joint = "axle", law = "table", file = "x.csv" }
 """
 
 
-Edits = str | Sequence[str]
-"""Old and new text in turn, of either file; a single text comes below the TOML."""
+def right(name: str) -> str:
+    """A file without a mistake."""
+    return (Path(__file__).with_name("right") / name).read_text(encoding="utf-8")
 
 
-class Row(NamedTuple):
-    """A mistake that lies in other files of the folder."""
+Edits = Sequence[str]
+"""Old and new text in turn, of any file; a single text comes below the TOML."""
 
-    edits: Edits
-    files: Mapping[str, bytes]
+
+class Block(NamedTuple):
+    """A name of a reviewed text and its edits, and both as they stand there."""
+
+    name: str
+    edits: list[str]
+    text: str
+
+
+def blocks(text: str) -> list[Block]:
+    """Each name is a line; below it stand old lines with -, new ones with +, and a sentence."""
+
+    def kind(line: str) -> str:
+        return next((start for start in ("- ", "+ ", "    ") if f"{line} ".startswith(start)), "")
+
+    found = list[Block]()
+    for start, lines in groupby(text.splitlines(), kind):
+        written = [*lines]
+        piece = "\n".join(line[len(start) :] for line in written)
+        if not start:
+            found.append(Block(piece, [], ""))
+        if start.strip():
+            found[-1].edits.append(piece)
+        if start != "    ":
+            found[-1] = found[-1]._replace(text=found[-1].text + "\n".join(written) + "\n")
+    return found
 
 
 def model(base: str, edits: Edits, folder: Path) -> Path:
-    """Write a base machine into a folder, with its edits; return the folder of the model."""
-    home = folder / base
-    if base == "small":
+    """Write a base machine into a folder, with its edits; return the folder of the model.
+
+    The small machine with rows has those of a spring and of a drive in files of their own.
+    """
+    home = folder / base.partition(" ")[0]
+    if home.name == "small":
         home.mkdir()
-        (home / "small.urdf").write_text(sources(PARTS, 0)[0], encoding="utf-8")
-        (home / "small.toml").write_text(SMALL, encoding="utf-8")
+        texts = {"small.urdf": sources(PARTS, 0)[0], "small.toml": right("small.toml")}
+        if base == "small with rows":
+            texts["small.toml"] += ROWS
+            texts |= {name: right(name) for name in ("coil.csv", "x.csv")}
     else:
         shutil.copytree(find_model(base), home)
-    texts = {kind: home / f"{base}.{kind}" for kind in ("toml", "urdf")}
-    changed = {kind: path.read_text(encoding="utf-8") for kind, path in texts.items()}
-    if isinstance(edits, str):
-        changed["toml"] += edits + "\n"
-        edits = ()
-    changed = edited(changed, edits)
-    for kind, path in texts.items():
-        path.write_text(changed[kind], encoding="utf-8")
+        texts = {path.name: path.read_text("utf-8") for path in home.glob("*.*")}
+    if len(edits) == 1:
+        texts[f"{home.name}.toml"] += f"{edits[0]}\n"
+    else:
+        texts = edited(texts, edits)
+    for name, text in texts.items():
+        (home / name).write_text(text, encoding="utf-8")
     return home
 
 
@@ -70,3 +91,27 @@ def edited(texts: Mapping[str, str], edits: Sequence[str]) -> dict[str, str]:
         (kind,) = (kind for kind, text in changed.items() if old in text)
         changed[kind] = changed[kind].replace(old, new, 1)
     return changed
+
+
+# Files of a study by name; a command reads the first.
+STUDIES = {
+    "sweep": ("sweep.toml",), "identify": ("fit.toml", "seen.csv"),
+    "camera": ("fit.toml", "camera.csv"), "optimise": ("design.toml",),
+}  # fmt: skip
+_E62 = (find_model("e62") / "e62.toml").read_text(encoding="utf-8")
+TENSION = _E62[_E62.index("[drives.tension]") : _E62.index("[springs.steeve]")]
+_STOPS = right("small.toml").partition("stops.low")
+# Models beside the studies: base machine and edits.
+BESIDE: dict[str, tuple[str, Edits]] = {
+    "two_springs": ("e62", (
+        "[springs.steeve]", "[springs.second]\njoint = \"jaw\"\nstiffness_N_m_per_rad = 1.0\n"
+        "preload_deg = 0.0\n\n[springs.steeve]")),
+    "free": ("small", ('transition_stop = "low"\n', "", "".join(_STOPS[1:]), "")),
+    "clamped_first": ("e62", ("initial_phase = 1", "initial_phase = 2")),
+    "one_drive": ("e62", (TENSION, "")),
+    "stop_elsewhere": ("e62", ('joint = "steeve"\nrestitution',
+                               'joint = "steeve"\nat_mm = -0.5\nrestitution')),
+    "third_phase": ("e62", ("initial_phase = 1", "initial_phase = 3")),
+    "steeve_last": ("e62", ("initial_phase = 1", "initial_phase = 2",
+                            'transition_stop = "jaw"', 'transition_stop = "steeve"')),
+}  # fmt: skip

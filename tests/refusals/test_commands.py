@@ -1,4 +1,7 @@
-"""Lines that commands refuse: one sentence, status 2, and nothing is begun."""
+"""Lines that commands refuse: one sentence, status 2, and nothing is begun.
+
+The lines stand in the reviewed texts, each above its sentence.
+"""
 
 from __future__ import annotations
 
@@ -7,13 +10,11 @@ from pathlib import Path
 
 import pytest
 from programs import main
-from snapshots import Words
+from snapshots import Words, without_the_machine
 from test_cli_options import FIT
 
 from nipper_pin import Case, Mechanism, save, save_case, simulate
-from tests.refusals.bases import model
-from tests.refusals.commands import TABLES
-from tests.refusals.descriptions import HEAD, LINES, file, swings
+from tests.refusals.bases import blocks, model
 
 SWEEP = "format = 1\n[parameters.restitution]\nvalues = [0.1, 0.2]\n"
 FREE = "[parameters.restitution]\nlow = 0.05\nhigh = 0.3\n"
@@ -34,10 +35,7 @@ def home(tmp_path_factory: pytest.TempPathFactory, e62: Mechanism) -> Path:
         (folder / name).write_text(text, encoding="utf-8")
     (folder / "broken.npz").write_bytes(b"PK\x03\x04 not an archive")
     (folder / "loop").symlink_to("loop")
-    coil, swing = file(HEAD + LINES), swings()
-    small = model("small", f"{coil.edits}\n{swing.edits}", folder)
-    for name, content in {**coil.files, **swing.files}.items():
-        (small / name).write_bytes(content)
+    model("small with rows", (), folder)
     case = Case(speed_rpm=600.0)
     save_case(e62, case, folder / "case.json")
     for name, window in (("before", "transition"), ("cycle", "cycle"), ("out/solution", "cycle")):
@@ -50,7 +48,10 @@ def held(folder: Path) -> dict[Path, bytes]:
     return {path: path.read_bytes() if path.is_file() else b"" for path in folder.rglob("*")}
 
 
-@pytest.mark.parametrize("table", TABLES)
+REVIEWED = Path(__file__).with_name("__snapshots__") / "test_commands"
+
+
+@pytest.mark.parametrize("table", ["comparisons", "new", "runs", "settings", "studies"])
 def test_sentences(
     table: str,
     home: Path,
@@ -60,10 +61,12 @@ def test_sentences(
 ) -> None:
     monkeypatch.chdir(home)
     there, text = held(home), ""
-    for line in TABLES[table]:
+    reviewed = (REVIEWED / f"test_sentences[{table}].txt").read_text(encoding="utf-8")
+    for line in (item.name for item in blocks(reviewed)):
         status = main(shlex.split(line))
         out, err = capsys.readouterr()
         assert (status, out, err.count("\n")) == (2, "", 1), (line, err)
         assert held(home) == there, line
-        text += f"{line}\n    {err.removeprefix('nipper-pin: ').replace(str(home), 'HOME')}"
-    words(text)
+        said = err.removeprefix("nipper-pin: ").replace(str(home), "HOME")
+        text += f"{line}\n    {without_the_machine(said)}"
+    words(text, masked=False)

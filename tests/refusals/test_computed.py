@@ -13,8 +13,7 @@ from nipper_pin import Case, InputError, Mechanism, Outcome, SimulationError, lo
 from nipper_pin.study.identify import Condition, Target, predict, working_cycle
 from nipper_pin.study.optimise import Problem, read_problem
 from nipper_pin.study.optimise.points import Evaluator
-from tests.refusals.bases import model
-from tests.refusals.studies import BESIDE
+from tests.refusals.bases import BESIDE, model
 
 AT, SINCE = Condition(650.0, 0.25), Condition(450.0)
 STIFF = Condition(650.0, None, 9500.0)

@@ -1,22 +1,24 @@
-"""Models and studies with one mistake: kinds of errors, and sentences that quote their evidence."""
+"""Models and studies with one mistake: kinds of errors, and sentences that quote their evidence.
+
+The mistakes stand in the reviewed texts themselves, each above its sentence: a new one is written
+there, and `make snapshots` adds what is said of it. What is taken after all has "nothing" there.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
-from snapshots import Words
+from snapshots import Words, without_the_machine
 
 from nipper_pin import AssemblyError, InputError, ModelError, UnknownNameError, load
 from nipper_pin.cli import main
 from nipper_pin.study import identify, optimise
 from nipper_pin.study.sweep import read_plan
-from tests.refusals import descriptions as toml
-from tests.refusals import studies
-from tests.refusals import urdfs as urdf
-from tests.refusals.bases import Edits, Row, edited, model
+from tests.refusals.bases import BESIDE, STUDIES, Edits, blocks, edited, model, right
+from tests.refusals.hostile import HOSTILE
 
 READ: dict[str, Callable[[str], Any]] = {
     "sweep": read_plan,
@@ -24,62 +26,35 @@ READ: dict[str, Callable[[str], Any]] = {
     "camera": identify.read_problem,
     "optimise": optimise.read_problem,
 }
-# Base machine or study, kind of error, and rows.
-TABLES: dict[str, tuple[str, type[InputError], Mapping[str, Edits | Row]]] = {
-    "values": ("e62", ModelError, toml.VALUES),
-    "closures": ("e62", AssemblyError, toml.CLOSURES),
-    "names": ("e62", UnknownNameError, toml.NAMES),
-    "springs": ("small", ModelError, toml.SPRINGS),
-    "drives": ("small", ModelError, toml.DRIVES),
-    "small_names": ("small", UnknownNameError, toml.SMALL_NAMES),
-    "starts_and_stops": ("small", ModelError, toml.STARTS_AND_STOPS),
-    "apart": ("small", AssemblyError, toml.APART),
-    "urdfs": ("e62", ModelError, urdf.URDFS),
-    "urdf_names": ("e62", UnknownNameError, urdf.URDF_NAMES),
-    "small_urdfs": ("small", ModelError, urdf.SMALL_URDFS),
-    "hostile": ("e62", ModelError, urdf.HOSTILE),
-    "files": ("small", ModelError, toml.FILES),
-    "sweep_values": ("sweep", ModelError, studies.SWEEP_VALUES),
-    "sweep_keys": ("sweep", InputError, studies.SWEEP_KEYS),
-    "sweep_names": ("sweep", UnknownNameError, studies.SWEEP_NAMES),
-    "fit_values": ("identify", ModelError, studies.FIT_VALUES),
-    "fit_keys": ("identify", InputError, studies.FIT_KEYS),
-    "fit_names": ("identify", UnknownNameError, studies.FIT_NAMES),
-    "seen": ("identify", InputError, studies.SEEN_KEYS),
-    "camera": ("camera", InputError, studies.CAMERA_KEYS),
-    "camera_names": ("camera", UnknownNameError, studies.CAMERA_NAMES),
-    "design_values": ("optimise", ModelError, studies.DESIGN_VALUES),
-    "design_keys": ("optimise", InputError, studies.DESIGN_KEYS),
-    "design_names": ("optimise", UnknownNameError, studies.DESIGN_NAMES),
-}
+# By reviewed text the base machine or study, and the kind of error.
+TABLES: dict[str, tuple[str, type[InputError]]] = {
+    "values": ("e62", ModelError), "closures": ("e62", AssemblyError),
+    "names": ("e62", UnknownNameError), "springs": ("small", ModelError),
+    "drives": ("small", ModelError), "small_names": ("small", UnknownNameError),
+    "starts_and_stops": ("small", ModelError), "apart": ("small", AssemblyError),
+    "urdfs": ("e62", ModelError), "urdf_names": ("e62", UnknownNameError),
+    "small_urdfs": ("small", ModelError), "hostile": ("e62", ModelError),
+    "files": ("small with rows", ModelError),
+    "sweep_values": ("sweep", ModelError), "sweep_keys": ("sweep", InputError),
+    "sweep_names": ("sweep", UnknownNameError), "fit_values": ("identify", ModelError),
+    "fit_keys": ("identify", InputError), "fit_names": ("identify", UnknownNameError),
+    "seen": ("identify", InputError), "camera": ("camera", InputError),
+    "camera_names": ("camera", UnknownNameError), "design_values": ("optimise", ModelError),
+    "design_keys": ("optimise", InputError), "design_names": ("optimise", UnknownNameError),
+}  # fmt: skip
 
 
 def study(base: str, edits: Edits, home: Path) -> str:
     """Write the files of a study, and the model beside it that it names; return the first file."""
-    texts = dict(studies.BASES[base])
-    first = home / next(iter(texts))
-    if isinstance(edits, str):
-        texts[first.name] = edits
-    else:
-        texts = edited(texts, edits)
+    texts = {name.replace("camera", "seen"): right(name) for name in STUDIES[base]}
+    first = home / STUDIES[base][0]
+    texts = {**texts, first.name: edits[0]} if len(edits) == 1 else edited(texts, edits)
     for name, text in texts.items():
         (home / name).write_text(text, encoding="utf-8")
-    for name, (machine, changes) in studies.BESIDE.items():
+    for name, (machine, changes) in BESIDE.items():
         if f'model = "{name}"' in texts[first.name]:
             model(machine, changes, home).rename(home / name)
     return str(first)
-
-
-def written(base: str, row: Edits | Row, home: Path) -> tuple[Callable[[Any], Any], list[str]]:
-    """What reads a model or study with a mistake, and a command that does; its place is last."""
-    edits, files = row if isinstance(row, Row) else (row, {})
-    if base in READ:
-        command = "identify" if base == "camera" else base
-        return READ[base], [command, "--out", str(home / "out"), study(base, edits, home)]
-    place = model(base, edits, home)
-    for name, content in files.items():
-        (place / name).write_bytes(content)
-    return load, ["check", str(place)]
 
 
 def refusal(read: Callable[[Any], Any], file: str) -> InputError | None:
@@ -95,38 +70,34 @@ def test_sentences(
     table: str, tmp_path: Path, words: Words, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Errors of one kind; the command says the same in a line, and writes nothing."""
-    base, kind, rows = TABLES[table]
-    text = ""
-    for number, (name, row) in enumerate(rows.items()):
+    base, kind = TABLES[table]
+    file = Path(__file__).with_name("__snapshots__") / "test_files" / f"test_sentences[{table}].txt"
+    reviewed, text = blocks(file.read_text(encoding="utf-8")), ""
+    hostile = HOSTILE.get(table, {})
+    assert {item.name for item in reviewed if not item.edits} == hostile.keys()
+    for number, item in enumerate(reviewed):
         home = tmp_path / str(number)
         home.mkdir()
-        folder = home if base in READ else home / base
-        read, line = written(base, row, home)
+        edits, files = (item.edits, {}) if item.edits else hostile[item.name]
+        if base in READ:
+            read, place, folder = READ[base], study(base, edits, home), home
+            line = ["identify" if base == "camera" else base, "--out", str(home / "out"), place]
+        else:
+            folder = model(base, edits, home)
+            read, line = load, ["check", str(folder)]
+        for name, content in files.items():
+            (folder / name).write_bytes(content)
         error = refusal(read, line[-1])
-        assert error is None or type(error) is kind, name
+        assert error is None or type(error) is kind, item.name
         message = "nothing" if error is None else error.message
-        text += f"{name}\n    {message}\n".replace(str(folder), "FOLDER")
+        said = without_the_machine(message.replace(str(folder), "FOLDER"))
+        text += f"{item.text}    {said}\n"
         if number == 0:
             there = sorted(home.rglob("*"))
             assert main(line) == 2
             assert capsys.readouterr() == ("", f"nipper-pin: {message}\n")
             assert sorted(home.rglob("*")) == there
-    words(text)
-
-
-@pytest.mark.parametrize("edits", [*toml.TAKEN.values(), *urdf.TAKEN.values()],
-                         ids=[*toml.TAKEN, *urdf.TAKEN])  # fmt: skip
-def test_values_of_models_at_their_bounds_are_taken(
-    edits: str | tuple[str, str], tmp_path: Path
-) -> None:
-    assert load(model("small", edits, tmp_path)).name == "small"
-
-
-@pytest.mark.parametrize(
-    ("base", "name"), [(base, name) for base, rows in studies.TAKEN.items() for name in rows]
-)
-def test_values_of_studies_at_their_bounds_are_taken(base: str, name: str, tmp_path: Path) -> None:
-    assert READ[base](study(base, studies.TAKEN[base][name], tmp_path)) is not None
+    words(text, masked=False)
 
 
 @pytest.mark.parametrize("base", ["sweep", "identify", "optimise"])

@@ -29,7 +29,7 @@ from nipper_pin.study.identify import (
     read_problem,
 )
 from nipper_pin.study.identify.problem.targets import conditions, with_settings
-from tests.refusals.studies import FIT, SEEN
+from tests.refusals.bases import right
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "scripts/maintain/confirm"))
 
@@ -162,7 +162,7 @@ def test_stated_deviations_are_those_of_repeated_films(problem: Problem) -> None
 
 
 def written(folder: Path, text: str) -> Path:
-    (folder / "seen.csv").write_text(SEEN, encoding="utf-8")
+    (folder / "seen.csv").write_text(right("seen.csv"), encoding="utf-8")
     file = folder / "study.toml"
     file.write_text(text, encoding="utf-8")
     return file
@@ -170,12 +170,13 @@ def written(folder: Path, text: str) -> Path:
 
 def test_the_file_of_an_identification(tmp_path: Path, e62: Mechanism, words: Words) -> None:
     """All keys, measurements included, and what stands there where a file says nothing."""
-    plain = FIT[: FIT.index("[limits]")].replace('measured = "seen.csv"\n', "")
+    whole = right("fit.toml")
+    plain = whole.partition("[limits]")[0].replace('measured = "seen.csv"\n', "")
     for line in ("prior_weight = 0.5\n", "absolute_sigma = false\n",
                  "[case]\nrest_rate = 1e-3\ntolerance = 1e-4\n"):  # fmt: skip
         plain = plain.replace(line, "")
     said = []
-    for text, tolerance in ((FIT, 1e-4), (plain, 1e-8)):
+    for text, tolerance in ((whole, 1e-4), (plain, 1e-8)):
         found = read_problem(written(tmp_path, text))
         record = {key: value for key, value in asdict(found).items() if key != "mechanism"}
         assert record.pop("tolerance") == tolerance
@@ -193,10 +194,7 @@ def test_the_file_of_an_identification(tmp_path: Path, e62: Mechanism, words: Wo
     assert machine.springs[0].stiffness == 9500.0
 
 
-PLAIN = """speed_rpm,restitution,quantity,value,sigma
-650,0.25,rebound_amplitude_1,0.00531,5e-5
-450,,rebound_time_s_1,5.44e-3,0.00003
-"""
+PLAIN = right("camera.csv")
 
 
 def read(folder: Path, text: str, encoding: str = "utf-8") -> tuple[Target, ...]:

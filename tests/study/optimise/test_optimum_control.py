@@ -27,7 +27,7 @@ from nipper_pin.study.optimise.problem.quantities import QUANTITIES
 from nipper_pin.study.optimise.search.binding import Account, Binding
 from nipper_pin.study.optimise.search.descend import Descent
 from nipper_pin.study.optimise.search.samples import Found
-from tests.refusals.studies import DESIGN
+from tests.refusals.bases import right
 
 STATED = """
 model = "e62"
@@ -411,7 +411,7 @@ def test_contradictions(found: Optimum) -> None:
 
 def test_the_file_of_a_design(tmp_path: Path, e62: Mechanism, words: Words) -> None:
     """All keys, and what stands there where a file says nothing; the text of it is the same."""
-    found = problem(tmp_path, DESIGN.replace("format = 1\n", ""))
+    found = problem(tmp_path, right("design.toml").replace("format = 1\n", ""))
     plain = problem(tmp_path, 'minimise = "duration_s"\n' + parameter("restitution", 0.1, 0.3))
     said = []
     for item in (found, plain):

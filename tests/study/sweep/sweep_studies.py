@@ -13,6 +13,7 @@ from nipper_pin.mechanism import find_model
 from nipper_pin.study.sweep import Plan, read_plan
 from nipper_pin.study.sweep.chunks import run_chunk
 from nipper_pin.study.sweep.results import Store
+from tests.refusals.bases import right
 
 COMMAND = [sys.executable, "-c", "import sys; from nipper_pin.cli import main; sys.exit(main())"]
 TABLE = """
@@ -33,33 +34,8 @@ chunk = 4
 "drives.tension.ratio" = { values = [2.0, 2.2, 2.4] }
 speed_rpm = { values = [450.0, 650.0] }
 """
-FULL = """
-model = "e62"
-chunk = 3
-quantities = ["duration_s", "rebound_amplitude_1"]
-[case]
-speed_rpm = 512.5
-drive = "inertial"
-rest_rate = 2e-4
-tolerance = 1e-3
-max_collisions = 77
-[set]
-"stops.steeve.restitution" = 0.21
-[samples]
-method = "latin_hypercube"
-count = 6
-seed = 9
-[parameters.restitution]
-low = 0.1
-high = 0.3
-[parameters.preload]
-low = 9.0
-high = 16.0
-points = 3
-scale = "log"
-[parameters."links.top_nipper.mass_kg"]
-values = [1.4, 1.1]
-"""
+# Every key, below those of the head.
+FULL = right("sweep.toml").split("\n", 2)[2]
 
 
 def study(folder: Path, text: str, name: str = "study") -> str:
