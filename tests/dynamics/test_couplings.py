@@ -128,28 +128,6 @@ def test_tables_of_a_coupled_machine(combers: tuple[nip.Mechanism, nip.Mechanism
 PAIR = (link("a"), hinge("p", "frame", "a"), link("b"))
 
 
-@pytest.mark.parametrize(
-    ("words", "freedom", "error", "said"),
-    [
-        ('joint="p" multiplier="0"', 1, nip.ModelError, "joint q mimic multiplier = 0.0"),
-        ('joint="p" multiplier="x"', 1, nip.ModelError, "multiplier is a finite number"),
-        (
-            'joint="p" offset="0.1"',
-            1,
-            nip.ModelError,
-            "let the origin of the joint hold the offset",
-        ),
-        ('joint="q"', 1, nip.UnknownNameError, "joint q mimic: there is no other joint that moves"),
-        ("", 1, nip.UnknownNameError, "joint q mimic: there is no other joint that moves named ''"),
-        ('joint="p"', 2, nip.ModelError, r"one for each joint that mimics another \(q\)"),
-    ],
-)
-def test_mimics_that_cannot_be(words: str, freedom: int, error: type[Exception], said: str) -> None:
-    joint = hinge("q", "frame", "b").replace("</joint>", f"<mimic {words}/></joint>")
-    with pytest.raises(error, match=said):
-        machine([*PAIR, joint], freedom)
-
-
 def test_joints_that_follow_one_another() -> None:
     """A circle of them is refused, and so is a drive of both; a chain of them is none."""
     p = following(hinge("p", "frame", "a"), "q", "")
@@ -164,13 +142,6 @@ def test_joints_that_follow_one_another() -> None:
     chain = machine([*PAIR, q, link("c"), third], 1, drives={"one": drives["one"]})
     start, end = nip.simulate(chain, CYCLE).trajectory.evaluate(np.array([0.0, 0.5])).q
     np.testing.assert_allclose(end - start, [np.pi, np.pi, 3.0 * np.pi], rtol=1e-12)
-
-
-def test_a_gear_pair_of_drives_needs_a_drive() -> None:
-    """The message says where a pair without one belongs."""
-    drives = {"pair": {"joint": "q", "law": "geared", "of": "p", "ratio": -1.0}}
-    with pytest.raises(nip.UnknownNameError, match="has a <mimic> in the URDF"):
-        machine([*PAIR, hinge("q", "frame", "b")], 1, drives=drives)
 
 
 def test_check_names_what_a_joint_follows(tmp_path: Any, capsys: Any) -> None:
