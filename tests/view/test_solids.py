@@ -18,12 +18,15 @@ import pinocchio as pin
 import pytest
 from judge import Judge, press
 from runs_shown import machine_called, run_of, turn
+from scipy.spatial import ConvexHull
+from scipy.spatial.distance import cdist
 from three_js import Scene
 from urdf_shapes import shaped, shapes
 
 from nipper_pin import Mechanism, Solution, load
 from nipper_pin.mechanism import from_sources, known_models
-from nipper_pin.view.scene import Film, Look, film
+from nipper_pin.view.scene import Film, Look, Solid, film, pictured, solids
+from nipper_pin.view.scene.meshes import mesh_of
 
 MODELS = Path(__file__).parents[1] / "verification" / "models"
 Array = Any
@@ -102,7 +105,9 @@ def test_solids_of_the_page(judge: Judge, shown: Film, scene: Scene) -> None:
     """Each reaches as far as Pinocchio's in forty directions, or has its very corners; colours."""
     every = shapes(judge)
     drawn = {path for path in scene.objects if "/impulse_" not in path}
-    assert drawn == {item.path for item in every}
+    more = drawn - {item.path for item in every}
+    assert drawn >= {item.path for item in every}
+    assert all(re.search("/(stop|spring)_", path) for path in more)
     opening = judge.document["stops"][judge.document["transition_stop"]]["joint"]
     jaw = next(j.child for j in judge.run.mechanism.joints if j.name == opening)
     for item in every:
@@ -169,11 +174,60 @@ def test_lines_go_from_point_to_point(page_of: Callable[..., str]) -> None:
         wanted = ends_of(run, q)
         assert set(wanted) == {"spring_band", "damper_stay"}
         for name, places in wanted.items():
-            points = scene.points(f"/nipper/{name}", at)
-            ends = [points[720:].mean(axis=0), points[:720].mean(axis=0)]
+            place = scene.matrix(f"/nipper/{name}", at)
+            ends = [(place @ [0.0, side, 0.0, 1.0])[:3] for side in (-0.5, 0.5)]
             np.testing.assert_allclose(ends, places, atol=1e-6)
             lengths.add(round(float(np.linalg.norm(np.subtract(*ends))), 5))
     assert len(lengths) > 4
+
+
+# Springs and stops on joints.
+
+
+def outline(drawn: list[Solid], pose: tuple[float, float, float]) -> Array:
+    """Points along the edges of what solids of one link cover in side view, shape (N, 2) [m]."""
+    found, (x, z, turned) = [], pose
+    way = np.array([[math.cos(turned), math.sin(turned)], [-math.sin(turned), math.cos(turned)]])
+    for solid in drawn:
+        corners = mesh_of(solid)[0] * solid.scale @ solid.placement[:3, :3].T
+        flat = (corners + solid.placement[:3, 3])[:, [0, 2]] @ way + [x, z]
+        edge = flat[ConvexHull(flat).vertices]
+        found += [
+            np.linspace(a, b, 60) for a, b in zip(edge, np.roll(edge, 1, axis=0), strict=True)
+        ]
+    return np.concatenate(found)
+
+
+@pytest.mark.parametrize("name", [*FEW, "bell", "needle_bar", "sieve"])
+def test_springs_end_at_their_links_and_closed_stops_touch_them(name: str) -> None:
+    made = machine_called(name)
+    judge = Judge(turn(made, made.cylinder.rated_speed_rpm, 24.0))
+    drawn = pictured(made)
+    size = max(np.ptp(outline([solid], (0.0, 0.0, 0.0)), axis=0).max() for solid in drawn)
+    for column, joint in enumerate(made.joints):
+        own = [solid for solid in solids(made) if solid.body == column]
+        if not judge.turning[column]:
+            # A rod in a tube passes its stop: what meets it is the eye at its end.
+            own = [min(own, key=lambda solid: np.hypot(*solid.placement[[0, 2], 3]))]
+        for value in (0.0, 0.1):
+            places = {"frame": (0.0, 0.0, 0.0), **judge.places(value * judge.unit(column))}
+            for spring in (item for item in made.springs if item.index == column):
+                (coil,) = (item for item in drawn if item.name == f"spring_{spring.name}")
+                long = coil.scale[2] + (coil.stretch * value if coil.spring == column else 0.0)
+                end = coil.placement[:3, 3] + long * coil.placement[:3, 2]
+                x, z, turned = places[joint.parent]
+                e = complex(end[0], end[2]) * complex(math.cos(turned), math.sin(turned))
+                assert (x + e.real, z + e.imag) == pytest.approx(places[joint.child][:2], abs=1e-9)
+        for stop in (item for item in made.stops if item.index == column):
+            (mark,) = (item for item in drawn if item.name == f"stop_{stop.name}")
+            gap = 0.2 if judge.turning[column] else 0.1 * size
+            apart = []
+            for value in (stop.at, stop.at + stop.sense * gap):
+                places = {"frame": (0.0, 0.0, 0.0), **judge.places(value * judge.unit(column))}
+                edges = outline([mark], places[joint.parent]), outline(own, places[joint.child])
+                apart.append(float(cdist(*edges).min()))
+            assert apart[0] < (0.03 if judge.turning[column] else 1e-3) * size
+            assert apart[1] > apart[0] + 0.01 * size
 
 
 # Arrows.

@@ -7,7 +7,7 @@ from importlib import resources
 from ...errors import InputError
 from ...mechanism import Mechanism
 from ..reading import shown_until
-from ..scene import solids
+from ..scene import pictured
 from ..scene.pace import round_slow
 from ..scene.page import assembled, background, cameras, machine_messages
 from .answer import answer
@@ -41,7 +41,7 @@ def shown_live(mechanism: Mechanism, speed_rpm: float) -> tuple[Shown, str]:
         raise InputError(first.message, model=mechanism.name)
     slow = round_slow(shown_until(solution), _LONGEST)
     turns = WholeTurns(mechanism, controls)
-    shown = Shown(mechanism, controls, solids(mechanism), slow, turns)
+    shown = Shown(mechanism, controls, pictured(mechanism), slow, turns)
     larger = larger_knob()
     played, remark = filmed(shown, solution, larger.start)
     found = {

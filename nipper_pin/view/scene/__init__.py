@@ -6,6 +6,7 @@ and pillow; each is imported where such a file is written.
 
 from .film import Film, Look, film
 from .solids import CYLINDER, FIXED, Colour, Solid, cylinder_axis, solids
+from .symbols import pictured
 
 __all__ = [
     "CYLINDER",
@@ -16,5 +17,6 @@ __all__ = [
     "Solid",
     "cylinder_axis",
     "film",
+    "pictured",
     "solids",
 ]

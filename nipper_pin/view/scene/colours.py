@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-ARROW = "#D55E00"
-LINE = "#333333"
+ARROW = STOP = "#D55E00"
+SPRING = "#B00020"
+LINE = "#6B7480"
 _FRAME = "#9AA0A8"
 # Of links whose URDF says nothing: apart from one another, and paler than phases and arrows.
 _LINKS = ("#6E8FB8", "#B8A16E", "#7FA889", "#A58BB0", "#B08A7E", "#7FA6AC", "#8C8FA8")

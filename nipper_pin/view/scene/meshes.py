@@ -17,6 +17,7 @@ from .solids import Solid
 
 _CORNERS = 32  # of a circle
 _RINGS = 9  # of a sphere, from pole to pole
+_TURNS, _STEPS, _WIRE = 7, 16, 0.22  # of a coil, of a turn, and radius of its wire by its own
 
 # A face in a binary STL file: normal, three corners, and two bytes that nobody uses.
 _FACE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("unused", "<u2")])
@@ -55,6 +56,8 @@ def mesh_of(solid: Solid) -> tuple[FloatArray, NDArray[np.intp]]:
     """
     if solid.path is not None:
         return read_mesh(solid.path)
+    if solid.kind == "coil":
+        return coil(solid.sizes[0])
     corners = _surface(solid)
     hull = ConvexHull(corners)
     faces = hull.simplices.astype(np.intp)
@@ -79,6 +82,29 @@ def _surface(solid: Solid) -> FloatArray:
     rings = [np.sin(item) * circle + [0.0, 0.0, np.cos(item)] for item in polar]
     poles = np.array([[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]])
     return np.asarray(solid.sizes[0] * np.concatenate([*rings, poles]))
+
+
+def coil(radius: float) -> tuple[FloatArray, NDArray[np.intp]]:
+    """A coil around z from 0 to 1, scaled along z to its length.
+
+    Args:
+        radius: Outer radius [m].
+
+    Returns:
+        As :func:`mesh_of`.
+    """
+    turn = 2.0 * np.pi * np.arange(_TURNS * _STEPS + 1) / _STEPS
+    along = np.linspace(0.0, 1.0, len(turn))
+    wire, around = _WIRE * radius, 2.0 * np.pi * np.arange(6) / 6.0
+    # A wire of round section would be flattened where the coil is short: it is a band.
+    out = (radius - wire + wire * np.cos(around))[None, :]
+    up = 0.5 / _TURNS * np.sin(around) * 0.5
+    corners = np.stack([out * np.cos(turn)[:, None], out * np.sin(turn)[:, None],
+                        np.clip(along[:, None] + up, 0.0, 1.0)], axis=-1)  # fmt: skip
+    first = (6 * np.arange(len(turn) - 1)[:, None] + np.arange(6)).ravel()
+    beside = (6 * np.arange(len(turn) - 1)[:, None] + (np.arange(6) + 1) % 6).ravel()
+    faces = [[first, beside, first + 6], [beside, beside + 6, first + 6]]
+    return corners.reshape(-1, 3), np.concatenate([np.column_stack(part) for part in faces])
 
 
 def as_stl(corners: FloatArray, faces: NDArray[np.intp]) -> bytes:

@@ -9,17 +9,18 @@ from typing import Any
 import meshcat.commands as commands
 import meshcat.geometry as geometry
 import numpy as np
+from numpy.typing import NDArray
 
 from ...arrays import FloatArray
 from ...errors import InputError
 from ...mechanism import Mechanism, Stop, Strut
 from .arrows import arrow_body, arrow_place, arrow_sizes
-from .colours import ARROW, LINE, channels
-from .meshes import as_stl, read_mesh
-from .solids import CYLINDER, FIXED, Colour, Solid, cylinder_axis
+from .colours import ARROW, LINE, SPRING, channels
+from .meshes import as_stl, coil, mesh_of, read_mesh
+from .solids import CYLINDER, FIXED, THICK, Colour, Solid, cylinder_axis, extent
 
 ROOT = "nipper"
-LINE_WIDTH = 0.003  # of the reach of the mechanism
+LINE_WIDTH = 0.003  # of the extent of the mechanism
 _SUFFIXES = (".stl", ".obj", ".dae")
 # meshcat's cylinders stand along y, those of a URDF along z.
 _UPRIGHT = np.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]], dtype=float)
@@ -77,9 +78,13 @@ def strut_path(strut: Strut) -> str:
 
 
 def strut_command(mechanism: Mechanism, strut: Strut) -> dict[str, object]:
-    """Command that draws a strut as a line one unit long, along y; the animation places it."""
-    line = geometry.Cylinder(1.0, LINE_WIDTH * mechanism.reach_m)
-    return _object(strut_path(strut), line, channels(LINE), glow=True)
+    """Command that draws a strut one unit long, along y; the animation places it."""
+    if strut.kind == "damper":
+        line = geometry.Cylinder(1.0, LINE_WIDTH * extent(mechanism))
+        return _object(strut_path(strut), line, channels(LINE), glow=True)
+    corners, faces = coil(THICK * extent(mechanism))
+    wire = _mesh(corners[:, [1, 2, 0]] - [0.0, 0.5, 0.0], faces)
+    return _object(strut_path(strut), wire, channels(SPRING))
 
 
 def _upward(distance: float) -> FloatArray:
@@ -89,6 +94,8 @@ def _upward(distance: float) -> FloatArray:
 
 
 def _shape(solid: Solid) -> geometry.Geometry:
+    if solid.kind == "coil":
+        return _mesh(*mesh_of(solid))
     if solid.path is None:
         if solid.kind == "box":
             return geometry.Box(list(solid.sizes))
@@ -105,6 +112,10 @@ def _shape(solid: Solid) -> geometry.Geometry:
     if solid.path.suffix.lower() == ".stl":
         return geometry.StlMeshGeometry.from_file(str(solid.path))
     # Corners and faces alone: other files may name textures at any address.
+    return _mesh(corners, faces)
+
+
+def _mesh(corners: FloatArray, faces: NDArray[np.intp]) -> geometry.Geometry:
     return geometry.StlMeshGeometry.from_stream(io.BytesIO(as_stl(corners, faces)))
 
 

@@ -20,7 +20,7 @@ from .film import Film
 from .framing import ALONG, OBLIQUE, camera, corners
 from .objects import arrow_commands, solid_commands, strut_command
 from .readings import readings, rounded
-from .solids import solids
+from .symbols import pictured
 from .tracks import animation
 
 _VIEWER = Path(meshcat.__file__).parent / "viewer"
@@ -88,7 +88,7 @@ def background() -> list[dict[str, object]]:
 def machine_messages(shown: Film) -> list[dict[str, Any]]:
     """Messages that draw the machine of a film; the last one is its animation."""
     mechanism = shown.solution.mechanism
-    drawn = solids(mechanism)
+    drawn = pictured(mechanism)
     sent: list[dict[str, object]] = []
     for solid in drawn:
         sent += solid_commands(mechanism, solid)
@@ -105,7 +105,7 @@ def _property(path: str, name: str, value: object) -> dict[str, object]:
 
 def cameras(*films: Film) -> dict[str, object]:
     """Positions and targets of the cameras (x, y, z) [m], for views of all that is drawn."""
-    points = np.concatenate([corners(item, solids(item.solution.mechanism)) for item in films])
+    points = np.concatenate([corners(item, pictured(item.solution.mechanism)) for item in films])
     found: dict[str, object] = {}
     for name, direction in (("whole", OBLIQUE), ("side", ALONG)):
         target, place = camera(points, direction)

@@ -17,7 +17,7 @@ import numpy as np
 import pinocchio as pin
 
 from ...arrays import FloatArray
-from ...mechanism import Mechanism, own_frame
+from ...mechanism import Mechanism, joint_placements, own_frame
 from ...mechanism.drives import OscillatingGuide
 from ...mechanism.files import mesh_path, numbers, origin, parse_xml, path_inside, rotation_from_rpy
 from .colours import link_colour
@@ -25,7 +25,8 @@ from .colours import link_colour
 Colour = tuple[float, float, float]
 FIXED = -1
 CYLINDER = -2
-_THICK = 0.02  # radius of a bar, by the reach of the mechanism
+THICK = 0.02
+"""Radius of a bar, by the extent of the mechanism."""
 
 
 @dataclass(frozen=True)
@@ -35,13 +36,14 @@ class Solid:
     Attributes:
         name: Name, unique in its body.
         body: Place of the moving link in ``mechanism.joints``, ``FIXED`` or ``CYLINDER``.
-        kind: "mesh", "box", "cylinder" or "sphere".
-        sizes: Box: edges; cylinder: radius and length; sphere: radius [m].
+        kind: "mesh", "box", "cylinder", "sphere" or "coil", which is one unit long.
+        sizes: Box: edges; cylinder: radius and length; sphere and coil: radius [m].
         path: Mesh file, or None.
         placement: In the frame of the body, shape (4, 4) [m].
-        scale: Of a mesh, shape (3,).
+        scale: Of a mesh or coil, shape (3,).
         colour: Red, green, blue, 0 to 1.
-        spring: Place in q of the spring that the mesh shows, or None.
+        spring: Place in q of the spring whose length the solid shows, or None.
+        stretch: Rate of that length by the coordinate.
     """
 
     name: str
@@ -53,6 +55,7 @@ class Solid:
     scale: FloatArray
     colour: Colour
     spring: int | None = None
+    stretch: float = -1.0
 
 
 def cylinder_axis(mechanism: Mechanism) -> tuple[float, float] | None:
@@ -158,15 +161,15 @@ def _bars(mechanism: Mechanism, body: int, joint: int, shapes: Sequence[Solid]) 
     Args:
         shapes: Those that are drawn of the link; where they are there is no need of a bar.
     """
-    thick = _THICK * mechanism.reach_m
+    thick = THICK * extent(mechanism)
     # What slides has no pin at the origin of its joint.
     ends = _ends(mechanism, joint, slides=not shapes)
     if not (ends or shapes):
         ends = [mechanism.model.inertias[joint].lever]
     hinged = mechanism.joints[body].kind == "revolute"
-    far = [(end, thick) for end in ends
-           if np.linalg.norm(end) > thick and not _reached(end, shapes, thick)]  # fmt: skip
-    if shapes and hinged and not _reached(np.zeros(3), shapes, thick):
+    far = [(end, thick) for end in ends if np.linalg.norm(end) > thick]
+    far = [item for item in far if not any(holds(solid, item[0], thick) for solid in shapes)]
+    if shapes and hinged and not any(holds(item, np.zeros(3), thick) for item in shapes):
         near = min(shapes, key=lambda item: np.linalg.norm(item.placement[:3, 3]))
         # Its end stays inside the shape: a lip would be thicker than it is.
         slim = 0.5 * _half(near)[np.abs(near.placement[1, :3]) < 0.9].min()
@@ -175,7 +178,9 @@ def _bars(mechanism: Mechanism, body: int, joint: int, shapes: Sequence[Solid]) 
         return []
     one, colour = np.ones(3), shapes[0].colour if shapes else link_colour(body)
     own = "own_" if shapes else ""  # no other shape of the link may have the name of a bar
-    bars = [Solid(f"{own}joint", body, "sphere", (1.6 * thick,), None, np.eye(4), one, colour)]
+    # A block without any bar is no larger than one is wide.
+    ball = (1.6 if far else 1.0) * thick
+    bars = [Solid(f"{own}joint", body, "sphere", (ball,), None, np.eye(4), one, colour)]
     for place, (end, radius) in enumerate(far):
         length = float(np.linalg.norm(end))
         along = end / length
@@ -190,7 +195,7 @@ def _bars(mechanism: Mechanism, body: int, joint: int, shapes: Sequence[Solid]) 
 
 def _pins(mechanism: Mechanism) -> Iterator[Solid]:
     """Pins of the frame, along the hinges."""
-    thick = _THICK * mechanism.reach_m
+    thick = THICK * extent(mechanism)
     for place, at in enumerate(_ends(mechanism, 0, slides=False)):
         matrix = np.eye(4)
         matrix[:3, :3] = rotation_from_rpy(np.array([0.5 * np.pi, 0.0, 0.0]))
@@ -198,6 +203,17 @@ def _pins(mechanism: Mechanism) -> Iterator[Solid]:
         sizes = (1.2 * thick, 6.0 * thick)
         yield Solid(f"pin_{place}", FIXED, "cylinder", sizes, None, matrix, np.ones(3),
                     link_colour(FIXED))  # fmt: skip
+
+
+def extent(mechanism: Mechanism) -> float:
+    """Larger extent of pins, centres of mass and named places, all coordinates at zero [m]."""
+    world = joint_placements(mechanism.model)
+    places = [place.act(end)[[0, 2]] for joint, place in enumerate(world)
+              for end in _ends(mechanism, joint, slides=True)]  # fmt: skip
+    places += [world[joint].act(body.lever)[[0, 2]]
+               for joint, body in enumerate(mechanism.model.inertias) if joint]  # fmt: skip
+    # A machine of one place has the size of its slides' travels.
+    return float(np.ptp(places, axis=0).max()) or mechanism.reach_m
 
 
 def _ends(mechanism: Mechanism, joint: int, *, slides: bool) -> list[FloatArray]:
@@ -218,16 +234,12 @@ def _ends(mechanism: Mechanism, joint: int, *, slides: bool) -> list[FloatArray]
     ]
 
 
-def _reached(end: FloatArray, shapes: Sequence[Solid], near: float) -> bool:
+def holds(solid: Solid, place: FloatArray, near: float = 0.0) -> bool:
     """Whether a place is in one of the plain shapes, or near it, in side view."""
-    for solid in shapes:
-        local = np.abs(solid.placement[:3, :3].T @ (end - solid.placement[:3, 3]))
-        half = _half(solid)
-        # Across the plane links stand beside one another.
-        across = np.abs(solid.placement[1, :3])
-        if np.all((local <= half + near) | (across > 0.9)):
-            return True
-    return False
+    local = np.abs(solid.placement[:3, :3].T @ (place - solid.placement[:3, 3]))
+    # Across the plane links stand beside one another.
+    across = np.abs(solid.placement[1, :3])
+    return bool(np.all((local <= _half(solid) + near) | (across > 0.9)))
 
 
 def _half(solid: Solid) -> FloatArray:

@@ -76,7 +76,8 @@ def _springs(film: Film, solids: Sequence[Solid]) -> Iterator[dict[str, object]]
     for solid in solids:
         if solid.spring is not None:
             scale = np.tile(solid.scale, (len(film.drawn), 1))
-            scale[:, 2] -= film.drawn[:, solid.spring]
+            length = scale[:, 2] + solid.stretch * film.drawn[:, solid.spring]
+            scale[:, 2] = np.maximum(length, _SHORTEST)
             path = solid_path(film.solution.mechanism, solid)
             yield _clip(path, film.pace.playback, ("scale", "vector3", scale))
 

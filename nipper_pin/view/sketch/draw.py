@@ -21,14 +21,14 @@ from ...mechanism import Mechanism
 from ...outputs import complete_file
 from ...units import MM_PER_M
 from ..figure_file import save_figure
-from ..scene.colours import link_colour
+from ..scene.colours import SPRING, STOP, link_colour
 from ..style import SMALL, TEXT, WIDTH_IN
 from .labels import Label, placed
 from .places import Node, Sketch, sketch
 
 FORMATS = ("svg", "png", "pdf")
 """Suffixes of files that a drawing can be written to."""
-_INK, _STOP, DRIVE, _SPRING = "#1c2430", "#D55E00", "#0072B2", "#B00020"
+_INK, DRIVE = "#1c2430", "#0072B2"
 # Sizes of symbols by that of the mechanism.
 _PIN, _BAR, _COIL, _ARROW = 0.013, 9.0, 0.09, 0.07
 
@@ -136,14 +136,14 @@ def symbols(axes: Axes, shown: Sketch, size: float) -> Symbols:
     for name, ends in shown.struts:
         begin, end = MM_PER_M * ends
         made.struts.append(_coil(axes, begin, end, _PIN * size))
-        made.labels.append(Label(name, 0.5 * (begin + end), _SPRING))
+        made.labels.append(Label(name, 0.5 * (begin + end), SPRING))
     for node in shown.nodes:
         _node(axes, node, size, made)
     for stop in shown.stops:
         at = MM_PER_M * stop.place
-        cross = axes.plot(*at, marker="x", color=_STOP, ms=7, mew=2, zorder=6)
+        cross = axes.plot(*at, marker="x", color=STOP, ms=7, mew=2, zorder=6)
         made.carried.append((stop.body, cross[0]))
-        made.labels.append(Label(f"stop: {stop.name}", at, _STOP))
+        made.labels.append(Label(f"stop: {stop.name}", at, STOP))
     return made
 
 
@@ -205,7 +205,7 @@ def _coil(axes: Axes, begin: FloatArray, end: FloatArray, radius: float) -> Line
     swing = np.where(np.arange(14) % 2 == 0, 1.0, -1.0)
     swing[[0, -1]] = 0.0
     line = begin + share[:, None] * along + 0.8 * radius * swing[:, None] * across
-    return axes.plot(*line.T, color=_SPRING, lw=1.0, zorder=4)[0]
+    return axes.plot(*line.T, color=SPRING, lw=1.0, zorder=4)[0]
 
 
 def _opening(axes: Axes, shown: Sketch, size: float) -> None:
@@ -214,7 +214,7 @@ def _opening(axes: Axes, shown: Sketch, size: float) -> None:
         at = MM_PER_M * stop.place
         if stop.along.any():
             tip = at + _ARROW * size * stop.along / np.hypot(*stop.along)
-            arrow = {"arrowstyle": "->", "color": _STOP, "lw": 1.4}
+            arrow = {"arrowstyle": "->", "color": STOP, "lw": 1.4}
             axes.annotate("", (tip[0], tip[1]), (at[0], at[1]), arrowprops=arrow, zorder=6)
 
 
