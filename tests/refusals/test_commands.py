@@ -51,7 +51,7 @@ def held(folder: Path) -> dict[Path, bytes]:
 REVIEWED = Path(__file__).with_name("__snapshots__") / "test_commands"
 
 
-@pytest.mark.parametrize("table", ["comparisons", "new", "runs", "settings", "studies"])
+@pytest.mark.parametrize("table", ["comparisons", "new", "runs", "settings", "studies", "usage"])
 def test_sentences(
     table: str,
     home: Path,
@@ -63,10 +63,16 @@ def test_sentences(
     there, text = held(home), ""
     reviewed = (REVIEWED / f"test_sentences[{table}].txt").read_text(encoding="utf-8")
     for line in (item.name for item in blocks(reviewed)):
-        status = main(shlex.split(line))
+        try:
+            status = main(shlex.split(line))
+        except SystemExit as ended:
+            status = ended.code
         out, err = capsys.readouterr()
-        assert (status, out, err.count("\n")) == (2, "", 1), (line, err)
+        # A parser says how a command is used before it says what is wrong.
+        usage, _, said = err.rpartition(": error: ")
+        assert (status, out, said.count("\n")) == (2, "", 1), (line, err)
+        assert (usage != "") == usage.startswith("usage: ") == (table == "usage")
         assert held(home) == there, line
-        said = err.removeprefix("nipper-pin: ").replace(str(home), "HOME")
+        said = said.removeprefix("nipper-pin: ").replace(str(home), "HOME")
         text += f"{line}\n    {without_the_machine(said)}"
     words(text, masked=False)

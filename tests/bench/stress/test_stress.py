@@ -104,16 +104,6 @@ def test_series_that_hold_series_may_end_at_different_collisions() -> None:
     assert within_errors(replace(coarse, events=(*events, late)), fine) != []
 
 
-@pytest.mark.parametrize(
-    "words", [["--cases", "0"], ["--workers", "0"], ["--time-limit", "0"], ["--seed", "-1"]]
-)
-def test_campaigns_of_nothing_are_refused(
-    words: list[str], capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["stress", *words]) == 2
-    assert capsys.readouterr().err.startswith(f"nipper-pin: {words[0]} {words[1]}")
-
-
 def test_the_command_reports_and_keeps_failures(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], words: Words
 ) -> None:
