@@ -54,7 +54,7 @@ test-all: test
 	$(BIN)/python -m pytest -m slow $(PYTEST_ARGS) --dist loadfile
 
 snapshots: $(DEV)
-	$(BIN)/python -m pytest -q --snapshot-update $$(grep -rl 'import Words' tests)
+	$(BIN)/python -m pytest -q --snapshot-update $$(grep -rlE 'import .*Words' --include='test_*.py' tests)
 
 lint: $(DEV)
 	$(BIN)/ruff check .

@@ -24,11 +24,10 @@ from typing import Any
 
 import pytest
 from programs import PARSERS, main
-from snapshots import Words
+from snapshots import Block, Words, blocks
 
 from nipper_pin import Case, Mechanism, Solution, load, save, save_case, simulate
 from nipper_pin.mechanism import known_models
-from tests.refusals.bases import Block, blocks
 
 Facts = dict[str, Any]
 GONE = "gone"
@@ -54,10 +53,9 @@ CALLS = {
     "stress": "benchmarks.stress.run_campaign",
     "run": "benchmarks.run_time.benchmark.benchmark",
 }
-REVIEWED = Path(__file__).with_name("__snapshots__") / Path(__file__).stem
 # Below the commands: options beside a saved case, and what the sides of a comparison may be.
 TABLES = {
-    name: blocks((REVIEWED / f"test_an_option_changes_what_it_names[{name}].txt").read_text())
+    name: blocks(__file__, f"test_an_option_changes_what_it_names[{name}]")
     for name in (*CALLS, "cases", "sides")
 }
 TABLE = {block.name.partition(":")[0]: block for name in CALLS for block in TABLES[name]}

@@ -12,10 +12,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from snapshots import Words, blocks
 from units_shown import factor
 
 from nipper_pin import units
-from nipper_pin.terms import TERMS, Term, named, parameter_shown, shown_in, term_of
+from nipper_pin.terms import TERMS, Term, named, shown_in, term_of
 
 ROOT = Path(__file__).parents[1]
 sys.path.append(str(ROOT / "scripts/maintain/figures"))
@@ -73,56 +74,13 @@ def test_symbols_are_explained_above_the_tables() -> None:
     assert {term.symbol for term in TERMS.values()} - {""} <= explained
 
 
-@pytest.mark.parametrize(
-    ("name", "unit", "label", "by"),
-    [
-        ("duration_s", "rad", "time to rest [ms]", 1e3),
-        ("rebound_amplitude_1", "rad", "first rebound amplitude [mdeg]", 18e4 / math.pi),
-        ("rebound_amplitude_3", "m", "third rebound amplitude [um]", 1e6),
-        ("rebound_time_s_4", "rad", "rebound time of collision 4 [ms]", 1e3),
-        ("approach_rate_2", "m/s", "rate before of collision 2 [mm/s]", 1e3),
-        ("impulse_N_s_1", "rad", "impulse of collision 1 [N s]", 1.0),
-        ("collisions_jaw", "rad", "collisions of the jaw", 1.0),
-        ("impulse_sum_N_s_steeve", "m", "sum of the impulses of the steeve [N s]", 1.0),
-        ("impulse_sum_error_N_m_s_flap", "rad",
-         "error of the sum of the impulses of the flap [N m s]", 1.0),
-        ("largest_torque_N_m_nipper_shaft", "rad",
-         "largest torque between events of the nipper_shaft [N m]", 1.0),
-        ("clamped_share", "rad", "share of the turn clamped [%]", 100.0),
-        ("speed_rpm", "rad", "cylinder speed [r/min]", 1.0),
-        ("springs.steeve.stiffness_N_per_m", "rad", "stiffness of spring steeve [N/mm]", 1e-3),
-        ("springs.steeve.preload_length_mm", "rad", "preload length of spring steeve [mm]", 1.0),
-        ("points.eccentric_pin.radius_mm", "rad",
-         "distance of pin eccentric from its shaft [mm]", 1.0),
-        ("links.top_nipper.mass_kg", "rad", "mass of top nipper [kg]", 1.0),
-        ("stops.jaw.restitution", "rad", "restitution of stop jaw", 1.0),
-        ("urdf.link.arm.mass", "rad", "urdf.link.arm.mass", 1.0),
-    ],
-)  # fmt: skip
-def test_names_in_words(name: str, unit: str, label: str, by: float) -> None:
-    """Quantities of a collision, a stop or a drive, and numbers of a model."""
-    shown = named(name, unit)
-    assert shown.label == label
-    assert shown.factor == pytest.approx(by, rel=1e-14)
-
-
-@pytest.mark.parametrize(
-    ("path", "words"),
-    [
-        ("points.rod_pin.x_mm", "pin rod forward"),
-        ("points.rod_pin.z_mm", "pin rod upward"),
-        ("points.eccentric_pin.angle_deg", "angle of pin eccentric about its shaft"),
-        ("links.top_nipper.gyration_mm", "radius of gyration of top nipper"),
-        ("links.top_nipper.com_x_mm", "centre of mass of top nipper forward"),
-        ("links.top_nipper.com_z_mm", "centre of mass of top nipper upward"),
-        ("springs.own_one.stiffness_N_m_per_rad", "stiffness of spring own one"),
-        ("drives.tension.ratio", "ratio of drive tension"),
-        ("cylinder.angle_at_touch_deg", "cylinder angle at touch"),
-        ("other.limit_mm", "other limit"),
-    ],
-)  # fmt: skip
-def test_numbers_of_a_model_in_words(path: str, words: str) -> None:
-    assert parameter_shown(path).words == words
+def test_names_in_words(words: Words) -> None:
+    """Quantities of a collision, a stop or a drive, and numbers of a model; units and factors."""
+    text = ""
+    for line in (item.name for item in blocks(__file__, "test_names_in_words")):
+        shown = named(*line.split())
+        text += f"{line}\n    {shown.label}, times {shown.factor:.12g}\n"
+    words(text, masked=False)
 
 
 def test_names_that_are_no_terms() -> None:

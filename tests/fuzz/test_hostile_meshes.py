@@ -20,29 +20,7 @@ from nipper_pin.view.scene.meshes import as_stl, read_mesh
 
 PARTS = Path(__file__).parent / "bases" / "parts"
 ADDRESS = "http://tracker.example:81/skin.png"
-DAE = """<?xml version="1.0"?>
-<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
-<asset><created>2026-01-01T00:00:00</created><modified>2026-01-01T00:00:00</modified>
-<up_axis>Z_UP</up_axis></asset>
-<library_images><image id="i"><init_from>ADDRESS</init_from></image></library_images>
-<library_effects><effect id="e"><profile_COMMON>
-<newparam sid="s"><surface type="2D"><init_from>i</init_from></surface></newparam>
-<newparam sid="p"><sampler2D><source>s</source></sampler2D></newparam>
-<technique sid="t"><lambert><diffuse><texture texture="p" texcoord="u"/></diffuse></lambert>
-</technique></profile_COMMON></effect></library_effects>
-<library_materials><material id="m"><instance_effect url="#e"/></material></library_materials>
-<library_geometries><geometry id="g"><mesh>
-<source id="v"><float_array id="a" count="12">CORNERS</float_array>
-<technique_common><accessor source="#a" count="4" stride="3"><param name="X" type="float"/>
-<param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
-<vertices id="w"><input semantic="POSITION" source="#v"/></vertices>
-<triangles count="4" material="m"><input semantic="VERTEX" source="#w" offset="0"/>
-<p>0 2 1 0 1 3 0 3 2 1 2 3</p></triangles></mesh></geometry></library_geometries>
-<library_visual_scenes><visual_scene id="x"><node id="n"><instance_geometry url="#g">
-<bind_material><technique_common><instance_material symbol="m" target="#m"/></technique_common>
-</bind_material></instance_geometry></node></visual_scene></library_visual_scenes>
-<scene><instance_visual_scene url="#x"/></scene></COLLADA>
-"""
+DAE = (PARTS.parent / "tetrahedron.dae").read_text(encoding="utf-8")
 CORNERS = "0 0 0 1 0 0 0 1 0 0 0 1"
 OBJ = "mtllib http://tracker.example:81/skin.mtl\nv 0 0 0\nv X 0 0\nv 0 1 0\nv 0 0 1\n"
 OBJ += "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Mapping, Sequence
-from itertools import groupby
 from pathlib import Path
-from typing import NamedTuple
 
 from small_machines import frame, hinge, link, slide, sources
 
@@ -31,33 +29,6 @@ def right(name: str) -> str:
 
 Edits = Sequence[str]
 """Old and new text in turn, of any file; a single text comes below the TOML."""
-
-
-class Block(NamedTuple):
-    """A name of a reviewed text and its edits, and both as they stand there."""
-
-    name: str
-    edits: list[str]
-    text: str
-
-
-def blocks(text: str) -> list[Block]:
-    """Each name is a line; below it stand old lines with -, new ones with +, and a sentence."""
-
-    def kind(line: str) -> str:
-        return next((start for start in ("- ", "+ ", "    ") if f"{line} ".startswith(start)), "")
-
-    found = list[Block]()
-    for start, lines in groupby(text.splitlines(), kind):
-        written = [*lines]
-        piece = "\n".join(line[len(start) :] for line in written)
-        if not start:
-            found.append(Block(piece, [], ""))
-        if start.strip():
-            found[-1].edits.append(piece)
-        if start != "    ":
-            found[-1] = found[-1]._replace(text=found[-1].text + "\n".join(written) + "\n")
-    return found
 
 
 def model(base: str, edits: Edits, folder: Path) -> Path:

@@ -10,11 +10,11 @@ from pathlib import Path
 
 import pytest
 from programs import main
-from snapshots import Words, without_the_machine
+from snapshots import Words, blocks, without_the_machine
 from test_cli_options import FIT
 
 from nipper_pin import Case, Mechanism, save, save_case, simulate
-from tests.refusals.bases import blocks, model
+from tests.refusals.bases import model
 
 SWEEP = "format = 1\n[parameters.restitution]\nvalues = [0.1, 0.2]\n"
 FREE = "[parameters.restitution]\nlow = 0.05\nhigh = 0.3\n"
@@ -48,9 +48,6 @@ def held(folder: Path) -> dict[Path, bytes]:
     return {path: path.read_bytes() if path.is_file() else b"" for path in folder.rglob("*")}
 
 
-REVIEWED = Path(__file__).with_name("__snapshots__") / "test_commands"
-
-
 @pytest.mark.parametrize("table", ["comparisons", "new", "runs", "settings", "studies", "usage"])
 def test_sentences(
     table: str,
@@ -61,8 +58,7 @@ def test_sentences(
 ) -> None:
     monkeypatch.chdir(home)
     there, text = held(home), ""
-    reviewed = (REVIEWED / f"test_sentences[{table}].txt").read_text(encoding="utf-8")
-    for line in (item.name for item in blocks(reviewed)):
+    for line in (item.name for item in blocks(__file__, f"test_sentences[{table}]")):
         try:
             status = main(shlex.split(line))
         except SystemExit as ended:

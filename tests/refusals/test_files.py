@@ -11,13 +11,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from snapshots import Words, without_the_machine
+from snapshots import Words, blocks, without_the_machine
 
 from nipper_pin import AssemblyError, InputError, ModelError, UnknownNameError, load
 from nipper_pin.cli import main
 from nipper_pin.study import identify, optimise
 from nipper_pin.study.sweep import read_plan
-from tests.refusals.bases import BESIDE, STUDIES, Edits, blocks, edited, model, right
+from tests.refusals.bases import BESIDE, STUDIES, Edits, edited, model, right
 from tests.refusals.hostile import HOSTILE
 
 READ: dict[str, Callable[[str], Any]] = {
@@ -71,8 +71,7 @@ def test_sentences(
 ) -> None:
     """Errors of one kind; the command says the same in a line, and writes nothing."""
     base, kind = TABLES[table]
-    file = Path(__file__).with_name("__snapshots__") / "test_files" / f"test_sentences[{table}].txt"
-    reviewed, text = blocks(file.read_text(encoding="utf-8")), ""
+    reviewed, text = blocks(__file__, f"test_sentences[{table}]"), ""
     hostile = HOSTILE.get(table, {})
     assert {item.name for item in reviewed if not item.edits} == hostile.keys()
     for number, item in enumerate(reviewed):
