@@ -9,40 +9,80 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from nipper_pin.arrays import FloatArray
-from nipper_pin.reduced.kernels.layout import (
-    CASE_NUMBERS,
-    LEVELS,
-    SCRATCH_ROWS,
-    SIZES,
-    Tables,
-    Turn,
-    Work,
-)
+from nipper_pin.reduced.kernels import layout, turn_charts
+from nipper_pin.reduced.kernels.layout import Case, Charts, Turn, Work
 
 # Places of functions in x'' = F0 w^2 + F1 w x' + F2 x'^2 + Fg g + k (F4 p + F5).
 BY_SPEED, BY_BOTH, BY_RATE, WEIGHT, UNIT, MOVED = range(6)
 
 
 def tables_of(
-    equation: FloatArray, *, low: float = -0.5, high: float = 2.0, travel: float = 3.0, **more: Any
-) -> Tables:
-    """Tables of given coefficients, shape (functions, cells, Nu, Nx); no errors, inertia 1."""
+    equation: FloatArray,
+    *,
+    low: float = -0.5,
+    high: float = 2.0,
+    travel: float = 3.0,
+    gaps: FloatArray | None = None,
+    inertia: FloatArray | None = None,
+    lever: float = 1.0,
+    approach: float = -1.0,
+    approach_residual: float = 0.0,
+    inertia_residual: float = 0.0,
+    **bounds: FloatArray,
+) -> Charts:
+    """One chart of given coefficients, shape (functions, cells, Nu, Nx); no errors, inertia 1.
+
+    Args:
+        gaps: Those of other stops, shape (stops, cells, Nu, Nx); their slopes are not written.
+        approach: Derivative by u of the gap where the chart is met.
+        **bounds: Rows of its bounds, as of ``BOUNDS``.
+    """
     functions, cells, count_u, _ = equation.shape
-    inertia = np.zeros((cells, count_u))
-    inertia[:, 0] = 1.0
-    values: dict[str, Any] = {
-        "equation": equation,
-        "gaps": np.zeros((0, *equation.shape[1:])),
-        "inertia": inertia,
-        **{name: np.zeros(functions) for name in ("residual", "largest")},
-        **{name: np.zeros(functions) for name in ("steepest_x", "steepest_u")},
-        "travel": travel,
-        "low": low,
-        "high": high,
-        "inertia_residual": 0.0,
-        "approach": -1.0,
-    }
-    return Tables(**{**values, **more})
+    gaps = np.zeros((0, *equation.shape[1:])) if gaps is None else gaps
+    if inertia is None:
+        inertia = np.zeros((cells, count_u))
+        inertia[:, 0] = 1.0
+    numbers = np.zeros(layout.CASE_NUMBERS)
+    numbers[[layout.TRAVEL_MOST, layout.SPAN, layout.LOW, layout.HIGH]] = travel, travel, low, high
+    numbers[layout.SCALE] = 2.0 / (high - low)
+    numbers[[layout.ARRIVE, layout.ARRIVE_ERROR]] = approach, approach_residual
+    numbers[layout.INERTIA_ERROR] = inertia_residual
+    stops = np.arange(2 + len(gaps)) - 1
+    stops[:2] = 0
+    charts = Charts(
+        equation=equation[None],
+        gaps=np.concatenate([gaps, np.zeros((2 * len(gaps), *equation.shape[1:]))])[None],
+        inertia=inertia[None],
+        bounds=np.zeros((1, layout.SIZES, functions)),
+        gap_bounds=np.zeros((1, 3 * len(gaps))),
+        numbers=numbers[None],
+        on_rows=np.empty((1, 0)),
+        stops=stops[None],
+        lever=np.full(1 + len(gaps), lever),
+    )
+    return with_bounds(charts, **bounds)
+
+
+BOUNDS = {
+    "residual": layout.RESIDUAL, "steepest_x": layout.BY_X, "steepest_u": layout.BY_U,
+    "largest": layout.BY_V,
+}  # fmt: skip
+
+
+def with_bounds(charts: Charts, **bounds: FloatArray) -> Charts:
+    """The same with other rows of its bounds."""
+    changed = charts.bounds.copy()
+    for name, row in bounds.items():
+        changed[0, BOUNDS[name]] = row
+    return charts._replace(bounds=changed)
+
+
+def with_numbers(charts: Charts, **numbers: float) -> Charts:
+    """The same with other numbers, by the names of the layout in lower case."""
+    changed = charts.numbers.copy()
+    for name, number in numbers.items():
+        changed[0, getattr(layout, name.upper())] = number
+    return charts._replace(numbers=changed)
 
 
 def level(*values: float, cells: int = 1, count: int = 3) -> FloatArray:
@@ -57,58 +97,59 @@ def linear(x: float, low: float, high: float) -> FloatArray:
     return np.array([0.5 * x * (low + high), 0.5 * x * (high - low), 0.0])
 
 
-def value(tables: Tables, table: FloatArray, u: float, x: float) -> float:
+def value(charts: Charts, table: FloatArray, u: float, x: float) -> float:
     """One function, shape (cells, Nu, Nx), at a point."""
-    width = tables.travel / len(table)
+    travel, low, high = charts.numbers[0, [layout.TRAVEL_MOST, layout.LOW, layout.HIGH]]
+    width = travel / len(table)
     cell = min(max(math.floor(u / width), 0), len(table) - 1)
     place = (u - cell * width) / width * 2.0 - 1.0
-    across = (x - tables.low) / (tables.high - tables.low) * 2.0 - 1.0
+    across = (x - low) / (high - low) * 2.0 - 1.0
     return float(chebyshev.chebval2d(place, across, table[cell]))
 
 
 def x_dd(
-    tables: Tables, u: float, x: float, v: float, w: float, gravity: float, springs: Any
+    charts: Charts, u: float, x: float, v: float, w: float, gravity: float, springs: Any
 ) -> float:
     """x'' as the model's docstring writes it; springs are pairs (k, p)."""
-    f = [value(tables, table, u, x) for table in tables.equation]
+    f = [value(charts, table, u, x) for table in charts.equation[0]]
     total = f[0] * w**2 + f[1] * w * v + f[2] * v**2 + f[3] * gravity
     for number, (k, p) in enumerate(springs):
         total += k * (f[4 + 2 * number] * p + f[5 + 2 * number])
     return total
 
 
-def bounded(tables: Tables) -> Tables:
+def bounded(charts: Charts) -> Charts:
     """The same with the largest values and slopes of their functions, on a fine grid."""
     place = np.linspace(-1.0, 1.0, 41)
     grid = np.array(np.meshgrid(place, place)).reshape(2, -1)
-    cells = tables.equation.shape[1]
+    travel, low, high = charts.numbers[0, [layout.TRAVEL_MOST, layout.LOW, layout.HIGH]]
+    cells = charts.equation.shape[2]
 
     def most(change: Any) -> FloatArray:
         return np.array([
             max(np.abs(chebyshev.chebval2d(*grid, change(cell))).max() for cell in table)
-            for table in tables.equation
+            for table in charts.equation[0]
         ])  # fmt: skip
 
-    return tables._replace(
+    return with_bounds(
+        charts,
         largest=most(lambda cell: cell),
-        steepest_u=most(lambda cell: chebyshev.chebder(cell, axis=0)) * 2.0 * cells / tables.travel,
-        steepest_x=most(lambda cell: chebyshev.chebder(cell, axis=1))
-        * (2.0 / (tables.high - tables.low)),
+        steepest_u=most(lambda cell: chebyshev.chebder(cell, axis=0)) * 2.0 * cells / travel,
+        steepest_x=most(lambda cell: chebyshev.chebder(cell, axis=1)) * (2.0 / (high - low)),
     )
 
 
-def work_of(tables: Tables, *, most: int = 8, line: tuple[int, int] = (1, 2)) -> Work:
-    """Scratch arrays, filled with what no result may contain."""
-    _, cells, count_u, count_x = tables.equation.shape
-    rows = (3 + len(tables.gaps)) * count_x
-    finest = LEVELS[-1]
-    shapes = (
-        (CASE_NUMBERS,), (cells, count_u, rows), (finest + 1, rows), (SCRATCH_ROWS, finest + 2),
-        (3, most), (SIZES, 3), line,
-    )  # fmt: skip
-    work = Work(*(np.full(shape, np.nan) for shape in shapes))
-    # A rate has no bound by its square: that number is never written.
-    work.sizes[:] = 0.0
+def case(speed: float, gravity: float, stiffness: Any, preload: Any, e_N: float = 0.0) -> Case:
+    """Numbers of a case with one restitution for all stops."""
+    return Case(speed, np.full(4, e_N), np.array(stiffness), np.array(preload), gravity)
+
+
+def work_of(charts: Charts, one: Case, *, most: int = 8) -> Work:
+    """Scratch arrays, filled with what no result may contain, and the chart combined for a case."""
+    work = turn_charts.scratch(charts, most, 0)
+    for array in (work.case, work.mixed, work.line, work.poly, work.nodes, work.series):
+        array.fill(np.nan)
+    turn_charts.visit(charts, work, 0, one)
     return work
 
 

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from ..arrays import FloatArray
 from ..mechanism import Mechanism, Stop, rad_s_from_rpm
-from .kernels.layout import Tables
+from .kernels.layout import ARRIVE, ARRIVE_ERROR, HIGH, LOW, TRAVEL_MOST, Charts
 from .tables.arrival import Arrival
 
 # Places of the functions of the equation of motion in a table; two for each spring follow:
@@ -41,6 +40,13 @@ def factors(mechanism: Mechanism, functions: int, w: float) -> FloatArray:
     return found
 
 
+# Fields of a reduced model that are numbers of its chart.
+_OF_CHART = {
+    "travel_rad": TRAVEL_MOST, "gap_low": LOW, "gap_max": HIGH, "approach_rate": ARRIVE,
+    "approach_residual": ARRIVE_ERROR,
+}  # fmt: skip
+
+
 @dataclass(frozen=True, kw_only=True)
 class ReducedModel:
     """One degree of freedom x, the coordinate of the transition stop, sampled over a domain.
@@ -57,20 +63,7 @@ class ReducedModel:
         other_stops: Names of the other stops, which have to stay open.
         touch_angle_rad: Cylinder angle psi at u = 0 [rad].
         sense: Sign of the rate of psi.
-        travel_rad: Largest u [rad].
-        gap_low: Least x of the tables, below zero by a margin that flights overshoot into.
-        gap_max: Largest x [rad or m].
-        equation: Coefficients of F0, F1, F2, Fg, F_k, F_k s_k,
-            shape (4 + 2 springs, cells, Nu, Nx).
-        gaps: Coefficients of the gaps of the other stops, shape (other stops, cells, Nu, Nx).
-        inertia: Coefficients of the effective inertia C at x = 0, shape (cells, Nu) [kg m^2 or kg].
-        residual: Bound on the error of each function of the equation, shape (4 + 2 springs,).
-        inertia_residual: Bound on the relative error of the inertia.
-        largest: Largest absolute value of each function, shape (4 + 2 springs,).
-        steepest_x: Largest absolute derivative of each by x.
-        steepest_u: Largest absolute derivative of each by u.
-        approach_rate: dx/du just before the first collision, negative [1 or m/rad].
-        approach_residual: Bound on its round-off.
+        charts: The functions, one chart. Its stop arrives at the touch in the initial phase.
         lever: Rate of the normal gap by that of x [m/rad or 1].
         restitution: e_N of the mechanism's file, used where a case gives none.
         stiffness: Spring rates likewise, shape (springs,) [N/m or N m/rad].
@@ -79,6 +72,11 @@ class ReducedModel:
         tolerance: Relative accuracy of the tables.
         samples: Points of the domain that were sampled.
         arrival: What a turn does between its opening and the touch.
+        travel_rad: Largest u [rad].
+        gap_low: Least x of the tables, below zero by a margin that flights overshoot into.
+        gap_max: Largest x [rad or m].
+        approach_rate: dx/du just before the first collision, negative [1 or m/rad].
+        approach_residual: Bound on its round-off.
     """
 
     name: str
@@ -87,19 +85,7 @@ class ReducedModel:
     other_stops: tuple[str, ...]
     touch_angle_rad: float
     sense: int
-    travel_rad: float
-    gap_low: float
-    gap_max: float
-    equation: FloatArray = field(repr=False, compare=False)
-    gaps: FloatArray = field(repr=False, compare=False)
-    inertia: FloatArray = field(repr=False, compare=False)
-    residual: FloatArray = field(repr=False, compare=False)
-    inertia_residual: float
-    largest: FloatArray = field(repr=False, compare=False)
-    steepest_x: FloatArray = field(repr=False, compare=False)
-    steepest_u: FloatArray = field(repr=False, compare=False)
-    approach_rate: float
-    approach_residual: float
+    charts: Charts = field(repr=False, compare=False)
     lever: float
     restitution: float
     stiffness: FloatArray = field(repr=False, compare=False)
@@ -108,6 +94,22 @@ class ReducedModel:
     tolerance: float
     samples: int
     arrival: Arrival = field(repr=False, compare=False)
+
+    travel_rad: float = field(init=False)
+    gap_low: float = field(init=False)
+    gap_max: float = field(init=False)
+    approach_rate: float = field(init=False)
+    approach_residual: float = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Read what the chart tells of itself."""
+        for name, place in _OF_CHART.items():
+            object.__setattr__(self, name, float(self.charts.numbers[0, place]))
+
+    @property
+    def equation(self) -> FloatArray:
+        """Coefficients of F0, F1, F2, Fg, F_k, F_k s_k, shape (4 + 2 springs, cells, Nu, Nx)."""
+        return np.asarray(self.charts.equation[0])
 
     @property
     def cells(self) -> int:
@@ -118,34 +120,6 @@ class ReducedModel:
     def degrees(self) -> tuple[int, int]:
         """Coefficients along the travel in each cell, and along x."""
         return int(self.equation.shape[2]), int(self.equation.shape[3])
-
-    @cached_property
-    def tables(self) -> Tables:
-        """The arrays and numbers that compiled code reads."""
-        return Tables(
-            equation=np.ascontiguousarray(self.equation),
-            gaps=np.ascontiguousarray(self.gaps),
-            inertia=np.ascontiguousarray(self.inertia),
-            residual=self.residual,
-            largest=self.largest,
-            steepest_x=self.steepest_x,
-            steepest_u=self.steepest_u,
-            travel=float(self.travel_rad),
-            low=float(self.gap_low),
-            high=float(self.gap_max),
-            approach=float(self.approach_rate),
-            approach_residual=float(self.approach_residual),
-            inertia_residual=float(self.inertia_residual),
-            touch_angle=float(self.touch_angle_rad),
-            sense=float(self.sense),
-            lever=float(self.lever),
-        )
-
-
-def of_series(kept: Tables) -> dict[str, Any]:
-    """Return the fields of a reduced model that are those of its series."""
-    named = {"travel": "travel_rad", "low": "gap_low", "high": "gap_max"}
-    return {named.get(name, name): getattr(kept, name) for name in Tables._fields[:11]}
 
 
 def numbers_of(mechanism: Mechanism, stop: Stop, others: tuple[Stop, ...]) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -26,11 +27,10 @@ from .model import (
     factors,
     lively_speed,
     numbers_of,
-    of_series,
 )
 from .tables.arrival import NOT_SAMPLED, Arrival, Opening, Waiting, arrival, found_opening, unknown
 from .tables.functions import Sampler
-from .tables.tables import Domain, checks, resolved, trimmed
+from .tables.tables import Domain, checks, levers, resolved, stacked, trimmed
 
 # Least assumed share of a spring's preload in x''.
 _LEAST_SHARE = 0.01
@@ -131,11 +131,11 @@ def build(
     domain = Domain(travel_rad, -MARGIN * gap_max, gap_max)
     tables, samples = resolved(sampler, domain, weights, tolerance)
     kept = trimmed(checks(sampler, domain, tables), domain, tables, weights, tolerance)
+    place = [item.name for item in mechanism.stops].index(stop.name)
+    chart = replace(kept, stop=place, meets=(rate, rounded, 0.0, 0.0))
     return ReducedModel(
         **numbers_of(mechanism, stop, others),
-        **of_series(kept),
-        approach_rate=rate,
-        approach_residual=rounded,
+        charts=stacked([chart], [0], levers(mechanism)),
         tolerance=tolerance,
         samples=samples,
         arrival=_arrival(system, sampler, opening, gap_max, tolerance) if turn else NOT_SAMPLED,

@@ -16,7 +16,7 @@ from ..extras import require
 from ..given import LARGEST, column, number
 from ..units import S_PER_MIN
 from .inputs import check_run, of_all_cases, one_row, speed_of, speeds_of, spring_rows
-from .kernels.layout import COLUMNS, Cases, Settings
+from .kernels.layout import Cases, Settings
 from .model import ReducedModel
 from .results import REASONS, ReducedTransition, Status, TransitionBatch
 
@@ -64,18 +64,17 @@ def transition(
     e_N = model.restitution if restitution is None else restitution
     cases = Cases(
         np.array([speed_of(speed_rpm) * (math.tau / S_PER_MIN)]),
-        np.array([number("restitution", e_N, 0.0, 1.0)]),
+        np.full((1, _stops(model)), number("restitution", e_N, 0.0, 1.0)),
         one_row("stiffness", stiffness, model.stiffness, 0.0),
         one_row("preload", preload, model.preload, -LARGEST),
         _ALL if gravity is None else _weight(model, gravity)[:1],
     )
-    table = np.empty((1, COLUMNS, max_collisions))
-    found, tell = _solved(model, cases, rest_rate, tolerance, assumed, table)
-    status, count = int(found.status[0]), int(found.counts[0])
+    found, tell = _solved(model, cases, rest_rate, tolerance, assumed, max_collisions)
+    status, count = found.told[0].tolist()
     if status != _AT_REST:
         raise _refusal(model, Status(status), count, speed_rpm, max_collisions)
     duration, error, share, bound = found.rest[0].tolist()
-    table = table[0, :, :count].copy()
+    table = found.table[0, :count].T.copy()
     return ReducedTransition(model.name, count, duration, error, share, bound, table, tell)
 
 
@@ -114,32 +113,34 @@ def transitions(
     cases = _cases(model, speed_rpm, restitution, stiffness, preload, gravity)
     require("study", "numba", what=_ENGINE)
     check_run(rest_rate, tolerance, max_collisions)
-    table = np.full((len(cases.speed), COLUMNS, max_collisions), np.nan)
-    found, tell = _solved(model, cases, rest_rate, tolerance, assumed, table)
-    return TransitionBatch(model.name, found.status, found.counts, found.rest, table, tell)
+    found, tell = _solved(model, cases, rest_rate, tolerance, assumed, max_collisions)
+    status, counts = found.told.T.copy()
+    table = found.table[:, :max_collisions].swapaxes(1, 2)
+    return TransitionBatch(model.name, status, counts, found.rest, table, tell)
+
+
+def _stops(model: ReducedModel) -> int:
+    return 1 + len(model.other_stops)
 
 
 def _solved(
     model: ReducedModel, cases: Cases, rest_rate: float | None, tolerance: float, assumed: bool,
-    table: FloatArray,
+    most: int,
 ) -> tuple[Any, partial[NDArray[np.int64]]]:  # fmt: skip
     """Transitions of checked cases, and what tells their premise."""
+    kernel, arrival = _kernel(), model.arrival
     settings = Settings(0.0 if rest_rate is None else float(rest_rate), float(tolerance))
-    arrival = model.arrival
-    found = _kernel().solve(
-        model.tables, arrival.tables, arrival.turn, cases, settings, assumed, table
-    )
-    return found, partial(_premise, model, cases, settings, found)
+    angle = model.touch_angle_rad, float(model.sense)
+    machine = kernel.Machine(model.charts, arrival.charts, arrival.turn, angle)
+    found = kernel.solve(machine, cases, settings, most, assumed)
+    return found, partial(_premise, machine, cases, settings, found)
 
 
-def _premise(
-    model: ReducedModel, cases: Cases, settings: Settings, found: Any
-) -> NDArray[np.int64]:
+def _premise(machine: Any, cases: Cases, settings: Settings, found: Any) -> NDArray[np.int64]:
     """Whether machines arrive in their initial phase."""
     if found.premise is None:
-        arrival, rests = model.arrival, cases.speed * found.rest[:, 0]
-        machine = model.tables, arrival.tables, arrival.turn
-        return np.asarray(_kernel().premise_of(*machine, cases, settings, found.status, rests))
+        rests = cases.speed * found.rest[:, 0]
+        return np.asarray(_kernel().premise_of(machine, cases, settings, found.told, rests))
     return np.asarray(found.premise)
 
 
@@ -164,6 +165,7 @@ def _cases(
         "preload", model.preload if preload is None else preload, springs, -LARGEST
     )
     speed, e_N, weight, rates, lengths = of_all_cases(speed, e_N, weight, rates, lengths)
+    e_N = np.repeat(e_N[:, None], _stops(model), axis=1)
     return Cases(speed * (math.tau / S_PER_MIN), e_N, rates, lengths, weight)
 
 

@@ -12,7 +12,6 @@ from ..errors import SimulationError
 from ..hybrid import Outcome
 from ..mechanism import INDEX_PER_TURN, Mechanism
 from ..reduced.kernels import layout as rows
-from ..reduced.kernels import turn_layout as columns
 from ..reduced.results import CollisionRows
 from ..reduced.turns import ReducedTurns, TurnModel, turn_model, turns
 from ..tolerances.hybrid import REST_BEFORE_TOUCH
@@ -109,8 +108,8 @@ def turn_transition(mechanism: Mechanism, case: TurnCase) -> TurnTransition:
     )
     events = _going_on(found, S_PER_MIN / speed_rpm)
     clamp = found.stops.index(mechanism.transition_stop)
-    travel = events[:, columns.TRAVEL] - _BEFORE * _TURN / INDEX_PER_TURN
-    hit = (events[:, columns.KIND] == columns.COLLISION) & (events[:, columns.STOP] == clamp)
+    travel = events[:, rows.TRAVEL] - _BEFORE * _TURN / INDEX_PER_TURN
+    hit = (events[:, rows.KIND] == rows.COLLISION) & (events[:, rows.STOP] == clamp)
     if not (len(events) and hit[0] and _near(travel[0], 0.0)):
         message = f"{mechanism.name}: the machine does not stay in its initial phase to the touch"
         raise SimulationError(message, status="OTHER_START", speed_rpm=speed_rpm)
@@ -146,13 +145,13 @@ def _holds(hits: FloatArray) -> bool | None:
 def _going_on(found: ReducedTurns, period: float) -> FloatArray:
     """Events of all turns that are read; those after a turn that repeats are copies."""
     table, done, back = found.table, found.turns, found.repeats_after
-    number = np.floor(table[:, columns.TRAVEL] / _TURN).astype(int)
+    number = np.floor(table[:, rows.TRAVEL] / _TURN).astype(int)
     parts = [table]
     for turn in range(done, _READ + 1):
         copied = done - back + (turn - done) % back
         part = table[number == copied].copy()
-        part[:, columns.TRAVEL] += _TURN * (turn - copied)
-        part[:, columns.TIME] += period * (turn - copied)
+        part[:, rows.TRAVEL] += _TURN * (turn - copied)
+        part[:, rows.TIME] += period * (turn - copied)
         parts.append(part)
     return np.concatenate(parts)
 
@@ -161,15 +160,15 @@ def _series(
     events: FloatArray, travel: FloatArray, clamp: int, first: int
 ) -> tuple[list[int], int | None]:
     """Collisions from the first one to rest, and the rest; without one all of the turn."""
-    own = np.flatnonzero((events[:, columns.STOP] == clamp) & (travel < _READ * _TURN))
+    own = np.flatnonzero((events[:, rows.STOP] == clamp) & (travel < _READ * _TURN))
     before = own[own < first]
-    fresh = not len(before) or events[before[-1], columns.KIND] != columns.COLLISION
+    fresh = not len(before) or events[before[-1], rows.KIND] != rows.COLLISION
     hits: list[int] = []
     for place in own[own >= first]:
-        kind = events[place, columns.KIND]
-        if fresh and kind == columns.REST:
+        kind = events[place, rows.KIND]
+        if fresh and kind == rows.REST:
             return hits, int(place)
-        if kind == columns.COLLISION:
+        if kind == rows.COLLISION:
             hits.append(int(place))
         else:
             fresh = False
@@ -178,24 +177,11 @@ def _series(
 
 def _rows(mechanism: Mechanism, hits: FloatArray, travel: FloatArray) -> FloatArray:
     """Collisions as rows; travels count from the touch of their turn."""
-    found = np.full((rows.COLUMNS, len(hits)), np.nan)
-    time, late = hits[:, columns.TIME], hits[:, columns.TIME_ERROR]
-    cylinder = mechanism.cylinder
-    found[rows.TIME] = time - time[0]
+    found, cylinder = hits.T.copy(), mechanism.cylinder
+    late = float(hits[0, rows.TIME_ERROR])
+    found[rows.TIME] -= hits[0, rows.TIME]
+    found[rows.TIME_ERROR, 1:] += late
     found[rows.ANGLE] = cylinder.angle_at_touch_rad + cylinder.sense * travel
-    found[rows.TIME_ERROR] = late
-    found[rows.TIME_ERROR, 1:] += late[0]
-    for row, column in (
-        (rows.APPROACH, columns.APPROACH), (rows.SEPARATION, columns.SEPARATION),
-        (rows.IMPULSE, columns.IMPULSE), (rows.ENERGY, columns.ENERGY),
-        (rows.RATE_ERROR, columns.RATE_ERROR), (rows.IMPULSE_ERROR, columns.IMPULSE_ERROR),
-        (rows.AMPLITUDE, columns.AMPLITUDE), (rows.AMPLITUDE_ERROR, columns.AMPLITUDE_ERROR),
-    ):  # fmt: skip
-        found[row] = hits[:, column]
-    found[rows.REBOUND, :-1] = np.diff(time)
-    found[rows.REBOUND_ERROR, :-1] = late[1:] + late[:-1]
-    flown = np.isfinite(found[rows.AMPLITUDE])
-    found[rows.REBOUND, ~flown] = found[rows.REBOUND_ERROR, ~flown] = np.nan
     still = found[rows.SEPARATION] <= 0.0
     for row in (rows.AMPLITUDE, rows.REBOUND, rows.AMPLITUDE_ERROR, rows.REBOUND_ERROR):
         found[row, still] = 0.0
@@ -217,8 +203,8 @@ def _ended(
     elif ends is not None:
         first, rest = ends
         outcome = Outcome.AT_REST
-        duration = float(rest[columns.TIME] - first[columns.TIME])
-        error = float(rest[columns.TIME_ERROR] + first[columns.TIME_ERROR])
+        duration = float(rest[rows.TIME] - first[rows.TIME])
+        error = float(rest[rows.TIME_ERROR] + first[rows.TIME_ERROR])
         if table.shape[1] > 2 and duration > 0.0:
             share = float(table[rows.TIME, 2]) / duration
     message = "This is the transition of the turn."

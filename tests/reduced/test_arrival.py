@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from written_tables import with_numbers
 
 from nipper_pin import Case, Mechanism, Resolution, SimulationError, load, transition_table
 from nipper_pin.mechanism import retuned
@@ -152,8 +153,9 @@ def test_the_transition_of_the_turn_is_refused_where_the_tables_cannot_tell_it(
     told = transitions(model, assumed=False, **cases)
     flying = told.premise == 0
     assert flying.any()
+    assert model.arrival.charts is not None
     low = replace(
-        model, arrival=replace(model.arrival, tables=model.arrival.tables._replace(high=1e-6))
+        model, arrival=replace(model.arrival, charts=with_numbers(model.arrival.charts, high=1e-6))
     )
     for narrow, why in (
         (build(e62, turn=False), "was not sampled"),

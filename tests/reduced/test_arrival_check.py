@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.polynomial import chebyshev
-from written_tables import level, tables_of, turn_of, work_of
+from written_tables import case, level, tables_of, turn_of, work_of
 
 from nipper_pin.reduced.kernels import arrival_check, flight_errors
 from nipper_pin.reduced.kernels.layout import FAILS, HOLDS, UNKNOWN
@@ -18,7 +18,6 @@ from nipper_pin.tolerances.mechanics import EPS
 pytestmark = pytest.mark.usefixtures("plain")
 
 SPEED, E_N = 2.0, 0.5
-NONE = np.zeros(0)
 # y'' = -A while it flies; it is thrown with w = e |approach| speed.
 A = 4.0
 THROWN = E_N * 1.0 * SPEED
@@ -48,9 +47,9 @@ def machine(
         values = push(width * (cell + 0.5 + 0.5 * nodes)) / SPEED**2
         waiting[0, cell] = chebyshev.chebfit(nodes, values, count - 1)
     turn = turn_of(restitution=e, waiting=waiting, touch=np.zeros((3, 4)))
-    work = work_of(y, most=1, line=(cells, count))
-    arrival_check.prepare(y, work, SPEED, 0.0, NONE, NONE)
-    arrival_check.line(waiting, SPEED, 0.0, NONE, NONE, work.line)
+    one = case(SPEED, 0.0, [], [])
+    work = work_of(y, one, most=1)._replace(line=np.empty((1, cells, count)))
+    arrival_check.line(waiting, one, work.line[0])
     return y, turn, work
 
 
@@ -64,7 +63,7 @@ def test_a_line_of_a_case() -> None:
     functions = np.random.default_rng(3).normal(size=(8, 2, 5))
     found = np.full((2, 5), np.nan)
     k, p = np.array([20.0, 7.0]), np.array([0.3, -0.2])
-    arrival_check.line(functions, SPEED, 1.7, k, p, found)
+    arrival_check.line(functions, case(SPEED, 1.7, k, p), found)
     f = functions
     expected = SPEED**2 * f[0] + 1.7 * f[3] + 20.0 * (0.3 * f[4] + f[5])
     np.testing.assert_allclose(found, expected + 7.0 * (-0.2 * f[6] + f[7]), rtol=1e-13)
@@ -181,7 +180,7 @@ def test_motion_at_the_touch(part: float, wrong: float, sense: float) -> None:
     if part > 1.0:
         T = 2.0 * w / A
         dt, rate, _ = flight_errors.flight_errors(
-            work.sizes, SPEED, T, -w, -A, 0.5 * T, w, 0.0, 0.0, 0.0, dw
+            work.sizes[0], SPEED, T, -w, -A, 0.5 * T, w, 0.0, 0.0, 0.0, dw
         )
         t, w, dw = t - T, E_N * w, E_N * rate
     height, slope = w * t - 0.5 * A * t**2, w - A * t
@@ -231,7 +230,7 @@ def test_errors_of_a_flight_that_starts_above_its_stop(
     }
     sizes = np.zeros((4, 3))
     tables = tables_of(level(-1.0), **rows)
-    flight_errors.sizes_of(tables, sizes, SPEED, 0.0, NONE, NONE)
+    flight_errors.sizes_of(tables.bounds[0], sizes, case(SPEED, 0.0, [], []))
     T, v, a, fastest = 0.3, -1.4, -9.0, 1.6
     (dx, dw), (changed, left) = given, solver
 

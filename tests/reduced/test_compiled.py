@@ -152,7 +152,7 @@ def test_references_are_as_many_after_a_call_as_before(model: ReducedModel) -> N
     """Of arrays that compiled code reads, without counting them, and of those that it wrote."""
 
     def counted() -> list[int]:
-        read = (*model.tables, *model.arrival.tables, *model.arrival.turn)
+        read = (*model.charts, *model.arrival.charts, *model.arrival.turn)
         return [sys.getrefcount(item) for item in read if isinstance(item, np.ndarray)]
 
     before = counted()

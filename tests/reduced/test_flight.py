@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from numpy.polynomial import chebyshev
 from scipy.integrate import quad, solve_ivp
-from written_tables import bounded, level, linear, tables_of, work_of, x_dd
+from written_tables import bounded, case, level, linear, tables_of, work_of, x_dd
 
 from nipper_pin import Case, Mechanism, Resolution, simulate
 from nipper_pin.reduced import ReducedModel
-from nipper_pin.reduced.kernels import arrival_check, flight, flight_errors
+from nipper_pin.reduced.kernels import flight, flight_errors
 from nipper_pin.reduced.kernels.layout import (
     AT_REST,
     BY_U,
@@ -29,7 +29,7 @@ from nipper_pin.reduced.kernels.layout import (
     SERIES_ONCE,
     SIGMA,
     UNRESOLVED,
-    Tables,
+    Charts,
 )
 from nipper_pin.reduced.kernels.panel import OVERSHOOT, grids
 from nipper_pin.tolerances.mechanics import EPS
@@ -40,7 +40,7 @@ SPEED, GRAVITY, SPRINGS = 3.0, 0.8, [(40.0, 0.05)]
 LOW, HIGH, TRAVEL = -0.5, 2.0, 6.0
 
 
-def by_u(function: Any, cells: int = 12, count: int = 12) -> Tables:
+def by_u(function: Any, cells: int = 12, count: int = 12) -> Charts:
     """x'' = w^2 f(u) alone."""
     width = TRAVEL / cells
     equation = np.zeros((6, cells, count, 3))
@@ -53,7 +53,7 @@ def by_u(function: Any, cells: int = 12, count: int = 12) -> Tables:
     return tables_of(equation, low=LOW, high=HIGH, travel=TRAVEL)
 
 
-def mixture() -> Tables:
+def mixture() -> Charts:
     """All functions, all of them of travel and coordinate; two equal cells, so they are smooth."""
     equation = np.zeros((6, 1, 4, 3))
     equation[:] = 0.04 * np.random.default_rng(4).normal(size=equation.shape)
@@ -62,7 +62,7 @@ def mixture() -> Tables:
     return tables_of(equation, low=LOW, high=HIGH, travel=TRAVEL)
 
 
-def spring() -> Tables:
+def spring() -> Charts:
     equation = level(-0.2, -0.1)
     equation[0, :, 0] -= linear(1.5, LOW, HIGH)
     return tables_of(equation, low=LOW, high=HIGH, travel=TRAVEL)
@@ -81,7 +81,7 @@ FLIGHTS = {
 }
 
 
-def solved(tables: Tables, u: float, x: float, v: float) -> Any:
+def solved(tables: Charts, u: float, x: float, v: float) -> Any:
     """The same motion: dense output, and its time."""
 
     def rates(t: float, state: Any) -> list[float]:
@@ -102,13 +102,12 @@ def solved(tables: Tables, u: float, x: float, v: float) -> Any:
     return found.sol, float(found.t[-1]), bool(found.t_events[0].size)
 
 
-def flown(tables: Tables, u: float, x: float, v: float, tolerance: float = 1e-10) -> Any:
-    work = work_of(tables)
+def flown(tables: Charts, u: float, x: float, v: float, tolerance: float = 1e-10) -> Any:
     k, p = np.array(SPRINGS).T
-    arrival_check.prepare(tables, work, SPEED, GRAVITY, k, p)
+    work = work_of(tables, case(SPEED, GRAVITY, k, p))
     found = flight.flight(
-        grids(), work.case, work.mixed, work.poly, work.nodes, tables.equation.shape[3], u, x, v,
-        tolerance, x == 0.0,
+        grids(), work.case[0], work.mixed[0], work.poly, work.nodes, tables.equation.shape[4], u, x,
+        v, tolerance, x == 0.0,
     )  # fmt: skip
     return found, work
 
@@ -125,7 +124,7 @@ def test_every_number_of_a_flight(name: str, tolerance: float) -> None:
     motion, end, back = solved(tables, u, x, v)
     assert status == (AT_REST if back else LEFT_TRAVEL)
     duration, wrong, height = flight_errors.flight_errors(
-        work.sizes, SPEED, T, rate, a, peak, fastest, changed, left, 0.0, 0.0
+        work.sizes[0], SPEED, T, rate, a, peak, fastest, changed, left, 0.0, 0.0
     )
     judged = 1e-11
     assert duration <= 1e3 * tolerance * max(T, 1.0) or name == "small"
@@ -180,7 +179,8 @@ def sizes() -> Any:
     }
     found = np.zeros((4, 3))
     k, p = np.array([40.0]), np.array([-0.05])
-    flight_errors.sizes_of(tables_of(level(-1.0), **rows), found, SPEED, -0.8, k, p)
+    (bounds,) = tables_of(level(-1.0), **rows).bounds
+    flight_errors.sizes_of(bounds, found, case(SPEED, -0.8, k, p))
 
     def bound(name: str, v: float) -> float:
         f = rows[name]
@@ -258,14 +258,13 @@ def test_the_fastest_rate_of_a_flight_is_its_largest(e62: Mechanism, model: Redu
     the rate of the end, relatively.
     """
     speed = 650.0 * math.tau / 60.0
-    work = work_of(model.tables)
-    arrival_check.prepare(model.tables, work, speed, 1.0, model.stiffness, model.preload)
+    work = work_of(model.charts, case(speed, 1.0, model.stiffness, model.preload))
     first, second = simulate(
         e62, Case(speed_rpm=650.0, resolution=Resolution(tolerance=1e-13))
     ).collisions[:2]
     status, duration, rate, _, _, acceleration, fastest, _, _, _, _ = flight.flight(
-        grids(), work.case, work.mixed, work.poly, work.nodes, model.tables.equation.shape[3],
-        0.0, 0.0, first.separation_rate, 1e-10, True,
+        grids(), work.case[0], work.mixed[0], work.poly, work.nodes, model.degrees[1], 0.0, 0.0,
+        first.separation_rate, 1e-10, True,
     )  # fmt: skip
     assert int(status) == AT_REST
     assert math.isclose(rate, second.approach_rate, rel_tol=1e-7)

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from snapshots import Words
+from written_tables import with_numbers
 
 import nipper_pin.reduced
 from nipper_pin import InputError, Mechanism, NipperError, SimulationError
@@ -21,31 +22,17 @@ from nipper_pin.reduced.tables.arrival import unknown
 RPM = 500.0
 
 
-def test_what_compiled_code_reads_of_a_model(model: ReducedModel) -> None:
-    """Every array and number in its own place; no two of them are equal."""
-    names = {
-        "travel": "travel_rad", "low": "gap_low", "high": "gap_max", "approach": "approach_rate",
-        "touch_angle": "touch_angle_rad",
+def test_what_is_told_of_the_chart_of_a_model(model: ReducedModel) -> None:
+    """Its numbers have their names, and no two of them are equal."""
+    (numbers,) = model.charts.numbers
+    named = {
+        layout.TRAVEL_MOST: model.travel_rad, layout.LOW: model.gap_low,
+        layout.HIGH: model.gap_max, layout.ARRIVE: model.approach_rate,
+        layout.ARRIVE_ERROR: model.approach_residual,
     }  # fmt: skip
-    for name, value in model.tables._asdict().items():
-        np.testing.assert_array_equal(value, getattr(model, names.get(name, name)), err_msg=name)
+    assert named == {place: numbers[place] for place in named}
+    assert len(set(named.values())) == len(named)
     assert (model.cells, model.degrees) == (model.equation.shape[1], model.equation.shape[2:])
-    turned = replace(model, **{name: getattr(model, name).T.copy().T for name in
-                               ("equation", "gaps", "inertia")})  # fmt: skip
-    assert not turned.equation.flags.c_contiguous
-    assert all(
-        getattr(turned.tables, name).flags.c_contiguous for name in ("equation", "gaps", "inertia")
-    )
-
-
-def test_models_are_compared_by_their_numbers_and_shown_without_their_arrays(
-    model: ReducedModel,
-) -> None:
-    """Arrays are neither compared, which numpy cannot do in one word, nor written out."""
-    assert replace(model, equation=model.equation.copy()) == model
-    assert replace(model, lever=0.24) != model
-    assert "lever=0.24" in repr(replace(model, lever=0.24))
-    assert "array" not in repr(model)
 
 
 SHARES, PRELOADS = np.array([0.3, 0.7]), np.array([0.031, 0.002])
@@ -55,14 +42,12 @@ SHARES, PRELOADS = np.array([0.3, 0.7]), np.array([0.031, 0.002])
 def parallel(model: ReducedModel) -> ReducedModel:
     """Two springs in the place of one: of other rates and preloads, and of its force in sum."""
 
-    def doubled(values: Any) -> Any:
-        return np.concatenate([values, values[4:]])
-
-    arrays = ("equation", "residual", "largest", "steepest_x", "steepest_u")
+    charts = model.charts
+    both = [*range(6), 4, 5]
     return replace(
         model, springs=("one", "two"), stiffness=model.stiffness[0] * SHARES, preload=PRELOADS,
         arrival=unknown("not of two springs"),
-        **{name: doubled(getattr(model, name)) for name in arrays},
+        charts=charts._replace(equation=charts.equation[:, both], bounds=charts.bounds[..., both]),
     )  # fmt: skip
 
 
@@ -182,22 +167,24 @@ def test_every_result_comes_from_its_place(model: ReducedModel) -> None:
 
 def without_rest(e62: Mechanism, model: ReducedModel) -> list[tuple[Any, dict[str, Any], Status]]:
     """Models, cases, and how each ends."""
-    near, far, jump = model.gaps.copy(), model.gaps.copy(), model.equation.copy()
-    near[..., 0, 0] -= 1e-3
-    far[..., 0, 0] += 1e-3
+    charts, waiting = model.charts, model.arrival.charts
+    near, far, jump = charts.gaps.copy(), charts.gaps.copy(), charts.equation.copy()
+    near[:, 0, :, 0, 0] -= 1e-3
+    far[:, 0, :, 0, 0] += 1e-3
     # From one cell to the next, within a flight.
-    jump[0, 1:, 0, 0] -= 1e4
-    low = replace(model.arrival, tables=model.arrival.tables._replace(high=1e-6))
+    jump[0, 0, 1:, 0, 0] -= 1e4
+    assert waiting is not None
+    low = replace(model.arrival, charts=with_numbers(waiting, high=1e-6))
     flying = {"speed_rpm": 690.0, "restitution": 0.3, "stiffness": 7000.0, "preload": 0.0085,
               "assumed": False}  # fmt: skip
     return [
         (build(e62, travel_rad=0.5, gap_max=0.02), {"restitution": 0.3}, Status.LEFT_TRAVEL),
         (build(e62, gap_max=0.004), {}, Status.LEFT_GAP),
-        (replace(model, gaps=near), {}, Status.OTHER_STOP),
-        (replace(model, gaps=far), {}, Status.AT_REST),
+        (replace(model, charts=charts._replace(gaps=near)), {}, Status.OTHER_STOP),
+        (replace(model, charts=charts._replace(gaps=far)), {}, Status.AT_REST),
         (model, {"restitution": 0.0, "preload": -0.05}, Status.NOT_PRESSED),
         (model, {"restitution": 0.6, "max_collisions": 3}, Status.TOO_MANY_COLLISIONS),
-        (replace(model, equation=jump), {}, Status.UNRESOLVED),
+        (replace(model, charts=charts._replace(equation=jump)), {}, Status.UNRESOLVED),
         (build(e62, turn=False), {"assumed": False}, Status.UNTOLD),
         (replace(model, arrival=low), flying, Status.UNTOLD),
     ]

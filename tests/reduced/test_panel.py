@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.polynomial import Polynomial, chebyshev
-from written_tables import tables_of, value, work_of, x_dd
+from written_tables import case, tables_of, value, work_of, x_dd
 
-from nipper_pin.reduced.kernels import arrival_check, panel
+from nipper_pin.reduced.kernels import panel
 from nipper_pin.reduced.kernels.layout import (
     DOUBLE,
     INTEGRAL,
@@ -46,10 +46,8 @@ def prepared(count_u: int, count_x: int, cells: int = 3, springs: Any = SPRINGS)
     shape = (4 + 2 * len(springs), cells, count_u, count_x)
     gaps = random.normal(size=(2, *shape[1:]))
     tables = tables_of(random.normal(size=shape), gaps=gaps, low=-0.3, high=1.7, travel=2.4)
-    work = work_of(tables)
     k, p = np.array(springs).reshape(-1, 2).T
-    arrival_check.prepare(tables, work, SPEED, GRAVITY, k, p)
-    return tables, work
+    return tables, work_of(tables, case(SPEED, GRAVITY, k, p))
 
 
 @pytest.mark.parametrize("count_u", [2, 3, 4, 5, 6])
@@ -58,24 +56,24 @@ def test_functions_of_a_case(count_u: int, u: float) -> None:
     """x'' and the gaps at a point are sums of two-dimensional series, in the cell of the travel."""
     tables, work = prepared(count_u, 4)
     row = len(work.poly) - 1
-    panel.contract(work.mixed, work.poly, row, tables.travel, u)
+    panel.contract(work.mixed[0], work.poly, row, 2.4, u)
     for x, v in ((-0.2, 3.0), (1.1, -0.4)):
-        found = panel.acceleration(work.case, work.poly, 4, x, v)
+        found = panel.acceleration(work.case[0], work.poly, 4, x, v)
         expected = x_dd(tables, u, x, v, SPEED, GRAVITY, SPRINGS)
         assert found == pytest.approx(expected, rel=1e-12)
-        place = (x - tables.low) / (tables.high - tables.low) * 2.0 - 1.0
+        place = x - 0.7
         for stop in (0, 1):
             found = panel.chebyshev(work.poly, row, (3 + stop) * 4, 4, place)
-            expected = value(tables, tables.gaps[stop], u, x)
+            expected = value(tables, tables.gaps[0, stop], u, x)
             assert found == pytest.approx(expected, rel=1e-11, abs=1e-12)
 
 
 def test_a_case_without_springs_or_other_stops() -> None:
     """Nothing is added for them."""
     tables, work = prepared(3, 4, springs=[])
-    panel.contract(work.mixed, work.poly, len(work.poly) - 1, tables.travel, 0.3)
+    panel.contract(work.mixed[0], work.poly, len(work.poly) - 1, 2.4, 0.3)
     expected = x_dd(tables, 0.3, 0.2, 0.9, SPEED, GRAVITY, [])
-    assert panel.acceleration(work.case, work.poly, 4, 0.2, 0.9) == pytest.approx(expected)
+    assert panel.acceleration(work.case[0], work.poly, 4, 0.2, 0.9) == pytest.approx(expected)
 
 
 @pytest.mark.parametrize("level", range(len(LEVELS)))
@@ -139,7 +137,9 @@ def test_the_motion_of_a_panel_and_its_defect(level: int) -> None:
         abs(x_dd(tables, u + h * SPEED * s, path(s), rate(s), SPEED, GRAVITY, SPRINGS) - poly(s))
         for s in grids()[SIGMA, level, 1, :PROBES]
     ]
-    found = panel._defect(grids(), work.case, work.mixed, work.poly, nodes, 4, level, u, h, x0, v0)
+    found = panel._defect(
+        grids(), work.case[0], work.mixed[0], work.poly, nodes, 4, level, u, h, x0, v0
+    )
     assert found == pytest.approx(max(misses), rel=1e-11)
 
 
@@ -152,8 +152,8 @@ def test_a_sweep_puts_the_equation_of_motion_in() -> None:
     u, h, x0, v0, a0 = 0.4, 0.2, 0.2, 1.1, 0.8
     nodes[NODE_A, :count] = a0
     for j, s in enumerate(sigma):
-        panel.contract(work.mixed, work.poly, j, tables.travel, u + h * SPEED * s)
-    change = panel._sweep(grids(), work.case, work.poly, nodes, 4, level, h, x0, v0)
+        panel.contract(work.mixed[0], work.poly, j, 2.4, u + h * SPEED * s)
+    change = panel._sweep(grids(), work.case[0], work.poly, nodes, 4, level, h, x0, v0)
     t = h * sigma
     expected = np.array([
         x_dd(tables, u + SPEED * at, x0 + v0 * at + 0.5 * a0 * at**2, v0 + a0 * at, SPEED, GRAVITY,
@@ -209,12 +209,23 @@ def test_a_panel_is_as_accurate_as_it_says(
     No grid can be as fine as the least tolerance; what is at round-off counts as resolved.
     """
     tables, motion = oscillator(1.5, 0.2, -0.5, 2.0)
-    work, none = work_of(tables), np.zeros(0)
-    arrival_check.prepare(tables, work, SPEED, GRAVITY, none, none)
+    work = work_of(tables, case(SPEED, GRAVITY, [], []))
     nodes = work.nodes
     a0 = -(SPEED**2) * (1.5 * x0 + 1.0) - 0.4 * SPEED * v0
     level, length, change, left = panel.solve_panel(
-        grids(), work.case, work.mixed, work.poly, nodes, 3, 0.0, h, x0, v0, a0, False, tolerance
+        grids(),
+        work.case[0],
+        work.mixed[0],
+        work.poly,
+        nodes,
+        3,
+        0.0,
+        h,
+        x0,
+        v0,
+        a0,
+        False,
+        tolerance,
     )
     assert length == h
     count = LEVELS[level]
@@ -225,7 +236,7 @@ def test_a_panel_is_as_accurate_as_it_says(
     assert np.abs(nodes[NODE_X, :count] - x).max() <= 3.0 * (change + left) * h * h + 4.0 * EPS
     assert change <= max(tolerance, 1e3 * EPS) * scale
     missing = panel._defect(
-        grids(), work.case, work.mixed, work.poly, nodes, 3, level, 0.0, h, x0, v0
+        grids(), work.case[0], work.mixed[0], work.poly, nodes, 3, level, 0.0, h, x0, v0
     )
     rounding = 8.0 * EPS * scale
     assert left == pytest.approx(12.0 * missing / count**2 + rounding, rel=1e-9)
@@ -241,11 +252,10 @@ def test_a_panel_is_as_accurate_as_it_says(
 def test_the_length_of_a_panel_meets_the_next_zero(guess: float, left_over: float) -> None:
     """From a guess that is too long or too short, but never beyond the travel."""
     tables, motion = oscillator(1.5, 0.2, -0.5, 2.0)
-    work, none = work_of(tables), np.zeros(0)
-    arrival_check.prepare(tables, work, SPEED, GRAVITY, none, none)
+    work = work_of(tables, case(SPEED, GRAVITY, [], []))
     level, length, _, _ = panel.solve_panel(
-        grids(), work.case, work.mixed, work.poly, work.nodes, 3, 30.0 - left_over, guess, 0.0, 4.0,
-        -(SPEED**2) - 0.4 * SPEED * 4.0, True, 1e-10,
+        grids(), work.case[0], work.mixed[0], work.poly, work.nodes, 3, 30.0 - left_over, guess,
+        0.0, 4.0, -(SPEED**2) - 0.4 * SPEED * 4.0, True, 1e-10,
     )  # fmt: skip
     assert level >= 0
     x, v = motion(length * grids()[SIGMA, level, 0, : LEVELS[level]], 0.0, 4.0)
@@ -261,10 +271,9 @@ def test_the_length_of_a_panel_meets_the_next_zero(guess: float, left_over: floa
 def test_what_cannot_be_resolved_is_said() -> None:
     """A rate of change that no grid follows: no level."""
     tables, _ = oscillator(4e4, 0.2, -0.5, 2.0)
-    work, none = work_of(tables), np.zeros(0)
-    arrival_check.prepare(tables, work, SPEED, GRAVITY, none, none)
+    work = work_of(tables, case(SPEED, GRAVITY, [], []))
     level, _, change, left = panel.solve_panel(
-        grids(), work.case, work.mixed, work.poly, work.nodes, 3, 0.0, 0.3, 0.0, 4.0, -100.0,
+        grids(), work.case[0], work.mixed[0], work.poly, work.nodes, 3, 0.0, 0.3, 0.0, 4.0, -100.0,
         False, 1e-10,
     )  # fmt: skip
     assert level == -1

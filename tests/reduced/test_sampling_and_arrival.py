@@ -27,6 +27,7 @@ from nipper_pin import (
 from nipper_pin.arrays import FloatArray
 from nipper_pin.dynamics import ShaftMotion, System
 from nipper_pin.reduced import ReducedModel, build, reduced_model, sampling, transition, unfit
+from nipper_pin.reduced.kernels import layout
 from nipper_pin.reduced.tables import arrival
 from nipper_pin.reduced.tables.arrival import found_opening
 from nipper_pin.reduced.tables.functions import Sampler
@@ -93,37 +94,42 @@ def test_every_number_of_a_model(model: ReducedModel, e62: Mechanism, turn: Solu
 @pytest.mark.parametrize("waiting", [False, True])
 def test_bounds_of_values_and_slopes(model: ReducedModel, waiting: bool) -> None:
     """By another grid: neither of them holds the very worst points, edges are on both."""
-    tables = model.arrival.tables if waiting else model.tables
-    found = bounded(tables)
-    for name in ("largest", "steepest_x", "steepest_u"):
-        np.testing.assert_allclose(getattr(tables, name), getattr(found, name), rtol=5e-2)
-    assert (tables.residual > 0.0).all()
-    assert (tables.residual < 1e-7 * tables.largest).all()
-    assert 0.0 < tables.inertia_residual < 1e-7
+    charts = model.arrival.charts if waiting else model.charts
+    assert charts is not None
+    assert charts.bounds.shape == (1, layout.SIZES, len(charts.equation[0]))
+    residual, *found = charts.bounds[0]
+    for row, true in zip(found, bounded(charts).bounds[0, 1:], strict=True):
+        np.testing.assert_allclose(row, true, rtol=5e-2)
+    assert (residual > 0.0).all()
+    assert (residual < 1e-7 * charts.bounds[0, layout.BY_V]).all()
+    assert 0.0 < charts.numbers[0, layout.INERTIA_ERROR] < 1e-7
 
 
 def test_tables_between_opening_and_touch(
     model: ReducedModel, e62: Mechanism, turn: Solution
 ) -> None:
     """Where they begin, how far they reach, and the collision that throws the jaw open."""
-    tables, steeve = model.arrival.tables, e62.stop("steeve")
+    charts, steeve = model.arrival.charts, e62.stop("steeve")
+    assert charts is not None
+    numbers, (own, *_) = charts.numbers[0], charts.stops[0]
     opening = hits(turn, "steeve")
     at = travel_of(e62, opening.cylinder_angle)
     assert (model.arrival.why, model.arrival.asked) == ("", True)
     assert model.arrival.turn.opening == pytest.approx(at, abs=1e-9)
-    assert tables.travel == pytest.approx(math.tau - at, abs=1e-9)
-    assert tables.approach * SPEED == pytest.approx(opening.approach_rate, rel=1e-8)
-    assert 0.0 < tables.approach_residual < 1e-13
+    assert numbers[layout.TRAVEL_MOST] == pytest.approx(math.tau - at, abs=1e-9)
+    assert numbers[layout.ARRIVE] * SPEED == pytest.approx(opening.approach_rate, rel=1e-8)
+    assert 0.0 < numbers[layout.ARRIVE_ERROR] < 1e-13
     assert model.arrival.turn.restitution == steeve.restitution
-    assert (tables.sense, tables.lever) == (-1.0, steeve.lever)
-    assert tables.touch_angle == e62.cylinder.angle_at_touch_rad
-    assert tables.low == pytest.approx(-tables.high / 16.0)
+    assert e62.stops[own].name == "steeve"
+    assert charts.lever.tolist() == [stop.lever for stop in e62.stops]
+    assert numbers[layout.LOW] == pytest.approx(-numbers[layout.HIGH] / 16.0)
     # As high as the steeve goes with the jaw in the touch configuration.
     n, _ = sampler_of(
         System(e62, ShaftMotion(e62, 1.0, e62.cylinder.angle_at_touch_rad)), "jaw"
     ).rates(np.zeros(1), np.zeros((1, len(e62.joints))))
-    assert tables.high == pytest.approx(n[0, steeve.index] * model.gap_max, rel=1e-12)
-    assert tables.gaps.shape[0] == 0
+    high = n[0, steeve.index] * model.gap_max
+    assert numbers[layout.HIGH] == pytest.approx(high, rel=1e-12)
+    assert charts.gaps.shape[1] == 0
 
 
 @pytest.mark.parametrize("name", ["jaw", "steeve"])
@@ -156,13 +162,15 @@ def test_what_presses_the_stops(
 
 def test_the_jaw_at_the_touch_by_the_steeve(model: ReducedModel, system: System) -> None:
     """Its coordinate and both derivatives, by differences of closed configurations."""
-    tables, turn = model.arrival.tables, model.arrival.turn
+    charts, turn = model.arrival.charts, model.arrival.turn
+    assert charts is not None
+    low, high = charts.numbers[0, [layout.LOW, layout.HIGH]]
     sampler, jaw = sampler_of(system, "steeve"), system.mechanism.stop("jaw").index
     assert turn.touch.shape[0] == 3
     assert (turn.touch_errors < 1e-9).all()
     step = 1e-4
-    for y in (0.0, 0.3 * tables.high, 0.9 * tables.high):
-        place = (2.0 * y - tables.low - tables.high) / (tables.high - tables.low)
+    for y in (0.0, 0.3 * high, 0.9 * high):
+        place = (2.0 * y - low - high) / (high - low)
         x, by_y, by_u = (chebyshev.chebval(place, row) for row in turn.touch)
         around = sampler.grid(np.zeros(1), np.array([y - step, y, y + step]))[0, :, jaw]
         assert x == pytest.approx(around[1], rel=1e-9, abs=1e-12)
@@ -301,7 +309,8 @@ def test_the_coarsest_and_the_longest_domain_can_be(e62: Mechanism) -> None:
     model = build(e62, tolerance=1e-3, travel_rad=1.0, gap_max=0.02, turn=False)
     assert (model.tolerance, model.travel_rad, model.gap_max) == (1e-3, 1.0, 0.02)
     assert model.gap_low == -0.02 / 16.0
-    assert model.tables.steepest_u == pytest.approx(bounded(model.tables).steepest_u, rel=5e-2)
+    steepest = bounded(model.charts).bounds[0, layout.BY_U]
+    assert model.charts.bounds[0, layout.BY_U] == pytest.approx(steepest, rel=5e-2)
     assert (model.arrival.why, model.arrival.asked) == (
         "the rest of the turn was not sampled",
         True,
@@ -357,6 +366,10 @@ def test_acceleration_of_a_flight(model: ReducedModel, e62: Mechanism, speed: fl
         assert found == pytest.approx(a[row, jaw], rel=2e-11)
 
 
+def residual(model: ReducedModel) -> FloatArray:
+    return np.asarray(model.charts.bounds[0, layout.RESIDUAL])
+
+
 def test_stated_residual(model: ReducedModel, e62: Mechanism) -> None:
     """Off the grid no function errs by more than is stated, at points that the build has not seen.
 
@@ -370,10 +383,10 @@ def test_stated_residual(model: ReducedModel, e62: Mechanism) -> None:
         strict=True,
     ):
         error = np.abs(functions(model, u, x) - functions(fine, u, x))
-        assert (error <= model.residual + fine.residual).all()
+        assert (error <= residual(model) + residual(fine)).all()
     # The bound says something: below the part of x'' that the tables are asked for.
     weights = np.array([68.0**2, 68.0 * 4.0, 4.0**2, 1.0, 9000.0 * 0.011, 9000.0])
-    assert (model.residual * weights < 1e-8).all()
+    assert (residual(model) * weights < 1e-8).all()
 
 
 def test_spring_force_is_the_slope_of_its_stroke(model: ReducedModel) -> None:
@@ -386,9 +399,9 @@ def test_spring_force_is_the_slope_of_its_stroke(model: ReducedModel) -> None:
     across = -(model.gap_low + model.gap_max) / span
     for cell in range(model.cells):
         for place in (-0.9, 0.1, 0.8):
-            slope = chebyshev.chebder(model.gaps[0, cell], axis=1)
+            slope = chebyshev.chebder(model.charts.gaps[0, 0, cell], axis=1)
             slope_x = 2.0 / span * chebyshev.chebval2d(place, across, slope)
-            inertia = chebyshev.chebval(place, model.inertia[cell])
+            inertia = chebyshev.chebval(place, model.charts.inertia[0, cell])
             force = chebyshev.chebval2d(place, across, model.equation[4, cell])
             # A derivative of a series of degree n loses up to n^2 of its accuracy of 1e-11.
             assert force * inertia == pytest.approx(-slope_x, rel=1e-9)
@@ -439,5 +452,5 @@ def test_upside_down_with_gravity_upwards_nothing_differs(tmp_path: Path) -> Non
 def test_same_model_every_time(model: ReducedModel, e62: Mechanism) -> None:
     """Building twice gives the same bits."""
     again = build(e62)
-    for name in ("equation", "gaps", "inertia", "residual"):
-        assert np.array_equal(getattr(again, name), getattr(model, name))
+    for name, found in again.charts._asdict().items():
+        assert np.array_equal(found, getattr(model.charts, name)), name

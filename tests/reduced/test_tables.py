@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import chebyshev
 from small_machines import SHAFT, frame, hinge, link, machine, slide
+from written_tables import with_numbers
 
 from nipper_pin import ConvergenceError, InputError, Mechanism, SimulationError
 from nipper_pin.arrays import FloatArray
@@ -21,8 +22,7 @@ from nipper_pin.reduced.tables import tables as tables_module
 from nipper_pin.reduced.tables.functions import Samples
 from nipper_pin.reduced.tables.tables import Domain, checks, residuals, resolved
 
-ARRAYS = ("equation", "gaps", "inertia", "residual", "largest", "steepest_x", "steepest_u",
-          "stiffness", "preload")  # fmt: skip
+ARRAYS = ("stiffness", "preload")
 
 
 def test_models_are_told_and_compared_without_their_tables(e62: Mechanism) -> None:
@@ -30,13 +30,18 @@ def test_models_are_told_and_compared_without_their_tables(e62: Mechanism) -> No
     one = build(e62, turn=False)
     assert "array" not in repr(one)
     assert "arrival" not in repr(one)
-    plain = {item.name for item in fields(ReducedModel)} - {*ARRAYS, "arrival"}
-    for name in plain:
+    plain = {item.name: item.init for item in fields(ReducedModel)}
+    for name in plain.keys() - {*ARRAYS, "charts", "arrival"}:
         assert f"{name}={getattr(one, name)!r}" in repr(one)
-        assert one != replace(one, **{name: "other"})
+        assert not plain[name] or one != replace(one, **{name: "other"})
+    other = replace(one, charts=with_numbers(one.charts, high=0.5))
+    assert other != one
+    assert other.gap_max == 0.5
     for name in ARRAYS:
         assert f" {name}=" not in repr(one), name
         assert one == replace(one, **{name: 2.0 * getattr(one, name)})
+    doubled = one.charts._replace(equation=2.0 * one.charts.equation)
+    assert one == replace(one, charts=doubled)
     assert repr(one.arrival) == "Arrival(why='the rest of the turn was not sampled', asked=True)"
 
 
@@ -186,13 +191,16 @@ def test_errors_of_series_at_points_off_the_grid(cells: int) -> None:
 @pytest.mark.parametrize("worst", ["time", "amplitude", "first", "second"])
 def test_the_worst_relative_error_of_a_transition(worst: str) -> None:
     """Of its duration, its amplitude and the times of its first two rebounds."""
-    table = np.zeros((20, 5))
-    table[layout.TIME, 2], table[layout.AMPLITUDE, 0] = 0.03, 2e-3
-    table[layout.REBOUND, :3] = 0.02, 0.01, 0.004
+    table = np.zeros((5, layout.COLUMNS))
+    table[2, layout.TIME], table[0, layout.AMPLITUDE] = 0.03, 2e-3
+    table[:3, layout.REBOUND] = 0.02, 0.01, 0.004
     errors = {"time": 1e-9, "amplitude": 2e-9, "first": 3e-9, "second": 4e-9} | {worst: 7e-9}
-    table[layout.AMPLITUDE_ERROR, 0] = 2e-3 * errors["amplitude"]
-    table[layout.REBOUND_ERROR, :2] = 0.02 * errors["first"], 0.01 * errors["second"]
-    found = kernel._summary(table, layout.AT_REST, 3, 0.04, 0.04 * errors["time"])
+    table[0, layout.AMPLITUDE_ERROR] = 2e-3 * errors["amplitude"]
+    table[:2, layout.REBOUND_ERROR] = 0.02 * errors["first"], 0.01 * errors["second"]
+    # The rest comes after the collisions.
+    table[3, layout.TIME], table[3, layout.TIME_ERROR] = 0.04, 0.04 * errors["time"]
+    found = np.zeros(4)
+    kernel.summary(table, layout.AT_REST, 3, found)
     assert found == pytest.approx((0.04, 0.04 * errors["time"], 0.75, 7e-9), rel=1e-12)
 
 

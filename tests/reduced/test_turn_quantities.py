@@ -14,7 +14,6 @@ from scipy.optimize import minimize_scalar
 
 from nipper_pin import Case, EventKind, InputError, Mechanism, Solution, load, simulate
 from nipper_pin.mechanism.gallery import drawn
-from nipper_pin.reduced.kernels.turn_layout import Charts, TurnWork
 from nipper_pin.reduced.turns import TurnStatus, turn_quantities, turn_torques
 from nipper_pin.reduced.turns import peak_torques as module
 
@@ -279,12 +278,8 @@ def test_cases_that_cannot_be_followed_have_no_torque(
 ) -> None:
     """Too many collisions, or more panels than there is room for, are told by the status."""
     few = turn_torques(e62, speed_rpm=650.0, max_collisions=3)
-    roomy = module.scratch
-
-    def tight(charts: Charts, most: int = 1, panels: int = 0) -> TurnWork:
-        return roomy(charts, most, min(panels, 5))
-
-    monkeypatch.setattr(module, "scratch", tight)
+    # Room for four panels of a turn.
+    monkeypatch.setattr(module, "BESIDE", 2 - 256)
     full = turn_torques(e62, speed_rpm=650.0)
     whole = turn_torques(e62, speed_rpm=650.0, last=1)
     for found in (few, full):

@@ -25,7 +25,7 @@ from nipper_pin import (
 )
 from nipper_pin.mechanism import from_sources
 from nipper_pin.mechanism.gallery import GALLERY, drawn
-from nipper_pin.reduced.kernels.turn_layout import EVENT_COLUMNS
+from nipper_pin.reduced.kernels import layout
 from nipper_pin.reduced.turns import ReducedTurns, TurnStatus, build_turns, turn_model, turns
 from nipper_pin.reduced.turns import turn as module
 
@@ -249,25 +249,26 @@ def test_a_run_ends_before_its_table_of_events_is_full(e62: Mechanism) -> None:
     run, told = module.run_of("turns", 1, None, 1e-10, 64), np.zeros((1, 4), dtype=np.int64)
     cases = module.one_case(model, 650.0, None, None, None)
     for most in range(1, 26):
-        beside = np.full((most + 4, EVENT_COLUMNS), 7.0)
+        beside = np.full((most + 4, layout.COLUMNS), 7.0)
         records = run.records()._replace(events=beside[:most])
         module.follow(run, model, cases, records, told, np.empty((1, 0, 0)))
         assert told[0, 3] <= most
         assert (beside[most:] == 7.0).all()
         assert told[0, 0] == (
-            TurnStatus.TOO_MANY_COLLISIONS if most < 24 else TurnStatus.FOLLOWED
+            TurnStatus.TOO_MANY_COLLISIONS if most < 23 else TurnStatus.FOLLOWED
         )  # fmt: skip
 
 
 def test_charts_cover_the_turn_without_gaps(e62: Mechanism) -> None:
     """From stop to stop; where the nipper opens and closes as the direct engine has it."""
     charts = build_turns(e62).charts
-    assert charts.begin[0] == 0.0
-    np.testing.assert_allclose(charts.begin[1:], (charts.begin + charts.travel)[:-1], rtol=1e-15)
-    assert charts.begin[-1] + charts.travel[-1] == pytest.approx(2.0 * np.pi, rel=1e-15)
-    assert charts.after.tolist() == [1, 2, 0]
+    begin, travel = charts.numbers[:, [layout.BEGIN, layout.TRAVEL_MOST]].T
+    assert begin[0] == 0.0
+    np.testing.assert_allclose(begin[1:], (begin + travel)[:-1], rtol=1e-15)
+    assert begin[-1] + travel[-1] == pytest.approx(2.0 * np.pi, rel=1e-15)
+    assert charts.stops[:, layout.AFTER].tolist() == [1, 2, 0]
     direct = simulate(e62, Case(speed_rpm=450.0, window="cycle"))
     first = {hit.stop: hit for hit in reversed(direct.collisions)}
     for chart, name in ((1, "jaw"), (2, "steeve")):
-        travel = first[name].t * 450.0 * 2.0 * np.pi / 60.0
-        assert charts.begin[chart] == pytest.approx(travel, rel=1e-13)
+        met = first[name].t * 450.0 * 2.0 * np.pi / 60.0
+        assert begin[chart] == pytest.approx(met, rel=1e-13)

@@ -23,9 +23,9 @@ from ...tolerances.reduced import (
 from . import layout as rows
 from .compiled import part
 from .flight import flight
-from .flight_errors import drift, exponent, flight_errors, size, sizes_of
-from .layout import Tables, Turn, Work
-from .panel import acceleration, along, chebyshev, contract, mix
+from .flight_errors import drift, exponent, flight_errors, size
+from .layout import Case, Charts, Turn, Work
+from .panel import acceleration, along, chebyshev, contract
 
 _MOST_FLIGHTS = 64
 _PLACES = 24
@@ -33,12 +33,12 @@ _ROOT_STEPS = 60
 
 
 @part
-def line(functions: FloatArray, speed: float, gravity: float, stiffness: FloatArray,
-               preload: FloatArray, found: FloatArray) -> None:  # fmt: skip
+def line(functions: FloatArray, one: Case, found: FloatArray) -> None:
     """Combine functions along a stop for a case, one row a cell."""
+    stiffness, preload = one.stiffness, one.preload
     for cell in range(functions.shape[1]):
         for i in range(functions.shape[2]):
-            value = speed * speed * functions[0, cell, i] + gravity * functions[3, cell, i]
+            value = one.speed**2 * functions[0, cell, i] + one.gravity * functions[3, cell, i]
             for k in range(len(stiffness)):
                 unit = preload[k] * functions[4 + 2 * k, cell, i] + functions[5 + 2 * k, cell, i]
                 value += stiffness[k] * unit
@@ -126,19 +126,7 @@ def _crossing(line: FloatArray, length: float, low: float, high: float) -> float
 
 
 @part
-def prepare(y: Tables, work: Work, speed: float, gravity: float, stiffness: FloatArray,
-            preload: FloatArray) -> None:  # fmt: skip
-    """Combine the tables of a turn for a case."""
-    case = work.case
-    case[rows.SPEED], case[rows.TRAVEL_MOST], case[rows.SPAN] = speed, y.travel, y.travel
-    case[rows.LOW], case[rows.HIGH], case[rows.TRACED] = y.low, y.high, 0.0
-    case[rows.SCALE] = 2.0 / (y.high - y.low)
-    mix(y, work.mixed, speed, gravity, stiffness, preload)
-    sizes_of(y, work.sizes, speed, gravity, stiffness, preload)
-
-
-@part
-def arrives(grids: FloatArray, y: Tables, turn: Turn, work: Work, speed: float,
+def arrives(grids: FloatArray, y: Charts, turn: Turn, work: Work, speed: float,
             rest_rate: float) -> tuple[int, float, float]:  # fmt: skip
     """Decide in which phase the machine arrives at the touch.
 
@@ -153,9 +141,10 @@ def arrives(grids: FloatArray, y: Tables, turn: Turn, work: Work, speed: float,
         HOLDS, FAILS or UNKNOWN; of a machine that is in flight at the touch the travel and rate at
         which it left its stop, independent of the motion before: at a release, or at the opening.
     """
-    case, mixed, poly, nodes = work.case, work.mixed, work.poly, work.nodes
-    degree, e_N, touch = y.equation.shape[3], turn.restitution, y.travel
-    u, w = 0.0, -turn.restitution * y.approach * speed
+    case, mixed, poly, nodes = work.case[0], work.mixed[0], work.poly, work.nodes
+    press = work.line[0]
+    degree, e_N, touch = y.equation.shape[4], turn.restitution, case[rows.TRAVEL_MOST]
+    u, w = 0.0, -turn.restitution * case[rows.ARRIVE] * speed
     u_free, w_free = u, w
     at_opening = True
     for _ in range(_MOST_FLIGHTS):
@@ -169,14 +158,14 @@ def arrives(grids: FloatArray, y: Tables, turn: Turn, work: Work, speed: float,
             elif a < 0.0 and still < 0.0 and e_N < 1.0:
                 ahead = -2.0 * w / (a * (1.0 - e_N))
                 over = u + LATE_REST_SAFETY * speed * ahead
-                steady = drift(work.sizes, speed, w, a, ahead) < STEADY_DECELERATION
+                steady = drift(work.sizes[0], speed, w, a, ahead) < STEADY_DECELERATION
                 if over < touch - BEFORE_TOUCH and steady:
-                    next_one = released(work.line, touch, u, touch)
+                    next_one = released(press, touch, u, touch)
                     if next_one < 0.0:
                         return rows.UNKNOWN, 0.0, 0.0
                     resting = next_one > over
         if resting:
-            u = released(work.line, touch, u, touch)
+            u = released(press, touch, u, touch)
             if u < 0.0 or abs(u - touch) < BEFORE_TOUCH:
                 return rows.UNKNOWN, 0.0, 0.0
             if u > touch:
@@ -199,7 +188,7 @@ def arrives(grids: FloatArray, y: Tables, turn: Turn, work: Work, speed: float,
 
 
 @part
-def in_flight(grids: FloatArray, y: Tables, turn: Turn, work: Work, speed: float, u: float,
+def in_flight(grids: FloatArray, y: Charts, turn: Turn, work: Work, speed: float, u: float,
               w: float, rest_rate: float, tolerance: float,
               ) -> tuple[bool, float, float, float, float]:  # fmt: skip
     """Solve the flight that is under way at the touch, from where the stop was left.
@@ -207,11 +196,13 @@ def in_flight(grids: FloatArray, y: Tables, turn: Turn, work: Work, speed: float
     Returns:
         Whether it was resolved; x and x' at the touch, and bounds on their errors.
     """
-    case, mixed, poly, nodes, sizes = work.case, work.mixed, work.poly, work.nodes, work.sizes
-    degree = y.equation.shape[3]
+    case, mixed, poly, nodes, sizes = (
+        work.case[0], work.mixed[0], work.poly, work.nodes, work.sizes[0]
+    )  # fmt: skip
+    degree = y.equation.shape[4]
     failed = (False, 0.0, 0.0, 0.0, 0.0)
     at_opening = u == 0.0
-    dt, dw = 0.0, turn.restitution * y.approach_residual * speed if at_opening else 0.0
+    dt, dw = 0.0, turn.restitution * case[rows.ARRIVE_ERROR] * speed if at_opening else 0.0
     for _ in range(_MOST_FLIGHTS):
         ended, T, v, _, peak, a, fastest, changed, left, x, _ = flight(
             grids, case, mixed, poly, nodes, degree, u, 0.0, w, tolerance, at_opening

@@ -277,7 +277,7 @@ def flight(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatAr
         if hit >= 0:
             until = place
         # The usual bounce ends on its first panel, and its errors are known by a formula.
-        if case[rows.TRACED] > 0.0 and (panel > 0 or end < 0.0 or x0 > 0.0):
+        if panel > 0 or end < 0.0 or x0 > 0.0:
             grow(held, until)
         if nodes.shape[0] > rows.SCRATCH_ROWS:
             keep(held, until)

@@ -40,7 +40,7 @@ from ...tolerances.mechanics import EPS
 from . import layout as rows
 from .compiled import part
 from .hits import Held
-from .layout import Tables
+from .layout import Case
 from .panel import chebyshev, contract, position, rate_at
 
 # Steps of a panel; panels are shorter than a period of what they resolve.
@@ -110,26 +110,28 @@ _UNEVEN = 4.0
 
 
 @part
-def sizes_of(tables: Tables, sizes: FloatArray, speed: float, gravity: float, stiffness: FloatArray,
-           preload: FloatArray) -> None:  # fmt: skip
-    """Sums of the terms of x'', all positive, with bounds in the places of the functions."""
+def sizes_of(bounds: FloatArray, sizes: FloatArray, one: Case) -> None:
+    """Sums of the terms of x'', all positive, with bounds in the places of the functions.
+
+    Args:
+        bounds: Those of a chart, shape (SIZES, functions).
+        sizes: Written, shape (SIZES, 3).
+    """
+    speed, stiffness, preload = one.speed, one.stiffness, one.preload
     first = 4 + 2 * len(stiffness)
     for row in range(3):
-        values = tables.residual
-        if row == rows.BY_X:
-            values = tables.steepest_x
-        elif row == rows.BY_U:
-            values = tables.steepest_u
-        total = speed * speed * values[0] + abs(gravity) * values[3]
+        values = bounds[row]
+        total = speed * speed * values[0] + abs(one.gravity) * values[3]
         for k in range(len(stiffness)):
             total += abs(stiffness[k]) * (abs(preload[k]) * values[4 + 2 * k] + values[5 + 2 * k])
         sizes[row, 0], sizes[row, 1], sizes[row, 2] = total, speed * values[1], values[2]
         if len(values) == first + 3:
             sizes[row, 0] += values[first] + speed * values[first + 1]
             sizes[row, 1] += values[first + 2]
-    sizes[rows.BY_V, 0], sizes[rows.BY_V, 1] = speed * tables.largest[1], 2.0 * tables.largest[2]
-    if len(tables.largest) == first + 3:
-        sizes[rows.BY_V, 0] += tables.largest[first + 2]
+    largest = bounds[rows.BY_V]
+    sizes[rows.BY_V, 0], sizes[rows.BY_V, 1] = speed * largest[1], 2.0 * largest[2]
+    if len(largest) == first + 3:
+        sizes[rows.BY_V, 0] += largest[first + 2]
 
 
 @part

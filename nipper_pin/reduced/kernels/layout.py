@@ -1,10 +1,42 @@
-"""Layout of the arrays that compiled code reads and writes, and its status codes."""
+"""Layout of the arrays that compiled code reads and writes, and its status codes.
+
+Stretches on which the clamping stop is closed: ENDED_BY is the kind of the event that ends one,
+REST where it goes on in the next chart; the errors are those of its ends [rad].
+
+Ends of turns: chart and travel of the last rest's end (-1 without one), then chart, gap and its
+rate, and bounds on the errors of both.
+
+Operators: integrals at nodes (ONCE, TWICE) and at probes, Chebyshev coefficients (VALUE, INTEGRAL,
+DOUBLE); REFINE from the coarser grid; SIGMA holds the nodes, then the probes.
+
+Scratch: values at the nodes, and the coefficients of the panel's motion. A block of the same rows
+follows for every panel that is kept; see the module that keeps them.
+
+Numbers of a chart: SCALE takes x - low to [0, 2]; SPAN is the length of all cells, those of the
+padding included; BEGIN is the travel from the start of the turn to u = 0. Where another stop takes
+over at the end: ARRIVE, the derivative by u of its gap there, negative, THROW, the rate of x by
+that of this gap, and CORNER_ERROR, the bound on the error of the end itself [rad]; zeros where it
+is the same stop. A case on it has the speed, too.
+
+Places of a chart: its stop, the chart that follows where it ends, and from OTHERS on the other
+stops.
+
+Bounds of a case: sums that bound the error of x'' and its derivatives by x, travel and rate, with
+the powers of the rate in the columns. Those of the functions of a chart, likewise: their errors,
+largest derivatives by x and by u, and largest values.
+
+Memory of a motion: number of bounces of a series, when it began, and its fastest rebound; the
+collision whose rebound is under way (-1 without one), how high and long that has been, and the
+errors of both; the error of the travel of the last rest, and whether bounces that are not computed
+come before it; its chart and the travel of its end.
+"""
 
 from __future__ import annotations
 
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...arrays import FloatArray
 
@@ -15,61 +47,100 @@ def numbered(count: int, first: int = 0) -> Any:
 
 
 ZERO: int = numbered(1)[0]
-NO: Any = np.bool_(False)
-# Status of a case.
+# Status of a case; GOES_ON while it is followed.
 (
-    AT_REST, LEFT_TRAVEL, LEFT_GAP, OTHER_STOP, NOT_PRESSED, TOO_MANY, UNRESOLVED, UNTOLD, JAM,
-    OFF_ROWS,
-) = numbered(10)  # fmt: skip
-# Rows of the table of collisions.
+    GOES_ON, AT_REST, LEFT_TRAVEL, LEFT_GAP, OTHER_STOP, NOT_PRESSED, TOO_MANY, UNRESOLVED, UNTOLD,
+    JAM, OFF_ROWS,
+) = numbered(11, -1)  # fmt: skip
+# Kinds of events.
+COLLISION, REST, RELEASE = numbered(3)
+# Columns of the table of events. In that of a transition the travel is told as the angle psi.
 (
-    TIME, ANGLE, APPROACH, SEPARATION, IMPULSE, ENERGY, AMPLITUDE, REBOUND,
-    TIME_ERROR, RATE_ERROR, IMPULSE_ERROR, AMPLITUDE_ERROR, REBOUND_ERROR,
-) = numbered(13)  # fmt: skip
-COLUMNS = 13
-LEVELS = (4, 7, 13, 25)
+    KIND, STOP, TIME, TRAVEL, APPROACH, SEPARATION, IMPULSE, ENERGY, AMPLITUDE, REBOUND,
+    TIME_ERROR, RATE_ERROR, IMPULSE_ERROR, ENERGY_ERROR, AMPLITUDE_ERROR, REBOUND_ERROR,
+) = numbered(16)  # fmt: skip
+ANGLE = TRAVEL
+COLUMNS = 16
+# Columns of the stretches on which the clamping stop is closed.
+HOLD_TURN, HOLD_CHART, HOLD_BEGIN, HOLD_END, ENDED_BY, HOLD_BEGIN_ERROR, HOLD_END_ERROR = range(7)
+HOLD_COLUMNS = 7
+# Quantities of a turn; travels are counted from its start. For each stop a few more follow.
+(
+    CLOSED_AT, RESTS_AT, LOST_AT, OPENED_AT, CLAMPED, LEAST_FORCE, MOST_FORCE, FORCE_ERROR,
+    LARGEST_GAP, GAP_ERROR, LOST_ENERGY, CLOSED_ERROR, RESTS_ERROR, LOST_ERROR, OPENED_ERROR,
+    CLAMPED_ERROR, LOSS_ERROR, LEAST_ERROR, LARGEST_ERROR,
+) = range(19)  # fmt: skip
+TURN_NUMBERS = 19
+COUNT, IMPULSE_SUM, IMPULSE_MOST, SUM_ERROR, MOST_ERROR = range(5)
+PER_STOP = 5
+# Columns of the ends of turns.
+END_COLUMNS = 7
 
-# Operators on nodal values: integrals at nodes (ONCE, TWICE) and probes, Chebyshev coefficients
-# (VALUE, INTEGRAL, DOUBLE); REFINE from the coarser grid; SIGMA holds the nodes, then the probes.
+LEVELS = (4, 7, 13, 25)
+# Operators on nodal values.
 (
     ONCE, TWICE, VALUE, INTEGRAL, DOUBLE, REFINE, PROBE, PROBE_ONCE, PROBE_TWICE, SIGMA,
 ) = numbered(10)  # fmt: skip
 PROBES = 3
-# Rows of the scratch array: values at the nodes, and the coefficients of the panel's motion. A
-# block of the same rows follows for every panel that is kept; see the module that keeps them.
+# Rows of the scratch array.
 NODE_A, NODE_NEW, NODE_X, NODE_V, SERIES, SERIES_ONCE, SERIES_TWICE, GROWTH, KEPT = numbered(9)
 SCRATCH_ROWS = 9
-# Numbers of a case and its domain. `SCALE` takes x - low to [0, 2]; `SPAN` is the length of all
-# cells, also beyond the end; `TRACED` is 1 where long flights tell how errors grow along them.
-SPEED, TRAVEL_MOST, LOW, HIGH, SCALE, SPAN, TRACED = numbered(7)
-CASE_NUMBERS = 7
+# Numbers of a chart, and of a case on it.
+(
+    SPEED, TRAVEL_MOST, LOW, HIGH, SCALE, SPAN, BEGIN, ARRIVE, ARRIVE_ERROR, THROW, CORNER_ERROR,
+    INERTIA_ERROR,
+) = numbered(12)  # fmt: skip
+CASE_NUMBERS = 12
+# Places of a chart.
+OWN, AFTER, OTHERS = numbered(3)
 # Whether the machine arrives in its initial phase at the touch.
 NOT_ASKED, UNKNOWN, FAILS, HOLDS = numbered(4, -2)
-# Rows of the sums that bound the error of x'' and its derivatives by x, travel and rate; columns
-# are the powers of the rate.
+# Bounds of a case, and of the functions of a chart.
 RESIDUAL, BY_X, BY_U, BY_V = numbered(4)
 SIZES = 4
+# What is remembered of a motion.
+(
+    BOUNCES, ORIGIN, FASTEST, LAST, RISEN, RISEN_ERROR, FLOWN, FLOWN_ERROR, UNSURE, SETTLED,
+    REST_CHART, REST_END,
+) = numbered(12)  # fmt: skip
+MEMORY = 12
+# What was written of a motion.
+EVENTS, STRETCHES, TURNS = numbered(3)
+COUNTS = 3
 
 
-class Tables(NamedTuple):
-    """Arrays of a reduced model; see :class:`nipper_pin.reduced.model.ReducedModel`."""
+class Charts(NamedTuple):
+    """Functions around the stretches of a turn along which a stop can be closed.
+
+    A chart has the gap x of its stop as coordinate, and travels u from its begin; all charts have
+    the same numbers of cells and coefficients, padded by zeros. C charts, K stops, S = K - 1. The
+    domain of a transition is one chart.
+
+    Attributes:
+        equation: Functions in x'', shape (C, 4 + 2 springs, cells, Nu, Nx).
+        gaps: Gaps of the other stops, then their derivatives by x, then those by u,
+            shape (C, 3 S, cells, Nu, Nx).
+        inertia: Effective inertia at x = 0, shape (C, cells, Nu).
+        bounds: Of the functions: of their errors, largest derivatives by x and by u, and largest
+            values, shape (C, SIZES, functions).
+        gap_bounds: Of the errors of the gaps and their derivatives, shape (C, 3 S).
+        numbers: Shape (C, CASE_NUMBERS).
+        on_rows: Largest x up to which springs are on the rows of their tables, negative where they
+            leave them with the stop closed, by equal parts of the span, shape (C, parts); none of a
+            machine without tables.
+        stops: Places of a chart, shape (C, 2 + S).
+        lever: Rate of the normal gap by that of the coordinate, shape (K,) [m/rad or 1].
+    """
 
     equation: FloatArray
     gaps: FloatArray
     inertia: FloatArray
-    residual: FloatArray
-    largest: FloatArray
-    steepest_x: FloatArray
-    steepest_u: FloatArray
-    travel: float
-    low: float
-    high: float
-    inertia_residual: float
-    approach: float = 0.0
-    approach_residual: float = 0.0
-    touch_angle: float = 0.0
-    sense: float = 1.0
-    lever: float = 1.0
+    bounds: FloatArray
+    gap_bounds: FloatArray
+    numbers: FloatArray
+    on_rows: FloatArray
+    stops: NDArray[np.int64]
+    lever: FloatArray
 
 
 class Cases(NamedTuple):
@@ -77,7 +148,7 @@ class Cases(NamedTuple):
 
     Attributes:
         speed: Cylinder speeds, shape (n,) [rad/s].
-        restitution: e_N of the transition stop, shape (n,); of turns those of all stops, (n, K).
+        restitution: e_N of all stops, shape (n, K).
         stiffness: Spring rates, shape (n, springs).
         preload: Deflections in the springs at zero, likewise.
         gravity: By the gravity of the model, shape (n,).
@@ -90,6 +161,16 @@ class Cases(NamedTuple):
     gravity: FloatArray
 
 
+class Case(NamedTuple):
+    """Numbers of one of them."""
+
+    speed: float
+    restitution: FloatArray
+    stiffness: FloatArray
+    preload: FloatArray
+    gravity: float
+
+
 class Settings(NamedTuple):
     """What all cases of a call share: threshold of rest, 0 for the limit, and relative accuracy."""
 
@@ -97,20 +178,28 @@ class Settings(NamedTuple):
     tolerance: float
 
 
-class Start(NamedTuple):
-    """First collision of a transition.
+class Motion(NamedTuple):
+    """State of a machine of one degree of freedom.
 
     Attributes:
-        travel: Travel of the cylinder from the touch configuration [rad].
-        late: Bound on the error of its time [s].
-        rate: Rate of x before it, negative.
-        rate_error: Bound on the error of that.
+        chart: The chart.
+        u: Travel in it [rad].
+        t: Time [s].
+        x: Gap of its stop.
+        v: Its rate.
+        dt: Bound on the error of the time [s].
+        dx: Bound on the error of the gap.
+        dv: Bound on that of the rate.
     """
 
-    travel: float
-    late: float
-    rate: float
-    rate_error: float
+    chart: int
+    u: float
+    t: float
+    x: float
+    v: float
+    dt: float
+    dx: float
+    dv: float
 
 
 class Turn(NamedTuple):
@@ -139,25 +228,46 @@ class Turn(NamedTuple):
     touch_errors: FloatArray
 
 
-class Work(NamedTuple):
-    """Scratch arrays of one call, made in it: no two threads share them.
+class Records(NamedTuple):
+    """What a run writes.
 
     Attributes:
-        case: Numbers of the case, shape (CASE_NUMBERS,).
-        mixed: Functions combined for the case, shape (cells, Nu, (3 + other stops) Nx): terms of
-            x'' without x', with it, with its square, then the gaps.
-        poly: The same as polynomials in x at the nodes, shape (N + 1, (3 + other stops) Nx); the
-            last row is for single points.
-        nodes: Shape (SCRATCH_ROWS, N + 2).
+        events: Shape (most, COLUMNS).
+        holds: Stretches on which the clamping stop is closed, shape (most, HOLD_COLUMNS).
+        ends: Of the start and of each turn, shape (turns + 1, END_COLUMNS).
+        counts: Events, stretches and turns that were written, shape (COUNTS,).
+    """
+
+    events: FloatArray
+    holds: FloatArray
+    ends: FloatArray
+    counts: NDArray[np.int64]
+
+
+class Work(NamedTuple):
+    """Scratch arrays of a call, made in it: no two threads share them.
+
+    Attributes:
+        case: Numbers of the case, shape (C, CASE_NUMBERS).
+        mixed: Functions combined for the case when a chart is first visited, shape
+            (C, cells, Nu, (3 + S) Nx): terms of x'' without x', with it, with its square, then the
+            gaps.
+        sizes: Bounds of the case as polynomials of the rate, shape (C, SIZES, 3).
+        line: x'' along x = 0 at rest, shape (C, cells, Nu).
+        ready: Whether a chart was visited, shape (C,).
+        poly: A chart as polynomials in x at the nodes, shape (N + 1, (3 + S) Nx); the last row is
+            for single points.
+        nodes: Shape (SCRATCH_ROWS, N + 2), and the panels that are kept.
         series: Times and rates of the bounces, and scratch, shape (3, collisions).
-        sizes: Bounds of the case as polynomials of the rate, shape (SIZES, 3).
-        line: A function along a stop, combined for the case, shape (cells, N).
+        memory: What is remembered of the motion, shape (MEMORY,).
     """
 
     case: FloatArray
     mixed: FloatArray
+    sizes: FloatArray
+    line: FloatArray
+    ready: NDArray[np.bool_]
     poly: FloatArray
     nodes: FloatArray
     series: FloatArray
-    sizes: FloatArray
-    line: FloatArray
+    memory: FloatArray

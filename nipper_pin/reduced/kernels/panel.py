@@ -17,38 +17,42 @@ from ...tolerances.mechanics import EPS
 from ...tolerances.reduced import COARSE_SWEEP, DEFECT_EFFECT
 from . import layout as rows
 from .compiled import part
-from .layout import Tables
+from .layout import Case
 
 # Panels end this much beyond the zero of x that is expected.
 OVERSHOOT = 1.01
 
 
 @part
-def mix(tables: Tables, mixed: FloatArray, speed: float, gravity: float, stiffness: FloatArray,
-         preload: FloatArray) -> None:  # fmt: skip
-    """Combine the functions for the parameters of the case."""
-    f, gaps = tables.equation, tables.gaps
+def mix(f: FloatArray, gaps: FloatArray, mixed: FloatArray, one: Case) -> None:
+    """Combine the functions of a chart for the parameters of a case.
+
+    Args:
+        f: Functions in x'', shape (functions, cells, Nu, Nx).
+        gaps: Gaps of the other stops and their derivatives, shape (3 S, cells, Nu, Nx).
+        mixed: Written, shape (cells, Nu, (3 + S) Nx).
+    """
+    speed, stiffness, preload = one.speed, one.stiffness, one.preload
     cells, count_u, count_x = f.shape[1], f.shape[2], f.shape[3]
     for cell in range(cells):
         for i in range(count_u):
+            row = mixed[cell, i]
             for m in range(count_x):
-                mixed[cell, i, m] = speed * speed * f[0, cell, i, m] + gravity * f[3, cell, i, m]
-                mixed[cell, i, count_x + m] = speed * f[1, cell, i, m]
-                mixed[cell, i, 2 * count_x + m] = f[2, cell, i, m]
+                row[m] = speed * speed * f[0, cell, i, m] + one.gravity * f[3, cell, i, m]
+                row[count_x + m] = speed * f[1, cell, i, m]
+                row[2 * count_x + m] = f[2, cell, i, m]
             for k in range(len(stiffness)):
                 rate, unit = stiffness[k], stiffness[k] * preload[k]
                 for m in range(count_x):
-                    mixed[cell, i, m] += (
-                        unit * f[4 + 2 * k, cell, i, m] + rate * f[5 + 2 * k, cell, i, m]
-                    )
+                    row[m] += unit * f[4 + 2 * k, cell, i, m] + rate * f[5 + 2 * k, cell, i, m]
             if f.shape[0] == 7 + 2 * len(stiffness):
                 first = 4 + 2 * len(stiffness)
                 for m in range(count_x):
-                    mixed[cell, i, m] += f[first, cell, i, m] + speed * f[first + 1, cell, i, m]
-                    mixed[cell, i, count_x + m] += f[first + 2, cell, i, m]
-            for stop in range(gaps.shape[0]):
+                    row[m] += f[first, cell, i, m] + speed * f[first + 1, cell, i, m]
+                    row[count_x + m] += f[first + 2, cell, i, m]
+            for stop in range(len(gaps) // 3):
                 for m in range(count_x):
-                    mixed[cell, i, (3 + stop) * count_x + m] = gaps[stop, cell, i, m]
+                    row[(3 + stop) * count_x + m] = gaps[stop, cell, i, m]
 
 
 @part

@@ -6,8 +6,9 @@ from math import inf, pi
 
 from ...arrays import FloatArray
 from ...tolerances.reduced import SAME_TURN
+from . import layout as rows
 from .compiled import part
-from .turn_layout import Begin, Charts
+from .layout import Charts, Motion
 
 _TURN = 2.0 * pi
 # Longest period that is looked for [turns].
@@ -15,28 +16,32 @@ _MOST_PERIOD = 64
 
 
 @part
-def mark(ends: FloatArray, turn: int, rest: tuple[float, float],
-         state: tuple[int, float, float, float, float]) -> None:  # fmt: skip
+def mark(ends: FloatArray, turn: int, rest: tuple[float, float], at: Motion) -> None:
     """Write the end of a turn.
 
     Args:
         ends: Ends of turns, shape (turns + 1, END_COLUMNS).
         turn: Turns that are over.
         rest: Chart and travel of the end of the last rest; -1 without one, and infinity at rest.
-        state: Chart, gap, its rate, and bounds on the errors of both.
+        at: The state, with errors of gap and rate.
     """
     row = ends[turn]
     row[0], row[1] = rest
-    row[2], row[3], row[4], row[5], row[6] = state
+    row[2], row[3], row[4], row[5], row[6] = at.chart, at.x, at.v, at.dx, at.dv
 
 
 @part
-def begin_at(ends: FloatArray, turn: int) -> tuple[bool, Begin]:
-    """How the turn after ``turn`` others begins; False at a collision in that very instant."""
+def begin_at(ends: FloatArray, turn: int) -> tuple[bool, bool, Motion]:
+    """How the turn after ``turn`` others begins.
+
+    Returns:
+        Whether that is known, which it is not at a collision in that very instant; whether the
+        chart's stop is closed; and the state.
+    """
     row = ends[turn]
     resting = row[0] >= 0.0 and row[1] == inf
-    begin = int(row[2]), row[3], row[4], resting, row[5], row[6]
-    return resting or row[3] != 0.0, begin
+    at = Motion(int(row[2]), 0.0, 0.0, row[3], row[4], 0.0, row[5], row[6])
+    return resting or row[3] != 0.0, resting, at
 
 
 @part
@@ -56,7 +61,7 @@ def repeats(charts: Charts, ends: FloatArray, turn: int) -> int:
                 return back
             continue
         c = int(now[2])
-        wide = charts.high[c] - charts.low[c]
+        wide = charts.numbers[c, rows.HIGH] - charts.numbers[c, rows.LOW]
         fast = max(abs(now[4]), abs(then[4]))
         if abs(now[3] - then[3]) <= SAME_TURN * wide and abs(now[4] - then[4]) <= SAME_TURN * fast:
             return back

@@ -1,8 +1,9 @@
-"""Whole turns of the reduced model, compiled: phases, flights, collisions, rests and releases."""
+"""Motions of a machine from event to event, compiled: flights, bounces, rests and changes of stops.
+
+A transition is a turn that begins with the collision at the touch and ends with the first rest.
+"""
 
 from __future__ import annotations
-
-from math import pi
 
 import numpy as np
 
@@ -10,246 +11,271 @@ from ...arrays import FloatArray
 from ...tolerances.mechanics import EPS
 from ...tolerances.reduced import LIMIT_ERROR_SAFETY
 from . import layout as rows
-from . import turn_layout as columns
 from .arrival_check import released
 from .compiled import part
 from .flight import describe, flight, full, keep_rest, kept
 from .flight_errors import flight_errors
-from .layout import Cases, Settings
+from .layout import Case, Charts, Motion, Records, Settings, Work, numbered
 from .panel import acceleration, contract
 from .repeats import mark, repeats
 from .series import settles
 from .turn_charts import chart_at, off_rows, off_rows_at, other_of, seen_by, surface, visit
-from .turn_events import collide, errors_after, note, release_error
-from .turn_layout import Begin, Charts, Records, TurnWork
+from .turn_events import TURN, errors_after, note, rebounded, release_error, strike
 
-_TURN = 2.0 * pi
+# What a machine does next: its stop is closed, is about to be struck, has just been struck, is
+# open; or its chart has ended, with the stop closed or open.
+RESTING, STRIKING, STRUCK, FLYING, ENDED_CLOSED, ENDED_OPEN = numbered(6)
 
 
 @part
-def follow(grids: FloatArray, charts: Charts, work: TurnWork, cases: Cases, case_number: int,
-           settings: Settings, turns: int, begin: Begin, clamp: int, records: Records,
-           ) -> tuple[int, int, int, int, int]:  # fmt: skip
-    """Follow whole turns of one case from event to event.
+def follow(grids: FloatArray, charts: Charts, work: Work, one: Case, settings: Settings, turns: int,
+           phase: int, at: Motion, clamp: int, records: Records) -> tuple[int, int]:  # fmt: skip
+    """Follow a motion from event to event.
 
     Args:
         charts: The functions of the machine.
-        turns: Number of turns.
-        begin: Chart, gap, its rate, whether its stop is closed, and errors of gap and rate.
+        turns: Number of turns; zero: up to the first rest, with the rebound before it.
+        phase: What the machine does at first.
+        at: Its state there.
         clamp: Place of the clamping stop among the stops.
         records: Written.
 
     Returns:
-        Status, numbers of events, stretches and turns, and the number of turns after which the last
-        one repeats an earlier one; 0 if it does not.
+        Status, and the number of turns after which the last one repeats an earlier one; 0 if it
+        does not.
     """
-    speed, restitution = cases.speed[case_number], cases.restitution[case_number]
-    stiffness, preload = cases.stiffness[case_number], cases.preload[case_number]
-    gravity, (rest_rate, tolerance) = cases.gravity[case_number], settings
-    events, holds, ends = records
     work.ready[:] = False
-    row = work.poly.shape[0] - 1
-    degree = charts.equation.shape[4]
-    smallest = tolerance ** (1.0 / 3.0)
-    most = work.series.shape[1]
-    c, x, v, resting, dx, dw = begin
-    u = t = dt = origin = fastest_rebound = unsure = 0.0
-    risen = unsure_top = 0.0
-    n = turn = bounces = hold = rows.ZERO
-    last = -1
-    touching = free = settled = rows.NO
-    rest_chart, rest_end = -1.0, 0.0
-    mark(ends, rows.ZERO, (float(c) if resting else -1.0, np.inf), (c, x, v, dx, dw))
-    while True:
-        visit(charts, work, c, speed, gravity, stiffness, preload)
-        case, sizes = work.case[c], work.sizes[c]
-        travel, span, stop = charts.travel[c], charts.span[c], charts.stop[c]
-        at_end = False
-        # A release and the collision after it are written in one pass.
-        if n + 2 > len(events) or hold == len(holds) or full(work.nodes):
-            return rows.TOO_MANY, n, hold, turn, 0
-        if resting:
-            place = released(work.line[c], span, u, travel)
-            if place < 0.0:
-                return rows.UNTOLD, n, hold, turn, 0
-            at_end = place > travel
-            if off_rows(charts, c, u, min(place, travel), (0.0, 0.0), 0.0, 0.0):
-                return rows.OFF_ROWS, n, hold, turn, 0
-            if stop == clamp:
-                holds[hold, columns.HOLD_TURN], holds[hold, columns.HOLD_CHART] = turn, c
-                holds[hold, columns.HOLD_BEGIN] = u
-                holds[hold, columns.HOLD_END] = min(place, travel)
-                same = charts.stop[charts.after[c]] == stop
-                ended = columns.REST if same else columns.COLLISION
-                holds[hold, columns.ENDED_BY] = ended if at_end else columns.RELEASE
-                holds[hold, columns.HOLD_BEGIN_ERROR] = unsure
-                holds[hold, columns.HOLD_END_ERROR] = 0.0 if same else charts.corner_error[c]
-                if not at_end:
-                    freed = release_error(work.line[c], sizes, span, place)
-                    holds[hold, columns.HOLD_END_ERROR] = freed
-                hold += 1
-            late, since, unsure = dt, u, 0.0
-            u = travel if at_end else place
-            t = (_TURN * turn + charts.begin[c] + u) / speed
-            x = v = dx = dw = 0.0
-            dt = 4.0 * EPS * t
-            if not at_end:
-                dt += release_error(work.line[c], sizes, span, u) / speed
-            if work.nodes.shape[0] > rows.SCRATCH_ROWS:
-                keep_rest(work.nodes, c, since, u, speed, max(late, dt), settled)
-            settled = False
-            if not at_end:
-                note(events, n, columns.RELEASE, stop, t, _TURN * turn + charts.begin[c] + u, dt)
-                n += 1
-                rest_chart, rest_end = float(c), u
-                resting, free, touching, bounces, last = False, True, False, rows.ZERO, -1
-        elif x == 0.0 and not free:
-            contract(work.mixed[c], work.poly, row, span, u)
-            still = acceleration(case, work.poly, degree, 0.0, 0.0)
-            found, ahead, uncertain = v <= 0.0 and still < 0.0, 0.0, 0.0
-            if v > 0.0:
-                if bounces == 0:
-                    origin, fastest_rebound = t, 0.0
-                if bounces >= most:
-                    return rows.TOO_MANY, n, hold, turn, 0
-                fastest_rebound = max(fastest_rebound, v)
-                work.series[0, bounces], work.series[1, bounces] = t - origin, v
-                bounces += 1
-                found, ahead, uncertain = settles(
-                    case, work.poly, degree, sizes, work.series, bounces,
-                    v <= smallest * fastest_rebound, v, speed, restitution[stop], rest_rate,
-                    tolerance, still,
-                )  # fmt: skip
-            if found and u + speed * ahead < travel:
-                late = dt + LIMIT_ERROR_SAFETY * uncertain
-                late += abs(ahead) * (dw / v) if v > 0.0 else 0.0
-                if u + speed * (ahead + late) >= travel:
-                    return rows.UNTOLD, n, hold, turn, 0
-                t += ahead
-                u += speed * ahead
-                note(events, n, columns.REST, stop, t, _TURN * turn + charts.begin[c] + u, late)
-                n += 1
-                resting = settled = True
-                dt, unsure = late, speed * late + 4.0 * EPS * _TURN
-                continue
-        if not resting:
-            before = kept(work.nodes)
-            end, T, rate, top, peak, a, fastest, changed, left, gap, hit = flight(
-                grids, case, work.mixed[c], work.poly, work.nodes, degree, u, x, v, tolerance,
-                touching,
-            )  # fmt: skip
-            status = int(end)
-            touching = free = False
-            if off_rows(charts, c, u, u + speed * T, (x, gap), top, fastest / speed):
-                return rows.OFF_ROWS, n, hold, turn, 0
-            if status == rows.AT_REST:
-                duration, dv, height = flight_errors(
-                    sizes, speed, T, rate, a, peak, fastest, changed, left, dt, dw
-                )
-                if not np.isnan(work.nodes[rows.GROWTH, 0]):
-                    height, dv = errors_after(
-                        work.nodes, sizes, speed, T, fastest, changed, left, dt, dx, dw, a / rate
-                    )
-                    duration = height / abs(rate) + 4.0 * EPS * T
-                dx_most = max(dx, height, abs(rate) * duration)
-                dv_most = max(dw, dv + abs(a) * duration)
-                motion = speed, T, fastest, changed, left, dt
-                describe(
-                    work.nodes, before, c, sizes, motion, (max(dt, duration), dx_most, dv_most)
-                )
-                dt += duration
-                if last >= 0:
-                    risen, unsure_top = max(risen, top), max(unsure_top, height)
-                    events[last, columns.AMPLITUDE] = risen
-                    events[last, columns.AMPLITUDE_ERROR] = unsure_top + 4.0 * EPS * risen
-                risen = unsure_top = 0.0
-                t += T
-                u += speed * T
-                e_N = restitution[stop]
-                collide(charts, events, n, c, speed, e_N, turn, t, u, rate, dt, dv)
-                last = n
-                n += 1
-                x, v, dx, dw = 0.0, -e_N * rate, 0.0, e_N * dv
-                continue
-            if status == rows.OTHER_STOP:
-                x_before, v_before = dx, dw
-                dx, dv = errors_after(
-                    work.nodes, sizes, speed, T, fastest, changed, left, dt, dx, dw, 0.0
-                )
-                dx_most, dv_most = max(dx, x_before), max(dv, v_before)
-                motion = speed, T, fastest, changed, left, dt
-                describe(work.nodes, before, c, sizes, motion, (dt, dx_most, dv_most))
-                u += speed * T
-                t += T
-                s = int(hit)
-                _, closing, d_gap, d_rate = seen_by(charts, work, c, s, speed, u, gap, rate, dx, dv)
-                stop = charts.others[c, s]
-                to = chart_at(charts, stop, charts.begin[c] + u)
-                if to < 0 or closing >= 0.0:
-                    return rows.OTHER_STOP, n, hold, turn, 0
-                by_x = surface(charts.slopes[c], s, span, case, u, gap)
-                late = d_gap / -closing
-                dt += late
-                dv = d_rate + 2.0 * (abs(by_x * a) + speed * fastest) * late
-                u += charts.begin[c] - charts.begin[to]
-                c = to
-                visit(charts, work, c, speed, gravity, stiffness, preload)
-                e_N = restitution[stop]
-                collide(charts, events, n, c, speed, e_N, turn, t, u, closing, dt, dv)
-                last = n
-                n += 1
-                x, v, dx, dw, bounces = 0.0, -e_N * closing, 0.0, e_N * dv, 0
-                risen = unsure_top = 0.0
-                continue
-            if status == rows.LEFT_GAP and off_rows_at(charts, c, charts.high[c]):
-                return rows.OFF_ROWS, n, hold, turn, 0
-            if status != rows.LEFT_TRAVEL:
-                return status, n, hold, turn, 0
-            x_before, v_before = dx, dw
-            dx, dw = errors_after(
-                work.nodes, sizes, speed, T, fastest, changed, left, dt, dx, dw, 0.0
+    records.counts[:] = 0
+    work.memory[:] = 0.0
+    work.memory[rows.LAST] = work.memory[rows.REST_CHART] = -1.0
+    closed = float(at.chart) if phase == RESTING else -1.0
+    mark(records.ends, rows.ZERO, (closed, np.inf), at)
+    status = rows.GOES_ON
+    while status == rows.GOES_ON:
+        if _no_room(work, records):
+            return rows.TOO_MANY, rows.ZERO
+        visit(charts, work, at.chart, one)
+        if phase == RESTING:
+            status, phase, at = _rest(charts, work, one, clamp, records, at)
+        elif phase == STRIKING:
+            if turns == 0 and _settled(records):
+                return rows.AT_REST, rows.ZERO
+            phase, at = STRUCK, strike(charts, work, one, records, at)
+        elif phase == STRUCK:
+            status, phase, at = _bounce(charts, work, one, settings, turns == 0, records, at)
+        elif phase == FLYING:
+            status, phase, at = _fly(grids, charts, work, one, settings, records, at)
+        elif turns == 0:
+            return rows.LEFT_TRAVEL, rows.ZERO
+        else:
+            closed = phase == ENDED_CLOSED
+            status, phase, at = _take_over(charts, work, one, closed, turns, records, at)
+    again = repeats(charts, records.ends, records.counts[rows.TURNS])
+    return status, again if status == rows.AT_REST else rows.ZERO
+
+
+@part
+def _no_room(work: Work, records: Records) -> bool:
+    """Whether no event or stretch more can be written, or no panel kept."""
+    events, stretches = records.counts[rows.EVENTS], records.counts[rows.STRETCHES]
+    return events == len(records.events) or stretches == len(records.holds) or full(work.nodes)
+
+
+@part
+def _settled(records: Records) -> bool:
+    """Whether the last event is a rest."""
+    count = records.counts[rows.EVENTS]
+    return bool(count > 0 and records.events[count - 1, rows.KIND] == rows.REST)
+
+
+@part
+def _rest(charts: Charts, work: Work, one: Case, clamp: int, records: Records,
+          at: Motion) -> tuple[int, int, Motion]:  # fmt: skip
+    """Stay closed up to the end of the chart, or to where the force of the stop falls to zero."""
+    c, memory, line, number = at.chart, work.memory, work.line[at.chart], charts.numbers[at.chart]
+    travel, span, stop = number[rows.TRAVEL_MOST], number[rows.SPAN], charts.stops[c, rows.OWN]
+    place = released(line, span, at.u, travel)
+    if place < 0.0:
+        return rows.UNTOLD, RESTING, at
+    at_end = place > travel
+    u = travel if at_end else place
+    if off_rows(charts, c, at.u, u, (0.0, 0.0), 0.0, 0.0):
+        return rows.OFF_ROWS, RESTING, at
+    freed = 0.0 if at_end else release_error(line, work.sizes[c], span, u)
+    if stop == clamp:
+        _hold(charts, memory, records, at, u, at_end, freed)
+    gone = TURN * records.counts[rows.TURNS] + number[rows.BEGIN] + u
+    t = gone / one.speed
+    dt = 4.0 * EPS * t + freed / one.speed
+    bounced = memory[rows.SETTLED] > 0.0
+    keep_rest(work.nodes, c, at.u, u, one.speed, max(at.dt, dt), bounced)
+    memory[rows.SETTLED] = memory[rows.UNSURE] = 0.0
+    ended = Motion(c, u, t, 0.0, 0.0, dt, 0.0, 0.0)
+    if at_end:
+        return rows.GOES_ON, ENDED_CLOSED, ended
+    note(records, rows.RELEASE, stop, t, gone, dt)
+    memory[rows.REST_CHART], memory[rows.REST_END] = float(c), u
+    memory[rows.BOUNCES], memory[rows.LAST] = 0.0, -1.0
+    return rows.GOES_ON, FLYING, ended
+
+
+@part
+def _hold(charts: Charts, memory: FloatArray, records: Records, at: Motion, u: float, at_end: bool,
+          freed: float) -> None:  # fmt: skip
+    """Write a stretch on which the clamping stop was closed, up to a travel in the chart."""
+    c, counts = at.chart, records.counts
+    hold = records.holds[counts[rows.STRETCHES]]
+    same = charts.stops[charts.stops[c, rows.AFTER], rows.OWN] == charts.stops[c, rows.OWN]
+    hold[rows.HOLD_TURN], hold[rows.HOLD_CHART] = counts[rows.TURNS], c
+    hold[rows.HOLD_BEGIN], hold[rows.HOLD_END] = at.u, u
+    hold[rows.HOLD_BEGIN_ERROR] = memory[rows.UNSURE]
+    if at_end:
+        hold[rows.ENDED_BY] = rows.REST if same else rows.COLLISION
+        hold[rows.HOLD_END_ERROR] = 0.0 if same else charts.numbers[c, rows.CORNER_ERROR]
+    else:
+        hold[rows.ENDED_BY], hold[rows.HOLD_END_ERROR] = rows.RELEASE, freed
+    counts[rows.STRETCHES] += 1
+
+
+@part
+def _bounce(charts: Charts, work: Work, one: Case, settings: Settings, to_rest: bool,
+            records: Records, at: Motion) -> tuple[int, int, Motion]:  # fmt: skip
+    """Count a bounce, and come to rest where what is left of its series is known."""
+    c, memory, case, sizes = at.chart, work.memory, work.case[at.chart], work.sizes[at.chart]
+    degree, most, stop = charts.equation.shape[4], work.series.shape[1], charts.stops[c, rows.OWN]
+    contract(work.mixed[c], work.poly, work.poly.shape[0] - 1, case[rows.SPAN], at.u)
+    still = acceleration(case, work.poly, degree, 0.0, 0.0)
+    found, ahead, uncertain = at.v <= 0.0 and still < 0.0, 0.0, 0.0
+    if at.v > 0.0:
+        bounces = int(memory[rows.BOUNCES])
+        if bounces >= most:
+            return rows.TOO_MANY, STRUCK, at
+        if bounces == 0:
+            memory[rows.ORIGIN], memory[rows.FASTEST] = at.t, 0.0
+        fastest = max(memory[rows.FASTEST], at.v)
+        work.series[0, bounces], work.series[1, bounces] = at.t - memory[rows.ORIGIN], at.v
+        memory[rows.BOUNCES], memory[rows.FASTEST] = bounces + 1.0, fastest
+        late = at.v <= settings.tolerance ** (1.0 / 3.0) * fastest
+        found, ahead, uncertain = settles(
+            case, work.poly, degree, sizes, work.series, bounces + 1, late, at.v, one.speed,
+            one.restitution[stop], settings.rest_rate, settings.tolerance, still,
+        )  # fmt: skip
+    elif to_rest and not found:
+        return rows.NOT_PRESSED, STRUCK, at
+    u, travel = at.u + one.speed * ahead, case[rows.TRAVEL_MOST]
+    if not found or not (to_rest or u < travel):
+        return rows.GOES_ON, FLYING, at
+    dt = at.dt + LIMIT_ERROR_SAFETY * uncertain
+    # What is ahead is proportional to the rate that it starts with.
+    dt += abs(ahead) * (at.dv / at.v) if at.v > 0.0 else 0.0
+    if not to_rest and u + one.speed * dt >= travel:
+        return rows.UNTOLD, STRUCK, at
+    t, gone = at.t + ahead, TURN * records.counts[rows.TURNS] + charts.numbers[c, rows.BEGIN] + u
+    note(records, rows.REST, stop, t, gone, dt)
+    if to_rest:
+        # The rebound of the last collision is flown all the same.
+        return rows.GOES_ON if at.v > 0.0 else rows.AT_REST, FLYING, at
+    memory[rows.SETTLED], memory[rows.UNSURE] = 1.0, one.speed * dt + 4.0 * EPS * TURN
+    return rows.GOES_ON, RESTING, Motion(c, u, t, 0.0, 0.0, dt, 0.0, 0.0)
+
+
+@part
+def _fly(grids: FloatArray, charts: Charts, work: Work, one: Case, settings: Settings,
+         records: Records, at: Motion) -> tuple[int, int, Motion]:  # fmt: skip
+    """Fly to the next collision, with the own stop or another one, or to the end of the chart."""
+    c, speed, memory, before = at.chart, one.speed, work.memory, kept(work.nodes)
+    case, sizes, nodes = work.case[c], work.sizes[c], work.nodes
+    end, T, rate, top, peak, a, fastest, changed, left, gap, hit = flight(
+        grids, case, work.mixed[c], work.poly, nodes, charts.equation.shape[4], at.u, at.x, at.v,
+        settings.tolerance, at.u == 0.0 and at.x == 0.0,
+    )  # fmt: skip
+    status, u, t = int(end), at.u + speed * T, at.t + T
+    if off_rows(charts, c, at.u, u, (at.x, gap), top, fastest / speed):
+        return rows.OFF_ROWS, FLYING, at
+    if status == rows.LEFT_GAP and off_rows_at(charts, c, case[rows.HIGH]):
+        return rows.OFF_ROWS, FLYING, at
+    motion = speed, T, fastest, changed, left, at.dt
+    if status == rows.AT_REST:
+        late, dv, wrong = flight_errors(
+            sizes, speed, T, rate, a, peak, fastest, changed, left, at.dt, at.dv
+        )
+        if not np.isnan(nodes[rows.GROWTH, 0]):
+            wrong, dv = errors_after(
+                nodes, sizes, speed, T, fastest, changed, left, at.dt, at.dx, at.dv, a / rate
             )
-            dx_most, dv_most = max(dx, x_before), max(dw, v_before)
-            motion = speed, T, fastest, changed, left, dt
-            describe(work.nodes, before, c, sizes, motion, (dt, dx_most, dv_most))
-            risen, unsure_top = max(risen, top), max(unsure_top, dx_most)
-            dx, dw = dx + fastest * dt, dw + abs(a) * dt
-            x, v, u, dt = gap, rate, travel, 0.0
-        # The end of the arc.
-        to = charts.after[c]
-        ahead_of = charts.stop[to]
-        throw, approach, wrong = charts.throw[c], charts.arrive[c], charts.arrive_residual[c]
-        if not resting and ahead_of != stop:
-            s = other_of(charts, c, ahead_of)
-            x, v, dx, dw = seen_by(charts, work, c, s, speed, u, x, v, dx, dw)
-            bounces, last = 0, -1
-            if x <= 0.0:
-                return rows.UNRESOLVED, n, hold, turn, 0
-        if resting and ahead_of != stop:
-            rest_chart, rest_end = float(c), u
-        if charts.begin[to] == 0.0:
-            turn += 1
-            if resting and ahead_of == stop:
-                rest_chart, rest_end = float(to), np.inf
-            mark(ends, turn, (rest_chart, rest_end), (to, x, v, dx, dw))
-            rest_chart = -1.0
-            again = repeats(charts, ends, turn)
-            if turn == turns or again > 0:
-                return rows.AT_REST, n, hold, turn, again
-        if resting and ahead_of != stop:
-            if throw <= 0.0:
-                return rows.JAM, n, hold, turn, 0
-            e_N = restitution[ahead_of]
-            t = (_TURN * turn + charts.begin[to]) / speed
-            v = approach * speed
-            visit(charts, work, to, speed, gravity, stiffness, preload)
-            dt = 4.0 * EPS * t + charts.corner_error[c] / speed
-            collide(charts, events, n, to, speed, e_N, turn, t, 0.0, v, dt, wrong * speed)
-            last = n
-            n += 1
-            x, v, dx, dw = 0.0, -e_N * v, 0.0, e_N * wrong * speed
-            resting, touching, bounces = False, True, 0
-            risen = unsure_top = 0.0
-        if not resting:
-            t = (_TURN * turn + charts.begin[to]) / speed
-        c, u = to, 0.0
+            late = wrong / abs(rate) + 4.0 * EPS * T
+        dx_most, dv_most = max(at.dx, wrong, abs(rate) * late), max(at.dv, dv + abs(a) * late)
+        describe(nodes, before, c, sizes, motion, (max(at.dt, late), dx_most, dv_most))
+        rebounded(records.events, memory, T, top, late, wrong)
+        return rows.GOES_ON, STRIKING, Motion(c, u, t, 0.0, rate, at.dt + late, 0.0, dv)
+    if status != rows.OTHER_STOP and status != rows.LEFT_TRAVEL:
+        return status, FLYING, at
+    dx, dv = errors_after(nodes, sizes, speed, T, fastest, changed, left, at.dt, at.dx, at.dv, 0.0)
+    describe(nodes, before, c, sizes, motion, (at.dt, max(at.dx, dx), max(at.dv, dv)))
+    if status == rows.OTHER_STOP:
+        ended = Motion(c, u, t, gap, rate, at.dt, dx, dv)
+        return _meet(charts, work, one, int(hit), fastest, a, ended)
+    memory[rows.RISEN] = max(memory[rows.RISEN], top)
+    memory[rows.RISEN_ERROR] = max(memory[rows.RISEN_ERROR], dx, at.dx)
+    memory[rows.FLOWN] += T
+    memory[rows.FLOWN_ERROR] += at.dt
+    ended = Motion(c, u, t, gap, rate, 0.0, dx + fastest * at.dt, dv + abs(a) * at.dt)
+    return rows.GOES_ON, ENDED_OPEN, ended
+
+
+@part
+def _meet(charts: Charts, work: Work, one: Case, s: int, fastest: float, a: float,
+          at: Motion) -> tuple[int, int, Motion]:  # fmt: skip
+    """Go over to the chart of another stop that closes in a flight."""
+    c, gaps, case, begin = at.chart, charts.gaps[at.chart], work.case[at.chart], charts.numbers
+    _, closing, d_gap, d_rate = seen_by(
+        charts, work, c, s, one.speed, at.u, at.x, at.v, at.dx, at.dv
+    )
+    to = chart_at(charts, charts.stops[c, rows.OTHERS + s], begin[c, rows.BEGIN] + at.u)
+    if to < 0 or closing >= 0.0:
+        return rows.OTHER_STOP, FLYING, at
+    by_x = surface(gaps, len(gaps) // 3 + s, case, at.u, at.x)
+    late = d_gap / -closing
+    dv = d_rate + 2.0 * (abs(by_x * a) + one.speed * fastest) * late
+    u = at.u + (begin[c, rows.BEGIN] - begin[to, rows.BEGIN])
+    work.memory[rows.BOUNCES] = 0.0
+    return rows.GOES_ON, STRIKING, Motion(to, u, at.t, 0.0, closing, at.dt + late, 0.0, dv)
+
+
+@part
+def _take_over(charts: Charts, work: Work, one: Case, closed: bool, turns: int, records: Records,
+               at: Motion) -> tuple[int, int, Motion]:  # fmt: skip
+    """Go on in the chart that follows, where another stop may throw the closed one open."""
+    c, memory, counts, number = at.chart, work.memory, records.counts, charts.numbers[at.chart]
+    to = charts.stops[c, rows.AFTER]
+    same = charts.stops[to, rows.OWN] == charts.stops[c, rows.OWN]
+    x, v, dx, dv = at.x, at.v, at.dx, at.dv
+    if not closed and not same:
+        s = other_of(charts, c, charts.stops[to, rows.OWN])
+        x, v, dx, dv = seen_by(charts, work, c, s, one.speed, at.u, x, v, dx, dv)
+        memory[rows.BOUNCES], memory[rows.LAST] = 0.0, -1.0
+        if x <= 0.0:
+            return rows.UNRESOLVED, FLYING, at
+    if closed and not same:
+        memory[rows.REST_CHART], memory[rows.REST_END] = float(c), at.u
+    begin = charts.numbers[to, rows.BEGIN]
+    counts[rows.TURNS] += 1 if begin == 0.0 else 0
+    t = (TURN * counts[rows.TURNS] + begin) / one.speed
+    over = Motion(to, 0.0, t, x, v, at.dt, dx, dv)
+    if begin == 0.0:
+        if closed and same:
+            memory[rows.REST_CHART], memory[rows.REST_END] = float(to), np.inf
+        rest = memory[rows.REST_CHART], memory[rows.REST_END]
+        mark(records.ends, counts[rows.TURNS], rest, over)
+        memory[rows.REST_CHART] = -1.0
+        done = counts[rows.TURNS]
+        if done == turns or repeats(charts, records.ends, done) > 0:
+            return rows.AT_REST, FLYING, over
+    if closed and not same:
+        if number[rows.THROW] <= 0.0:
+            return rows.JAM, FLYING, over
+        memory[rows.BOUNCES] = 0.0
+        dt = 4.0 * EPS * t + number[rows.CORNER_ERROR] / one.speed
+        v, dv = number[rows.ARRIVE] * one.speed, number[rows.ARRIVE_ERROR] * one.speed
+        return rows.GOES_ON, STRIKING, Motion(to, 0.0, t, 0.0, v, dt, 0.0, dv)
+    return rows.GOES_ON, RESTING if closed else FLYING, over

@@ -1,38 +1,59 @@
-"""Charts of a turn, combined for a case and evaluated, compiled."""
+"""Charts of a machine, combined for a case and evaluated, compiled."""
 
 from __future__ import annotations
 
+import numpy as np
+
 from ...arrays import FloatArray
 from . import layout as rows
-from .arrival_check import prepare
-from .compiled import part
-from .layout import Tables, Work
-from .panel import cell_at
-from .turn_layout import Charts, TurnWork
+from .compiled import compiled, part
+from .flight_errors import sizes_of
+from .layout import Case, Cases, Charts, Work
+from .panel import cell_at, mix
 
 
-@part
-def tables_of(charts: Charts, c: int) -> Tables:
-    """One chart as a reduced model."""
-    return Tables(
-        charts.equation[c], charts.gaps[c], charts.inertia[c], charts.residual[c],
-        charts.largest[c], charts.steepest_x[c], charts.steepest_u[c], charts.travel[c],
-        charts.low[c], charts.high[c], charts.inertia_residual[c], 0.0, 0.0, 0.0, 1.0, 1.0,
+@compiled
+def scratch(charts: Charts, most: int, panels: int) -> Work:
+    """Scratch arrays.
+
+    Args:
+        most: Largest number of collisions of a series.
+        panels: Panels of the motion that are kept.
+    """
+    count, _, cells, count_u, count_x = charts.equation.shape
+    size = (3 + charts.gaps.shape[1] // 3) * count_x
+    finest = rows.LEVELS[-1]
+    return Work(
+        np.zeros((count, rows.CASE_NUMBERS)), np.zeros((count, cells, count_u, size)),
+        np.zeros((count, rows.SIZES, 3)), np.zeros((count, cells, count_u)),
+        np.zeros(count, dtype=np.bool_), np.zeros((finest + 1, size)),
+        np.zeros((rows.SCRATCH_ROWS * (1 + panels), finest + 2)), np.zeros((3, most)),
+        np.zeros(rows.MEMORY),
     )  # fmt: skip
 
 
 @part
-def visit(charts: Charts, work: TurnWork, c: int, speed: float, gravity: float,
-          stiffness: FloatArray, preload: FloatArray) -> None:  # fmt: skip
+def case_of(cases: Cases, i: int) -> Case:
+    """One of the cases."""
+    return Case(
+        cases.speed[i], cases.restitution[i], cases.stiffness[i], cases.preload[i],
+        cases.gravity[i],
+    )  # fmt: skip
+
+
+@part
+def visit(charts: Charts, work: Work, c: int, one: Case) -> None:
     """Combine a chart for the case when it is first visited."""
     if work.ready[c]:
         return
-    mixed = work.mixed[c]
-    one = Work(work.case[c], mixed, work.poly, work.nodes, work.series, work.sizes[c], work.line[c])
-    prepare(tables_of(charts, c), one, speed, gravity, stiffness, preload)
-    work.case[c, rows.SPAN], work.case[c, rows.TRACED] = charts.span[c], 1.0
+    mixed, case = work.mixed[c], work.case[c]
+    for number in range(rows.CASE_NUMBERS):
+        case[number] = charts.numbers[c, number]
+    case[rows.SPEED] = one.speed
+    mix(charts.equation[c], charts.gaps[c], mixed, one)
+    sizes_of(charts.bounds[c], work.sizes[c], one)
     cells, count_u, count_x = charts.equation.shape[2:]
-    zero = work.case[c, rows.SCALE] * -charts.low[c] - 1.0
+    zero = case[rows.SCALE] * -case[rows.LOW] - 1.0
     for cell in range(cells):
         for i in range(count_u):
             older, old = 1.0, zero
@@ -45,11 +66,10 @@ def visit(charts: Charts, work: TurnWork, c: int, speed: float, gravity: float,
 
 
 @part
-def surface(table: FloatArray, row: int, span: float, case: FloatArray, u: float,
-            x: float) -> float:  # fmt: skip
+def surface(table: FloatArray, row: int, case: FloatArray, u: float, x: float) -> float:
     """Value of one function of (u, x), shape of ``table`` (functions, cells, Nu, Nx)."""
     _, cells, count_u, count_x = table.shape
-    cell, place_u = cell_at(span, cells, u)
+    cell, place_u = cell_at(case[rows.SPAN], cells, u)
     place_x = case[rows.SCALE] * (x - case[rows.LOW]) - 1.0
     total = 0.0
     older, old = 0.0, 1.0
@@ -78,7 +98,7 @@ def off_rows(charts: Charts, c: int, begin: float, end: float, gaps: tuple[float
     parts = charts.on_rows.shape[1]
     if parts == 0:
         return False
-    width = charts.span[c] / parts
+    width = charts.numbers[c, rows.SPAN] / parts
     last = min(int(end / width), parts - 1)
     for row in range(min(int(begin / width), last), last + 1):
         before, after = (row + 1) * width - begin, end - row * width
@@ -99,22 +119,22 @@ def off_rows_at(charts: Charts, c: int, x: float) -> bool:
 
 
 @part
-def seen_by(charts: Charts, work: TurnWork, c: int, s: int, speed: float, u: float, x: float,
-             v: float, dx: float, dw: float) -> tuple[float, float, float, float]:  # fmt: skip
+def seen_by(charts: Charts, work: Work, c: int, s: int, speed: float, u: float, x: float,
+            v: float, dx: float, dw: float) -> tuple[float, float, float, float]:  # fmt: skip
     """Gap and rate of another stop, and bounds on their errors, from x and x' of a chart."""
-    others = charts.others.shape[1]
-    case, span = work.case[c], charts.span[c]
-    gap = surface(charts.gaps[c], s, span, case, u, x)
-    by_x = surface(charts.slopes[c], s, span, case, u, x)
-    by_u = surface(charts.slopes[c], others + s, span, case, u, x)
-    wrong_x, wrong_u = charts.slope_residual[c, s], charts.slope_residual[c, others + s]
+    gaps, case = charts.gaps[c], work.case[c]
+    others = len(gaps) // 3
+    gap = surface(gaps, s, case, u, x)
+    by_x = surface(gaps, others + s, case, u, x)
+    by_u = surface(gaps, 2 * others + s, case, u, x)
+    wrong = charts.gap_bounds[c, s::others]
     # The slopes change by less than themselves over the whole domain.
-    bent = dx / (charts.high[c] - charts.low[c])
-    d_gap = abs(by_x) * dx + charts.gap_residual[c, s]
+    bent = dx / (case[rows.HIGH] - case[rows.LOW])
+    d_gap = abs(by_x) * dx + wrong[0]
     d_rate = (
         abs(by_x) * dw
-        + abs(v) * (wrong_x + abs(by_x) * bent)
-        + speed * (wrong_u + abs(by_u) * bent)
+        + abs(v) * (wrong[1] + abs(by_x) * bent)
+        + speed * (wrong[2] + abs(by_u) * bent)
     )
     return gap, by_x * v + by_u * speed, d_gap, d_rate
 
@@ -122,8 +142,8 @@ def seen_by(charts: Charts, work: TurnWork, c: int, s: int, speed: float, u: flo
 @part
 def other_of(charts: Charts, c: int, stop: int) -> int:
     """Place of a stop among the others of a chart."""
-    for s in range(charts.others.shape[1]):
-        if charts.others[c, s] == stop:
+    for s in range(charts.stops.shape[1] - rows.OTHERS):
+        if charts.stops[c, rows.OTHERS + s] == stop:
             return s
     return -1
 
@@ -131,8 +151,9 @@ def other_of(charts: Charts, c: int, stop: int) -> int:
 @part
 def chart_at(charts: Charts, stop: int, travel: float) -> int:
     """The chart of a stop that holds a travel from the start of the turn, or -1."""
-    for c in range(len(charts.stop)):
-        past = travel - charts.begin[c]
-        if charts.stop[c] == stop and 0.0 <= past <= charts.travel[c]:
+    for c in range(len(charts.stops)):
+        past = travel - charts.numbers[c, rows.BEGIN]
+        length = charts.numbers[c, rows.TRAVEL_MOST]
+        if charts.stops[c, rows.OWN] == stop and 0.0 <= past <= length:
             return c
     return -1

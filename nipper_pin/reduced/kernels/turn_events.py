@@ -1,4 +1,4 @@
-"""Events of a turn and bounds on their errors, compiled."""
+"""Events of a motion and bounds on their errors, compiled."""
 
 from __future__ import annotations
 
@@ -10,14 +10,13 @@ from ...arrays import FloatArray
 from ...tolerances.mechanics import EPS
 from ...tolerances.reduced import GROWTH_SAFETY
 from . import layout as rows
-from . import turn_layout as columns
 from .arrival_check import within
 from .compiled import part
 from .flight_errors import exponent, size
+from .layout import Case, Charts, Motion, Records, Work
 from .panel import along, cell_at
-from .turn_layout import Charts
 
-_TURN = 2.0 * pi
+TURN = 2.0 * pi
 
 
 @part
@@ -45,35 +44,56 @@ def errors_after(nodes: FloatArray, sizes: FloatArray, speed: float, T: float, f
 
 
 @part
-def collide(charts: Charts, events: FloatArray, n: int, c: int, speed: float, e_N: float,
-             turn: int, t: float, u: float, v: float, dt: float, dv: float) -> None:  # fmt: skip
-    """Write a collision of a chart's stop at travel u with rate v before it."""
-    C = along(charts.inertia[c], charts.span[c], u)
-    lever = charts.lever[charts.stop[c]]
-    row = events[n]
-    row[columns.KIND], row[columns.STOP], row[columns.TIME] = columns.COLLISION, charts.stop[c], t
-    row[columns.TRAVEL] = _TURN * turn + charts.begin[c] + u
-    row[columns.APPROACH], row[columns.SEPARATION] = v, -e_N * v
-    row[columns.IMPULSE] = C * (1.0 + e_N) * -v / lever
-    row[columns.ENERGY] = 0.5 * C * (1.0 - e_N * e_N) * v * v
-    row[columns.AMPLITUDE] = row[columns.AMPLITUDE_ERROR] = np.nan
-    row[columns.TIME_ERROR], row[columns.RATE_ERROR] = dt + 4.0 * EPS * t, dv
+def strike(charts: Charts, work: Work, one: Case, records: Records, at: Motion) -> Motion:
+    """Write a collision of a chart's stop, and return the motion after it."""
+    memory, counts = work.memory, records.counts
+    number = charts.numbers[at.chart]
+    stop = charts.stops[at.chart, rows.OWN]
+    e_N, lever, v = one.restitution[stop], charts.lever[stop], at.v
+    C = along(charts.inertia[at.chart], number[rows.SPAN], at.u)
+    row = records.events[counts[rows.EVENTS]]
+    row[:] = np.nan
+    row[rows.KIND], row[rows.STOP], row[rows.TIME] = rows.COLLISION, stop, at.t
+    row[rows.TRAVEL] = TURN * counts[rows.TURNS] + number[rows.BEGIN] + at.u
+    row[rows.APPROACH], row[rows.SEPARATION] = v, -e_N * v
+    row[rows.IMPULSE] = C * (1.0 + e_N) * -v / lever
+    row[rows.ENERGY] = 0.5 * C * (1.0 - e_N * e_N) * v * v
+    row[rows.TIME_ERROR], row[rows.RATE_ERROR] = at.dt + 4.0 * EPS * at.t, at.dv
     # The inertia changes by less than itself over a chart.
-    relative = charts.inertia_residual[c] + speed * dt / charts.travel[c]
-    row[columns.IMPULSE_ERROR] = C * (1.0 + e_N) * (dv + abs(v) * relative) / lever
-    by_rate = abs(v) * (dv + abs(v) * relative) + dv * dv
-    row[columns.ENERGY_ERROR] = C * (1.0 - e_N * e_N) * by_rate
+    relative = number[rows.INERTIA_ERROR] + one.speed * at.dt / number[rows.TRAVEL_MOST]
+    row[rows.IMPULSE_ERROR] = C * (1.0 + e_N) * (at.dv + abs(v) * relative) / lever
+    by_rate = abs(v) * (at.dv + abs(v) * relative) + at.dv * at.dv
+    row[rows.ENERGY_ERROR] = C * (1.0 - e_N * e_N) * by_rate
+    memory[rows.LAST] = counts[rows.EVENTS]
+    memory[rows.RISEN] = memory[rows.RISEN_ERROR] = 0.0
+    memory[rows.FLOWN] = memory[rows.FLOWN_ERROR] = 0.0
+    counts[rows.EVENTS] += 1
+    return Motion(at.chart, at.u, at.t, 0.0, -e_N * v, at.dt, 0.0, e_N * at.dv)
 
 
 @part
-def note(events: FloatArray, n: int, kind: int, stop: int, t: float, travel: float,
-          dt: float) -> None:  # fmt: skip
+def rebounded(events: FloatArray, memory: FloatArray, T: float, top: float, late: float,
+              wrong: float) -> None:  # fmt: skip
+    """Write the rebound of the last collision, whose last flight took a time T up to a gap."""
+    if memory[rows.LAST] < 0.0:
+        return
+    row = events[int(memory[rows.LAST])]
+    row[rows.AMPLITUDE] = max(memory[rows.RISEN], top)
+    row[rows.AMPLITUDE_ERROR] = max(memory[rows.RISEN_ERROR], wrong)
+    row[rows.AMPLITUDE_ERROR] += 4.0 * EPS * row[rows.AMPLITUDE]
+    row[rows.REBOUND] = memory[rows.FLOWN] + T
+    row[rows.REBOUND_ERROR] = memory[rows.FLOWN_ERROR] + late
+
+
+@part
+def note(records: Records, kind: int, stop: int, t: float, travel: float, dt: float) -> None:
     """Write a rest or a release."""
-    row = events[n]
+    row = records.events[records.counts[rows.EVENTS]]
     row[:] = np.nan
-    row[columns.KIND], row[columns.STOP] = kind, stop
-    row[columns.TIME], row[columns.TRAVEL] = t, travel
-    row[columns.TIME_ERROR] = dt + 4.0 * EPS * t
+    row[rows.KIND], row[rows.STOP] = kind, stop
+    row[rows.TIME], row[rows.TRAVEL] = t, travel
+    row[rows.TIME_ERROR] = dt + 4.0 * EPS * t
+    records.counts[rows.EVENTS] += 1
 
 
 @part

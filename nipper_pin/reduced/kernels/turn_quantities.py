@@ -10,14 +10,13 @@ from numpy.typing import NDArray
 
 from ...arrays import FloatArray
 from ...tolerances.mechanics import EPS
-from . import turn_layout as columns
+from . import layout as rows
 from .compiled import compiled, part
 from .flight_errors import drift, size
-from .layout import AT_REST, RESIDUAL, Cases, Settings
+from .layout import Cases, Charts, Motion, Records, Settings, Work
 from .panel import along
-from .turn import follow
-from .turn_charts import chart_at
-from .turn_layout import Charts, Records, TurnWork
+from .turn import FLYING, RESTING, STRUCK, follow
+from .turn_charts import case_of, chart_at, scratch
 
 # Places of a cell between which a force has at most one extreme.
 _PLACES = 16
@@ -35,7 +34,7 @@ def _series(table: FloatArray, cell: int, count: int, place: float) -> tuple[flo
 
 
 @part
-def force_at(charts: Charts, work: TurnWork, c: int, u: float) -> tuple[float, float]:
+def force_at(charts: Charts, work: Work, c: int, u: float) -> tuple[float, float]:
     """Normal force of a closed stop [N], along the joint without a contact point, and its slope.
 
     Args:
@@ -44,28 +43,28 @@ def force_at(charts: Charts, work: TurnWork, c: int, u: float) -> tuple[float, f
         u: Travel in it [rad].
     """
     cells, count = charts.inertia.shape[1], charts.inertia.shape[2]
-    width = charts.span[c] / cells
+    width = charts.numbers[c, rows.SPAN] / cells
     # The end of a cell belongs to it: beyond the last one functions are constant.
     cell = min(max(int(u / width * (1.0 - 8.0 * EPS)), 0), cells - 1)
     place = 2.0 * (u - cell * width) / width - 1.0
     C, C_u = _series(charts.inertia[c], cell, count, place)
     a, a_u = _series(work.line[c], cell, count, place)
-    lever = charts.lever[charts.stop[c]]
+    lever = charts.lever[charts.stops[c, rows.OWN]]
     return -C * a / lever, -(C_u * a + C * a_u) * 2.0 / (width * lever)
 
 
 @part
-def wrong_by(charts: Charts, work: TurnWork, c: int) -> tuple[float, float]:
+def wrong_by(charts: Charts, work: Work, c: int) -> tuple[float, float]:
     """Bound on the error of the force of a closed stop: absolute [N], and by the force."""
     C = 0.0
     for cell in range(charts.inertia.shape[1]):
         C = max(C, 2.0 * abs(charts.inertia[c, cell, 0]))
-    wrong = size(work.sizes[c], RESIDUAL, 0.0) * C / charts.lever[charts.stop[c]]
-    return wrong, charts.inertia_residual[c] + 16.0 * EPS
+    wrong = size(work.sizes[c], rows.RESIDUAL, 0.0) * C / charts.lever[charts.stops[c, rows.OWN]]
+    return wrong, charts.numbers[c, rows.INERTIA_ERROR] + 16.0 * EPS
 
 
 @part
-def _extreme(charts: Charts, work: TurnWork, c: int, low: float, high: float, rises: bool) -> float:
+def _extreme(charts: Charts, work: Work, c: int, low: float, high: float, rises: bool) -> float:
     """Place between two others where the slope of the force changes its sign."""
     for _ in range(_SEARCH_STEPS):
         middle = 0.5 * (low + high)
@@ -91,7 +90,7 @@ class _Stretch(NamedTuple):
     """
 
     charts: Charts
-    work: TurnWork
+    work: Work
     c: int
     begin: float
     end: float
@@ -112,7 +111,7 @@ def _passes(at: _Stretch, low: float, high: float, rises: bool) -> float:
         new = u - (force - at.level) / slope if slope != 0.0 else low
         if not low < new < high:
             new = 0.5 * (low + high)
-        if abs(new - u) <= 2.0 * EPS * at.charts.span[at.c]:
+        if abs(new - u) <= 2.0 * EPS * at.charts.numbers[at.c, rows.SPAN]:
             return new
         u = new
     return u
@@ -122,7 +121,7 @@ def _passes(at: _Stretch, low: float, high: float, rises: bool) -> float:
 def _unsure(at: _Stretch, u: float) -> float:
     """Travel to either side of a place beyond which the force is surely off the level."""
     slope = abs(force_at(at.charts, at.work, at.c, u)[1])
-    beside, most = 8.0 * EPS * at.charts.span[at.c], at.end - at.begin
+    beside, most = 8.0 * EPS * at.charts.numbers[at.c, rows.SPAN], at.end - at.begin
     if slope > 0.0:
         beside += min(2.0 * at.wrong / slope, most)
     while beside < most:
@@ -146,7 +145,7 @@ def _part(at: _Stretch, left: float, old: float, right: float,
 
 
 @part
-def held(charts: Charts, work: TurnWork, hold: FloatArray,
+def held(charts: Charts, work: Work, hold: FloatArray,
          level: float) -> tuple[float, float, float, float, float, float]:  # fmt: skip
     """Forces of a closed stop on a stretch.
 
@@ -159,20 +158,20 @@ def held(charts: Charts, work: TurnWork, hold: FloatArray,
         Least force, largest force and travel with a force above the level, each before the bound on
         its error.
     """
-    c, begin, end = int(hold[columns.HOLD_CHART]), hold[columns.HOLD_BEGIN], hold[columns.HOLD_END]
+    c, begin, end = int(hold[rows.HOLD_CHART]), hold[rows.HOLD_BEGIN], hold[rows.HOLD_END]
     absolute, relative = wrong_by(charts, work, c)
     near = absolute + relative * abs(level)
     at = _Stretch(charts, work, c, begin, end, level, near)
-    step = charts.span[c] / (charts.inertia.shape[1] * _PLACES)
+    step = charts.numbers[c, rows.SPAN] / (charts.inertia.shape[1] * _PLACES)
     u = begin
     old, old_slope = force_at(charts, work, c, u)
     least = most = old
     # The stretch may begin and end a little earlier or later.
-    ends = 2.0 * abs(old_slope) * hold[columns.HOLD_BEGIN_ERROR]
+    ends = 2.0 * abs(old_slope) * hold[rows.HOLD_BEGIN_ERROR]
     low, high = old - ends, old + ends
     above = beside = 0.0
     if old >= level - near - ends:
-        beside += hold[columns.HOLD_BEGIN_ERROR]
+        beside += hold[rows.HOLD_BEGIN_ERROR]
     while True:
         new = min(step * (np.floor(u / step * (1.0 + 8.0 * EPS)) + 1.0), end)
         force, slope = force_at(charts, work, c, new)
@@ -191,10 +190,10 @@ def held(charts: Charts, work: TurnWork, hold: FloatArray,
         u, old, old_slope = new, force, slope
         if new >= end:
             break
-    ends = 2.0 * abs(old_slope) * hold[columns.HOLD_END_ERROR]
+    ends = 2.0 * abs(old_slope) * hold[rows.HOLD_END_ERROR]
     low, high = min(low, old - ends), max(high, old + ends)
     if old >= level - near - ends:
-        beside += hold[columns.HOLD_END_ERROR]
+        beside += hold[rows.HOLD_END_ERROR]
     least_wrong = absolute + relative * abs(least) + max(least - low, 0.0)
     most_wrong = absolute + relative * abs(most) + max(high - most, 0.0)
     beside += 8.0 * EPS * (end - begin)
@@ -205,15 +204,12 @@ _TURN = 2.0 * pi
 
 
 @part
-def summed(charts: Charts, work: TurnWork, records: Records, count: int, hold_count: int,
-           turn: int, clamp: int, level: float, speed: float, limits: bool,
-           found: FloatArray) -> None:  # fmt: skip
+def summed(charts: Charts, work: Work, records: Records, turn: int, clamp: int, level: float,
+           speed: float, limits: bool, found: FloatArray) -> None:  # fmt: skip
     """Quantities of one turn.
 
     Args:
         work: Combined for the case.
-        count: Number of events.
-        hold_count: Number of stretches on which the clamping stop was closed.
         turn: Number of the turn, from 0.
         clamp: Place of the clamping stop among the stops.
         level: Force above which it clamps [N].
@@ -222,149 +218,172 @@ def summed(charts: Charts, work: TurnWork, records: Records, count: int, hold_co
     """
     events, holds = records.events, records.holds
     found[:] = np.nan
-    found[columns.CLAMPED] = found[columns.LOST_ENERGY] = found[columns.CLAMPED_ERROR] = found[
-        columns.LOSS_ERROR
+    found[rows.CLAMPED] = found[rows.LOST_ENERGY] = found[rows.CLAMPED_ERROR] = found[
+        rows.LOSS_ERROR
     ] = 0.0
-    found[columns.TURN_NUMBERS :] = 0.0
+    found[rows.TURN_NUMBERS :] = 0.0
     before = -1
-    for i in range(count):
+    for i in range(records.counts[rows.EVENTS]):
         row = events[i]
-        clamps, last = int(row[columns.STOP]) == clamp, before
-        if clamps and row[columns.KIND] == columns.COLLISION:
+        clamps, last = int(row[rows.STOP]) == clamp, before
+        if clamps and row[rows.KIND] == rows.COLLISION:
             before = i
-        if not _TURN * turn <= row[columns.TRAVEL] < _TURN * (turn + 1):
+        if not _TURN * turn <= row[rows.TRAVEL] < _TURN * (turn + 1):
             continue
-        at = row[columns.TRAVEL] - _TURN * turn
-        wrong = speed * row[columns.TIME_ERROR] + 4.0 * EPS * row[columns.TRAVEL]
-        if row[columns.KIND] == columns.COLLISION:
+        at = row[rows.TRAVEL] - _TURN * turn
+        wrong = speed * row[rows.TIME_ERROR] + 4.0 * EPS * row[rows.TRAVEL]
+        if row[rows.KIND] == rows.COLLISION:
             _add_collision(found, row)
             # A rebound counts in the turn in which it ends.
-            if clamps and last >= 0 and not np.isnan(events[last, columns.AMPLITUDE]):
-                _raise_gap(
-                    found, events[last, columns.AMPLITUDE], events[last, columns.AMPLITUDE_ERROR]
-                )
-            if clamps and np.isnan(found[columns.CLOSED_AT]):
-                found[columns.CLOSED_AT], found[columns.CLOSED_ERROR] = at, wrong
-        elif row[columns.KIND] == columns.REST:
-            if limits and i > 0 and events[i - 1, columns.KIND] == columns.COLLISION:
+            if clamps and last >= 0 and not np.isnan(events[last, rows.AMPLITUDE]):
+                _raise_gap(found, events[last, rows.AMPLITUDE], events[last, rows.AMPLITUDE_ERROR])
+            if clamps and np.isnan(found[rows.CLOSED_AT]):
+                found[rows.CLOSED_AT], found[rows.CLOSED_ERROR] = at, wrong
+        elif row[rows.KIND] == rows.REST:
+            if limits and i > 0 and events[i - 1, rows.KIND] == rows.COLLISION:
                 _add_rest_of_series(charts, work, found, events[i - 1], row, speed, clamps)
-            if clamps and np.isnan(found[columns.RESTS_AT]):
-                found[columns.RESTS_AT], found[columns.RESTS_ERROR] = at, wrong
-    for i in range(hold_count):
-        if int(holds[i, columns.HOLD_TURN]) == turn:
+            if clamps and np.isnan(found[rows.RESTS_AT]):
+                found[rows.RESTS_AT], found[rows.RESTS_ERROR] = at, wrong
+    for i in range(records.counts[rows.STRETCHES]):
+        if int(holds[i, rows.HOLD_TURN]) == turn:
             _add_hold(charts, work, found, holds[i], level)
     # Bounds on the least and the largest values become bounds on their errors.
-    found[columns.LEAST_ERROR] = found[columns.LEAST_FORCE] - found[columns.LEAST_ERROR]
-    found[columns.LARGEST_ERROR] -= found[columns.MOST_FORCE]
-    found[columns.FORCE_ERROR] = max(found[columns.LEAST_ERROR], found[columns.LARGEST_ERROR])
-    found[columns.GAP_ERROR] -= found[columns.LARGEST_GAP]
-    for place in range(columns.TURN_NUMBERS, len(found), columns.PER_STOP):
-        most = found[place + columns.IMPULSE_MOST]
-        found[place + columns.MOST_ERROR] += 4.0 * EPS * most - most
+    found[rows.LEAST_ERROR] = found[rows.LEAST_FORCE] - found[rows.LEAST_ERROR]
+    found[rows.LARGEST_ERROR] -= found[rows.MOST_FORCE]
+    found[rows.FORCE_ERROR] = max(found[rows.LEAST_ERROR], found[rows.LARGEST_ERROR])
+    found[rows.GAP_ERROR] -= found[rows.LARGEST_GAP]
+    for place in range(rows.TURN_NUMBERS, len(found), rows.PER_STOP):
+        most = found[place + rows.IMPULSE_MOST]
+        found[place + rows.MOST_ERROR] += 4.0 * EPS * most - most
 
 
 @part
 def _add_collision(found: FloatArray, row: FloatArray) -> None:
     """Count a collision, its impulse and its loss."""
-    place = columns.TURN_NUMBERS + columns.PER_STOP * int(row[columns.STOP])
-    impulse, wrong = row[columns.IMPULSE], row[columns.IMPULSE_ERROR]
-    found[place + columns.COUNT] += 1.0
-    found[place + columns.IMPULSE_SUM] += impulse
-    found[place + columns.SUM_ERROR] += wrong + 4.0 * EPS * impulse
-    found[place + columns.IMPULSE_MOST] = max(found[place + columns.IMPULSE_MOST], impulse)
-    found[place + columns.MOST_ERROR] = max(found[place + columns.MOST_ERROR], impulse + wrong)
-    found[columns.LOST_ENERGY] += row[columns.ENERGY]
-    found[columns.LOSS_ERROR] += row[columns.ENERGY_ERROR] + 4.0 * EPS * row[columns.ENERGY]
+    place = rows.TURN_NUMBERS + rows.PER_STOP * int(row[rows.STOP])
+    impulse, wrong = row[rows.IMPULSE], row[rows.IMPULSE_ERROR]
+    found[place + rows.COUNT] += 1.0
+    found[place + rows.IMPULSE_SUM] += impulse
+    found[place + rows.SUM_ERROR] += wrong + 4.0 * EPS * impulse
+    found[place + rows.IMPULSE_MOST] = max(found[place + rows.IMPULSE_MOST], impulse)
+    found[place + rows.MOST_ERROR] = max(found[place + rows.MOST_ERROR], impulse + wrong)
+    found[rows.LOST_ENERGY] += row[rows.ENERGY]
+    found[rows.LOSS_ERROR] += row[rows.ENERGY_ERROR] + 4.0 * EPS * row[rows.ENERGY]
 
 
 @part
 def _raise_gap(found: FloatArray, gap: float, wrong: float) -> None:
     """The largest gap so far, and the largest that it can be in truth."""
-    if np.isnan(found[columns.LARGEST_GAP]):
-        found[columns.LARGEST_GAP] = found[columns.GAP_ERROR] = 0.0
-    found[columns.LARGEST_GAP] = max(found[columns.LARGEST_GAP], gap)
-    found[columns.GAP_ERROR] = max(found[columns.GAP_ERROR], gap + wrong)
+    if np.isnan(found[rows.LARGEST_GAP]):
+        found[rows.LARGEST_GAP] = found[rows.GAP_ERROR] = 0.0
+    found[rows.LARGEST_GAP] = max(found[rows.LARGEST_GAP], gap)
+    found[rows.GAP_ERROR] = max(found[rows.GAP_ERROR], gap + wrong)
 
 
 @part
-def _add_rest_of_series(charts: Charts, work: TurnWork, found: FloatArray, row: FloatArray,
+def _add_rest_of_series(charts: Charts, work: Work, found: FloatArray, row: FloatArray,
                         rest: FloatArray, speed: float, clamps: bool) -> None:  # fmt: skip
     """Add impulses, losses and the gap of the bounces beyond the last one that was computed.
 
     Each is slower than the one before by the restitution, as far as x'' stays as it is.
     """
-    stop, w = int(row[columns.STOP]), row[columns.SEPARATION]
-    ahead = rest[columns.TIME] - row[columns.TIME]
-    travel = row[columns.TRAVEL] % _TURN
+    stop, w = int(row[rows.STOP]), row[rows.SEPARATION]
+    ahead = rest[rows.TIME] - row[rows.TIME]
+    travel = row[rows.TRAVEL] % _TURN
     c = chart_at(charts, stop, travel)
     if w <= 0.0 or c < 0:
         return
-    place, e_N = columns.TURN_NUMBERS + columns.PER_STOP * stop, w / -row[columns.APPROACH]
-    a = along(work.line[c], charts.span[c], travel - charts.begin[c])
+    place, e_N = rows.TURN_NUMBERS + rows.PER_STOP * stop, w / -row[rows.APPROACH]
+    a = along(work.line[c], charts.numbers[c, rows.SPAN], travel - charts.numbers[c, rows.BEGIN])
     uneven = 1.0
     if a < 0.0:
-        uneven = drift(work.sizes[c], speed, w, a, ahead) + speed * ahead / charts.travel[c]
-    further = row[columns.IMPULSE] * e_N / (1.0 - e_N)
-    lost = row[columns.ENERGY] * e_N * e_N / (1.0 - e_N * e_N)
-    by_rate = row[columns.IMPULSE_ERROR] / row[columns.IMPULSE]
-    found[place + columns.IMPULSE_SUM] += further
-    found[place + columns.SUM_ERROR] += further * (uneven + by_rate)
-    found[columns.LOST_ENERGY] += lost
-    found[columns.LOSS_ERROR] += 2.0 * lost * (uneven + by_rate)
+        uneven = drift(work.sizes[c], speed, w, a, ahead)
+        uneven += speed * ahead / charts.numbers[c, rows.TRAVEL_MOST]
+    further = row[rows.IMPULSE] * e_N / (1.0 - e_N)
+    lost = row[rows.ENERGY] * e_N * e_N / (1.0 - e_N * e_N)
+    by_rate = row[rows.IMPULSE_ERROR] / row[rows.IMPULSE]
+    found[place + rows.IMPULSE_SUM] += further
+    found[place + rows.SUM_ERROR] += further * (uneven + by_rate)
+    found[rows.LOST_ENERGY] += lost
+    found[rows.LOSS_ERROR] += 2.0 * lost * (uneven + by_rate)
     if clamps and a < 0.0:
         _raise_gap(found, 0.5 * w * w / -a, w * w / -a * (uneven + by_rate))
 
 
 @part
-def _add_hold(charts: Charts, work: TurnWork, found: FloatArray, hold: FloatArray,
+def _add_hold(charts: Charts, work: Work, found: FloatArray, hold: FloatArray,
               level: float) -> None:  # fmt: skip
     """Add a stretch on which the clamping stop was closed."""
     least, low, most, high, above, beside = held(charts, work, hold, level)
-    if np.isnan(found[columns.LEAST_FORCE]):
-        found[columns.LEAST_FORCE] = found[columns.LEAST_ERROR] = least
-        found[columns.MOST_FORCE] = found[columns.LARGEST_ERROR] = most
-    found[columns.LEAST_FORCE] = min(found[columns.LEAST_FORCE], least)
-    found[columns.MOST_FORCE] = max(found[columns.MOST_FORCE], most)
-    found[columns.LEAST_ERROR] = min(found[columns.LEAST_ERROR], least - low)
-    found[columns.LARGEST_ERROR] = max(found[columns.LARGEST_ERROR], most + high)
-    found[columns.CLAMPED] += above
-    found[columns.CLAMPED_ERROR] += beside
-    c, ended = int(hold[columns.HOLD_CHART]), int(hold[columns.ENDED_BY])
-    end = charts.begin[c] + hold[columns.HOLD_END]
-    wrong = hold[columns.HOLD_END_ERROR] + 4.0 * EPS * _TURN
-    if ended == columns.RELEASE and np.isnan(found[columns.LOST_AT]):
-        found[columns.LOST_AT], found[columns.LOST_ERROR] = end, wrong
-    if ended == columns.COLLISION and np.isnan(found[columns.OPENED_AT]):
-        found[columns.OPENED_AT], found[columns.OPENED_ERROR] = end, wrong
+    if np.isnan(found[rows.LEAST_FORCE]):
+        found[rows.LEAST_FORCE] = found[rows.LEAST_ERROR] = least
+        found[rows.MOST_FORCE] = found[rows.LARGEST_ERROR] = most
+    found[rows.LEAST_FORCE] = min(found[rows.LEAST_FORCE], least)
+    found[rows.MOST_FORCE] = max(found[rows.MOST_FORCE], most)
+    found[rows.LEAST_ERROR] = min(found[rows.LEAST_ERROR], least - low)
+    found[rows.LARGEST_ERROR] = max(found[rows.LARGEST_ERROR], most + high)
+    found[rows.CLAMPED] += above
+    found[rows.CLAMPED_ERROR] += beside
+    c, ended = int(hold[rows.HOLD_CHART]), int(hold[rows.ENDED_BY])
+    end = charts.numbers[c, rows.BEGIN] + hold[rows.HOLD_END]
+    wrong = hold[rows.HOLD_END_ERROR] + 4.0 * EPS * _TURN
+    if ended == rows.RELEASE and np.isnan(found[rows.LOST_AT]):
+        found[rows.LOST_AT], found[rows.LOST_ERROR] = end, wrong
+    if ended == rows.COLLISION and np.isnan(found[rows.OPENED_AT]):
+        found[rows.OPENED_AT], found[rows.OPENED_ERROR] = end, wrong
+
+
+@part
+def begun(begin: tuple[int, float, float, float, bool], speed: float) -> tuple[int, Motion]:
+    """What a machine does at the start of its turns, and its state.
+
+    Args:
+        begin: Chart, gap, its rate by time and by the cylinder, and whether its stop is closed.
+        speed: Cylinder speed [rad/s].
+    """
+    c, x, slow, fast, closed = begin
+    phase = RESTING if closed else FLYING
+    if x == 0.0 and not closed:
+        phase = STRUCK
+    return phase, Motion(c, 0.0, 0.0, x, slow + fast * speed, 0.0, 0.0, 0.0)
 
 
 @compiled
-def run_turns(grids: FloatArray, charts: Charts, work: TurnWork, cases: Cases, settings: Settings,
+def run_turns(grids: FloatArray, charts: Charts, cases: Cases, settings: Settings, most: int,
               turns: int, begin: tuple[int, float, float, float, bool], clamp: int, level: float,
               records: Records, told: NDArray[np.int64], found: FloatArray) -> None:  # fmt: skip
     """Quantities of the last turns of many cases.
 
     Args:
         charts: The functions of the machine.
+        most: Largest number of collisions of a series.
         turns: Largest number of turns; fewer are followed where they repeat.
-        begin: Chart, gap, its rate by time and by the cylinder, and whether its stop is closed.
+        begin: As of ``begun``.
         clamp: Place of the clamping stop.
         level: Force above which it clamps [N].
         records: Scratch; of a single case what it did.
         told: Written: status, turns, after how many the last repeats, and events, shape (n, 4).
         found: Written, shape (n, last, quantities): the last turn first; NaN before the first one.
     """
+    work = scratch(charts, most, 0)
     for i in range(len(cases.speed)):
-        speed = cases.speed[i]
-        start = begin[0], begin[1], begin[2] + begin[3] * speed, begin[4], 0.0, 0.0
-        status, count, hold, done, again = follow(
-            grids, charts, work, cases, i, settings, turns, start, clamp, records
-        )
-        told[i, 0], told[i, 1], told[i, 2], told[i, 3] = status, done, again, count
-        found[i] = np.nan
-        if status == AT_REST:
-            for j in range(min(found.shape[1], done)):
-                summed(
-                    charts, work, records, count, hold, done - 1 - j, clamp, level, speed,
-                    settings.rest_rate == 0.0, found[i, j],
-                )  # fmt: skip
+        _turns(
+            grids, charts, work, cases, i, settings, turns, begin, clamp, level, records, told[i],
+            found[i],
+        )  # fmt: skip
+
+
+@part
+def _turns(grids: FloatArray, charts: Charts, work: Work, cases: Cases, i: int, settings: Settings,
+           turns: int, begin: tuple[int, float, float, float, bool], clamp: int, level: float,
+           records: Records, told: NDArray[np.int64], found: FloatArray) -> None:  # fmt: skip
+    """Quantities of one of the cases."""
+    one = case_of(cases, i)
+    phase, at = begun(begin, one.speed)
+    status, again = follow(grids, charts, work, one, settings, turns, phase, at, clamp, records)
+    done = records.counts[rows.TURNS]
+    told[0], told[1], told[2], told[3] = status, done, again, records.counts[rows.EVENTS]
+    found[:] = np.nan
+    for j in range(min(len(found), done) if status == rows.AT_REST else 0):
+        limits = settings.rest_rate == 0.0
+        summed(charts, work, records, done - 1 - j, clamp, level, one.speed, limits, found[j])

@@ -12,12 +12,12 @@ from . import layout as rows
 from .compiled import compiled, part
 from .flight import kept
 from .flight_errors import size
-from .layout import Cases, Settings
+from .layout import Case, Cases, Charts, Records, Settings, Work
 from .panel import along, chebyshev, contract, position, rate_at
 from .repeats import begin_at
-from .turn import follow
-from .turn_charts import visit
-from .turn_layout import Charts, Records, TurnWork
+from .turn import FLYING, RESTING, follow
+from .turn_charts import case_of, scratch, visit
+from .turn_quantities import begun
 
 # Places of a panel by its nodes, and of a rest by cells of its chart.
 _PER_NODE, _PER_CELL, _LEAST = 2, 24, 4
@@ -25,7 +25,7 @@ _SEARCH_STEPS = 40
 
 
 @part
-def torque_at(torques: Charts, work: TurnWork, i: int, u: float, x: float, v: float,
+def torque_at(torques: Charts, work: Work, i: int, u: float, x: float, v: float,
               a: float) -> tuple[float, float]:  # fmt: skip
     """Torque of one drive in one chart, and its derivative by x''.
 
@@ -38,7 +38,7 @@ def torque_at(torques: Charts, work: TurnWork, i: int, u: float, x: float, v: fl
         v: Its rate.
     """
     row, degree = work.poly.shape[0] - 1, torques.equation.shape[4]
-    contract(work.mixed[i], work.poly, row, torques.span[i], u)
+    contract(work.mixed[i], work.poly, row, torques.numbers[i, rows.SPAN], u)
     place = work.case[i, rows.SCALE] * (x - work.case[i, rows.LOW]) - 1.0
     p0 = chebyshev(work.poly, row, 0, degree, place)
     p1 = chebyshev(work.poly, row, degree, degree, place)
@@ -48,7 +48,7 @@ def torque_at(torques: Charts, work: TurnWork, i: int, u: float, x: float, v: fl
 
 
 @part
-def _value(torques: Charts, work: TurnWork, i: int, block: FloatArray, speed: float,
+def _value(torques: Charts, work: Work, i: int, block: FloatArray, speed: float,
            sigma: float) -> float:  # fmt: skip
     """Torque at a part of a panel that is kept."""
     numbers = block[rows.KEPT]
@@ -63,7 +63,7 @@ def _value(torques: Charts, work: TurnWork, i: int, block: FloatArray, speed: fl
 
 
 @part
-def _extreme(torques: Charts, work: TurnWork, i: int, block: FloatArray, speed: float,
+def _extreme(torques: Charts, work: Work, i: int, block: FloatArray, speed: float,
              bracket: tuple[float, float], sign: float) -> float:  # fmt: skip
     """Largest value of sign times the torque between two places that hold one."""
     low, high = bracket
@@ -83,14 +83,14 @@ def _extreme(torques: Charts, work: TurnWork, i: int, block: FloatArray, speed: 
 
 
 @part
-def _panel(torques: Charts, work: TurnWork, i: int, block: FloatArray, speed: float,
+def _panel(torques: Charts, work: Work, i: int, block: FloatArray, speed: float,
            beaten: float) -> tuple[float, float]:  # fmt: skip
     """Largest torque of a panel and a bound on its error; less may be returned than ``beaten``."""
     numbers = block[rows.KEPT]
     order, end = int(numbers[panels.NODES]), numbers[panels.COVERED]
     count = _PER_NODE * order
     if order == 0:
-        width = torques.span[i] / torques.equation.shape[2]
+        width = torques.numbers[i, rows.SPAN] / torques.equation.shape[2]
         count = max(_LEAST, int(_PER_CELL * speed * numbers[panels.LENGTH] / width) + 1)
     most, older = 0.0, 0.0
     old = first = _value(torques, work, i, block, speed, 0.0)
@@ -117,7 +117,7 @@ def _panel(torques: Charts, work: TurnWork, i: int, block: FloatArray, speed: fl
 
 
 @part
-def _wrong(torques: Charts, work: TurnWork, i: int, block: FloatArray, speed: float) -> float:
+def _wrong(torques: Charts, work: Work, i: int, block: FloatArray, speed: float) -> float:
     """Bound on the error of the torque along a panel, by those of the functions and the motion."""
     numbers, sizes = block[rows.KEPT], work.sizes[i]
     order, h = int(numbers[panels.NODES]), numbers[panels.LENGTH]
@@ -126,7 +126,7 @@ def _wrong(torques: Charts, work: TurnWork, i: int, block: FloatArray, speed: fl
         sigma = numbers[panels.COVERED] * j / max(order, 1)
         fastest = max(fastest, abs(rate_at(block, order, h, numbers[panels.V_BEGIN], sigma)))
         steepest = max(steepest, abs(chebyshev(block, rows.SERIES, 0, order, 2.0 * sigma - 1.0)))
-    wrong = size(sizes, rows.RESIDUAL, fastest) + torques.gap_residual[i, 0] * steepest
+    wrong = size(sizes, rows.RESIDUAL, fastest) + torques.gap_bounds[i, 0] * steepest
     wrong += size(sizes, rows.BY_U, fastest) * speed * numbers[panels.T_WRONG]
     wrong += size(sizes, rows.BY_X, fastest) * numbers[panels.X_WRONG]
     wrong += size(sizes, rows.BY_V, fastest) * numbers[panels.V_WRONG]
@@ -148,29 +148,27 @@ def _largest_by_a(torques: Charts, i: int) -> float:
 
 
 @part
-def _after_bounces(charts: Charts, work: TurnWork, torques: Charts, mixed: TurnWork, c: int, i: int,
+def _after_bounces(charts: Charts, work: Work, torques: Charts, mixed: Work, c: int, i: int,
                    block: FloatArray) -> float:  # fmt: skip
     """Torque in bounces too small to be computed: at rest, but for the acceleration of a flight."""
     u = block[rows.KEPT, panels.FROM]
-    still = along(work.line[c], charts.span[c], u)
+    still = along(work.line[c], charts.numbers[c, rows.SPAN], u)
     return abs(torque_at(torques, mixed, i, u, 0.0, 0.0, still)[0])
 
 
 @part
-def largest_torques(charts: Charts, work: TurnWork, torques: Charts, mixed: TurnWork,
-                    case: tuple[float, float, FloatArray, FloatArray], most: FloatArray,
-                    wrong: FloatArray) -> None:  # fmt: skip
+def largest_torques(charts: Charts, work: Work, torques: Charts, mixed: Work, one: Case,
+                    most: FloatArray, wrong: FloatArray) -> None:  # fmt: skip
     """Largest torque of each drive in the motion that is kept.
 
     Args:
         charts: The charts of the turn.
         work: Combined for the case, with the motion.
         mixed: Scratch arrays of these, none of them combined yet.
-        case: Cylinder speed [rad/s], gravity, spring rates and deflections at zero.
         most: Written, shape (drives,).
         wrong: Written: bounds on the errors, shape (drives,).
     """
-    speed, gravity, stiffness, preload = case
+    speed = one.speed
     mixed.ready[:] = False
     drives = len(most)
     most[:] = wrong[:] = 0.0
@@ -180,7 +178,7 @@ def largest_torques(charts: Charts, work: TurnWork, torques: Charts, mixed: Turn
         c = int(block[rows.KEPT, panels.CHART])
         for d in range(drives):
             i = c * drives + d
-            visit(torques, mixed, i, speed, gravity, stiffness, preload)
+            visit(torques, mixed, i, one)
             value, late = _panel(torques, mixed, i, block, speed, most[d])
             late += _wrong(torques, mixed, i, block, speed)
             if block[rows.KEPT, panels.BOUNCED] > 0.0:
@@ -191,8 +189,8 @@ def largest_torques(charts: Charts, work: TurnWork, torques: Charts, mixed: Turn
 
 
 @compiled
-def run_torques(grids: FloatArray, charts: Charts, work: TurnWork, keeping: TurnWork,
-                torques: Charts, mixed: TurnWork, cases: Cases, settings: Settings, turns: int,
+def run_torques(grids: FloatArray, charts: Charts, torques: Charts, cases: Cases,
+                settings: Settings, most: int, panels: int, turns: int,
                 begin: tuple[int, float, float, float, bool], clamp: int, records: Records,
                 again: Records, told: NDArray[np.int64], found: FloatArray) -> None:  # fmt: skip
     """Largest torques of the last turns of many cases; arguments as of ``run_turns``.
@@ -201,8 +199,8 @@ def run_torques(grids: FloatArray, charts: Charts, work: TurnWork, keeping: Turn
 
     Args:
         charts: The functions of the machine.
-        keeping: Scratch arrays that keep the motion of a turn.
-        mixed: Scratch arrays of the torques.
+        torques: Those of the drives.
+        panels: Panels of the motion of a turn that are kept.
         records: Scratch.
         again: Scratch of one turn.
         told: Written: the status, shape (n,).
@@ -210,28 +208,42 @@ def run_torques(grids: FloatArray, charts: Charts, work: TurnWork, keeping: Turn
             last turn first; NaN before the first one.
     """
     found[:] = np.nan
+    work, keeping = scratch(charts, most, 0), scratch(charts, most, panels)
+    mixed = scratch(torques, 0, 0)
     for i in range(len(cases.speed)):
-        speed = cases.speed[i]
-        start = begin[0], begin[1], begin[2] + begin[3] * speed, begin[4], 0.0, 0.0
-        status, _, _, done, _ = follow(
-            grids, charts, work, cases, i, settings, turns, start, clamp, records
-        )
-        case = speed, cases.gravity[i], cases.stiffness[i], cases.preload[i]
-        for j in range(min(found.shape[1], done) if status == rows.AT_REST else 0):
-            known, one = begin_at(records.ends, done - 1 - j)
-            if not known and done - 1 - j > 0:
-                status = rows.UNTOLD
-                break
-            if done - 1 - j == 0:
-                one = start
-            keeping.nodes[rows.KEPT, 0] = 0.0
-            # A literal 1 would be a type of its own, for which all of it is compiled once more.
-            status, _, _, _, _ = follow(
-                grids, charts, keeping, cases, i, settings, min(turns, 1), one, clamp, again
-            )
-            if status != rows.AT_REST:
-                break
-            largest_torques(charts, keeping, torques, mixed, case, found[i, j, 0], found[i, j, 1])
-        told[i] = status
-        if status != rows.AT_REST:
+        told[i] = _torques(
+            grids, charts, torques, work, keeping, mixed, cases, i, settings, turns, begin, clamp,
+            records, again, found[i],
+        )  # fmt: skip
+        if told[i] != rows.AT_REST:
             found[i] = np.nan
+
+
+@part
+def _torques(grids: FloatArray, charts: Charts, torques: Charts, work: Work, keeping: Work,
+             mixed: Work, cases: Cases, i: int, settings: Settings, turns: int,
+             begin: tuple[int, float, float, float, bool], clamp: int, records: Records,
+             again: Records, found: FloatArray) -> int:  # fmt: skip
+    """Largest torques of one of the cases; its status."""
+    one = case_of(cases, i)
+    start = begun(begin, one.speed)
+    status, _ = follow(
+        grids, charts, work, one, settings, turns, start[0], start[1], clamp, records
+    )
+    done = records.counts[rows.TURNS]
+    for j in range(min(len(found), done) if status == rows.AT_REST else 0):
+        phase, at = start
+        if done - 1 - j > 0:
+            known, resting, at = begin_at(records.ends, done - 1 - j)
+            phase = RESTING if resting else FLYING
+            if not known:
+                return int(rows.UNTOLD)
+        keeping.nodes[rows.KEPT, 0] = 0.0
+        # A literal 1 would be a type of its own, for which all of it is compiled once more.
+        status, _ = follow(
+            grids, charts, keeping, one, settings, min(turns, 1), phase, at, clamp, again
+        )
+        if status != rows.AT_REST:
+            return status
+        largest_torques(charts, keeping, torques, mixed, one, found[j, 0], found[j, 1])
+    return status

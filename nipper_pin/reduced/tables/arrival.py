@@ -9,7 +9,7 @@ it, and is released where y'' at y = y' = 0 changes its sign. That is independen
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -21,10 +21,10 @@ from ...hybrid.error_estimate.local_error import at_start
 from ...mechanism import Mechanism, Stop
 from ...tolerances.mechanics import EPS
 from ...tolerances.reduced import TABLE_ERROR_SAFETY
-from ..kernels.layout import Tables, Turn
+from ..kernels.layout import Charts, Turn
 from . import series2d
 from .functions import Sampler
-from .tables import CELL_RAD, Domain, checks, resolved, trimmed
+from .tables import CELL_RAD, Domain, checks, levers, resolved, stacked, trimmed
 from .tables import Tables as Series
 
 # Step of the search for the opening [rad].
@@ -39,13 +39,13 @@ class Arrival:
     """Tables of a turn from its opening to the touch.
 
     Attributes:
-        tables: Functions of (u, y), u counted from the opening; None where these are not known.
+        charts: Functions of (u, y), u counted from the opening; None where these are not known.
         turn: Functions along stops and at the touch, or None.
         why: Reason why there are no tables; empty if there are.
         asked: Whether the premise can be decided; without tables by simulating whole turns.
     """
 
-    tables: Tables | None = field(repr=False)
+    charts: Charts | None = field(repr=False)
     turn: Turn | None = field(repr=False)
     why: str = ""
     asked: bool = True
@@ -80,7 +80,7 @@ class Waiting(NamedTuple):
 
 def unknown(why: str, *, asked: bool = True) -> Arrival:
     """Return an arrival without tables."""
-    return Arrival(tables=None, turn=None, why=why, asked=asked)
+    return Arrival(charts=None, turn=None, why=why, asked=asked)
 
 
 NOT_SAMPLED = unknown("the rest of the turn was not sampled")
@@ -121,14 +121,11 @@ def arrival(
     at_zero = np.polynomial.chebyshev.chebvander(domain.places(np.zeros(1)), count_x - 1)[0]
     touch, touch_errors = _touch(waiting.sampler, mechanism, domain)
     clamped, clamped_residual = _clamping(sampler, opening.travel)
+    wrong = rounded.size(sampler.size + stop.index)
+    place = [item.name for item in mechanism.stops].index(stop.name)
+    chart = replace(kept, stop=place, meets=(approach, wrong, 0.0, 0.0))
     return Arrival(
-        tables=kept._replace(
-            approach=approach,
-            approach_residual=rounded.size(sampler.size + stop.index),
-            touch_angle=float(mechanism.cylinder.angle_at_touch_rad),
-            sense=float(mechanism.cylinder.sense),
-            lever=stop.lever,
-        ),
+        charts=stacked([chart], [0], levers(mechanism)),
         turn=Turn(
             opening=opening.travel,
             restitution=stop.restitution,

@@ -6,16 +6,17 @@ Negligible coefficients are left out, with bounds on the errors of the remaining
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
 
 from ...arrays import FloatArray
 from ...errors import ConvergenceError
+from ...mechanism import Mechanism
 from ...tolerances.mechanics import EPS
 from ...tolerances.reduced import REFINEMENT_GAIN, TABLE_ERROR_SAFETY, TRIMMED_SHARE
-from ..kernels.layout import Tables as Chart
+from ..kernels.layout import Charts
 from . import series2d
 from .functions import Samples
 
@@ -244,6 +245,43 @@ def _sampled(sampler: PointSampler, domain: Domain, cells: int, count_x: int) ->
     return Tables(u, x, q, equation, gaps, slopes, np.asarray(inertia @ zero))
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Chart:
+    """Series of a domain as they are kept: one chart of a machine.
+
+    Attributes:
+        equation: Coefficients, shape (functions, cells, Nu, Nx).
+        gaps: Those of the gaps of other stops, then of their derivatives by x, then by u,
+            shape (3 S, cells, Nu, Nx).
+        inertia: Those of the inertia at x = 0, shape (cells, Nu).
+        bounds: Bounds on the errors of the functions, then their largest derivatives by x and by u,
+            and their largest values, shape (4, functions).
+        gap_bounds: Bounds on the errors of the gaps and their derivatives, shape (3 S,).
+        inertia_error: Bound on the relative error of the inertia.
+        stop: Place of its stop among those of the mechanism.
+        begin: Travel from the start of the turn to its begin [rad].
+        meets: Derivative by u of the gap of the stop that takes over at the end, bound on its
+            error, rate of x by that of its gap, and bound on the error of the end [rad]; zeros if
+            it is the same stop.
+        on_rows: Largest gaps up to which springs are on the rows of their tables, by equal parts of
+            the travel, shape (parts,).
+        samples: Points that were sampled.
+    """
+
+    domain: Domain
+    equation: FloatArray
+    gaps: FloatArray
+    inertia: FloatArray
+    bounds: FloatArray
+    gap_bounds: FloatArray
+    inertia_error: float
+    stop: int = 0
+    begin: float = 0.0
+    meets: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    on_rows: FloatArray = field(default_factory=lambda: np.empty(0))
+    samples: int = 0
+
+
 def trimmed(
     points: Checks,
     domain: Domain,
@@ -260,27 +298,74 @@ def trimmed(
         weights: Weight of an error of each function, shape (functions,).
         tolerance: Relative accuracy of the tables.
         least: Least orders that are kept, by travel and by x.
-
-    Returns:
-        The series as compiled code reads them, without what the machine does at the touch.
     """
     count_u, count_x = series2d.needed(tables.equation, weights, TRIMMED_SHARE * tolerance)
     count_u, count_x = max(count_u, least[0]), max(count_x, least[1])
-    equation = np.ascontiguousarray(tables.equation[:, :, :count_u, :count_x])
-    inertia = np.ascontiguousarray(tables.inertia[:, :count_u])
-    residual, inertia_residual = residuals(points, domain, equation, inertia)
+    equation = tables.equation[:, :, :count_u, :count_x]
+    inertia = tables.inertia[:, :count_u]
+    gaps = np.concatenate([tables.gaps, tables.slopes])[:, :, :count_u, :count_x]
+    residual, inertia_error = residuals(points, domain, equation, inertia)
     width = domain.travel / equation.shape[1]
     largest, steep_u, steep_x = series2d.largest(equation)
+    steep_u, steep_x = 2.0 / width * steep_u, 2.0 / (domain.high - domain.low) * steep_x
+    true = np.concatenate([points.true.gaps, points.true.slopes])
     return Chart(
+        domain=domain,
         equation=equation,
-        gaps=np.ascontiguousarray(tables.gaps[:, :, :count_u, :count_x]),
+        gaps=gaps,
         inertia=inertia,
-        residual=residual,
-        inertia_residual=inertia_residual,
-        largest=largest,
-        steepest_x=2.0 / (domain.high - domain.low) * steep_x,
-        steepest_u=2.0 / width * steep_u,
-        travel=domain.travel,
-        low=domain.low,
-        high=domain.high,
+        bounds=np.array([residual, steep_x, steep_u, largest]),
+        gap_bounds=misfit(points, domain, gaps, true),
+        inertia_error=inertia_error,
     )
+
+
+def stacked(charts: list[Chart], after: list[int], lever: FloatArray) -> Charts:
+    """All charts as arrays of one shape, padded by zeros.
+
+    Args:
+        after: Number of the chart that follows each.
+        lever: Rate of the normal gap of each stop by that of its coordinate, shape (K,).
+    """
+    shapes = np.array([chart.equation.shape[1:] for chart in charts])
+    cells, count_u, count_x = (int(size) for size in shapes.max(axis=0))
+
+    def padded(arrays: list[FloatArray]) -> FloatArray:
+        found = np.zeros((len(arrays), len(arrays[0]), cells, count_u, count_x))
+        for number, array in enumerate(arrays):
+            f, c, i, j = array.shape
+            found[number, :f, :c, :i, :j] = array
+            # By round-off a place at the end may lie beyond it: there the functions are constant.
+            found[number, :f, c:, 0, :j] = array[:, -1:].sum(axis=2)
+        return found
+
+    inertia = padded([chart.inertia[None, :, :, None] for chart in charts])[:, 0, :, :, 0]
+    parts = max(len(chart.on_rows) for chart in charts)
+    rows = [np.pad(chart.on_rows, (0, parts - len(chart.on_rows)), "edge") if parts else
+            chart.on_rows for chart in charts]  # fmt: skip
+    numbers, stops = [], []
+    for chart, shape, to in zip(charts, shapes, after, strict=True):
+        arrive, arrive_error, throw, corner_error = chart.meets
+        travel, low, high = chart.domain.travel, chart.domain.low, chart.domain.high
+        numbers.append((
+            0.0, travel, low, high, 2.0 / (high - low), travel / shape[0] * cells, chart.begin,
+            arrive, arrive_error, throw, corner_error, chart.inertia_error,
+        ))  # fmt: skip
+        others = [place for place in range(len(lever)) if place != chart.stop]
+        stops.append((chart.stop, to, *others))
+    return Charts(
+        equation=padded([chart.equation for chart in charts]),
+        gaps=padded([chart.gaps for chart in charts]),
+        inertia=np.ascontiguousarray(inertia),
+        bounds=np.array([chart.bounds for chart in charts]),
+        gap_bounds=np.array([chart.gap_bounds for chart in charts]),
+        numbers=np.array(numbers),
+        on_rows=np.array(rows),
+        stops=np.array(stops, dtype=np.int64),
+        lever=lever,
+    )
+
+
+def levers(mechanism: Mechanism) -> FloatArray:
+    """Rate of the normal gap of each stop by that of its coordinate, shape (K,)."""
+    return np.array([stop.lever for stop in mechanism.stops])

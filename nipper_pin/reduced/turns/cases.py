@@ -15,8 +15,15 @@ from ...errors import InputError, UnknownNameError
 from ...given import LARGEST, column, number, whole
 from ...units import S_PER_MIN
 from ..inputs import check_run, of_all_cases, one_row, speed_of, speeds_of, spring_rows
-from ..kernels.layout import Cases, Settings
-from ..kernels.turn_layout import END_COLUMNS, EVENT_COLUMNS, HOLD_COLUMNS, Records
+from ..kernels.layout import (
+    COLUMNS,
+    COUNTS,
+    END_COLUMNS,
+    HOLD_COLUMNS,
+    Cases,
+    Records,
+    Settings,
+)
 from .model import TurnModel
 
 # Events of a turn that there is room for beyond its collisions.
@@ -24,7 +31,7 @@ BESIDE = 64
 _MOST_TURNS = 10_000
 # Stretches of a turn on which a stop is closed.
 _STRETCHES = 64
-# Rooms for events, which take 104 bytes each.
+# Rooms for events, which take 128 bytes each.
 _MOST_EVENTS = 4_000_000
 # Numbers of a batch; they and a copy of them take 400 MB.
 _MOST_NUMBERS = 25_000_000
@@ -49,9 +56,10 @@ class Run:
         """Room for what turns do; memory that no event is written to is never touched."""
         count = self.turns if turns is None else turns
         return Records(
-            np.empty((count * (self.most + BESIDE), EVENT_COLUMNS)),
+            np.empty((count * (self.most + BESIDE), COLUMNS)),
             np.empty((count * _STRETCHES, HOLD_COLUMNS)),
             np.empty((count + 1, END_COLUMNS)),
+            np.zeros(COUNTS, dtype=np.int64),
         )
 
 

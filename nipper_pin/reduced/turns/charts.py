@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,11 +12,9 @@ from ...errors import SimulationError
 from ...hybrid.error_estimate.local_error import of_rates
 from ...mechanism import Mechanism
 from ...tolerances.reduced import CORNER_ROUND_OFF, GAP_SHARE
-from ..kernels.layout import Tables as Series
-from ..kernels.turn_layout import Charts
 from ..model import MARGIN, factors
 from ..tables.series2d import needed
-from ..tables.tables import Domain, Tables, checks, misfit, resolved, trimmed
+from ..tables.tables import Chart, Domain, Tables, checks, resolved, trimmed
 from .arcs import TURN, Arc, sampler_at, system_at
 from .rows import on_rows
 
@@ -26,35 +24,6 @@ _NODES_X = 8
 _BESIDE = 1e-3
 # Halvings of the gap of a chart that reaches a dead centre.
 _HALVINGS = 4
-
-
-@dataclass(frozen=True, eq=False)
-class Chart:
-    """Tables around one arc.
-
-    Attributes:
-        domain: Travels and gaps of the tables.
-        kept: The series of the equation of motion, trimmed.
-        slopes: Series of the derivatives of the other gaps, trimmed likewise.
-        gap_residual: Bounds on the errors of the gaps, shape (S,).
-        slope_residual: Bounds on the errors of the slopes, shape (2 S,).
-        samples: Points that were sampled.
-        on_rows: Largest gaps up to which springs are on the rows of their tables, by equal parts of
-            the travel, shape (parts,).
-        meets: Derivative by u of the gap of the stop that takes over at the end, bound on its
-            error, rate of x by that of its gap, and bound on the error of the end [rad]; zeros if
-            it is the same stop.
-    """
-
-    arc: Arc
-    domain: Domain
-    kept: Series
-    slopes: FloatArray
-    gap_residual: FloatArray
-    slope_residual: FloatArray
-    samples: int
-    on_rows: FloatArray
-    meets: tuple[float, float, float, float]
 
 
 class Surroundings:
@@ -91,6 +60,12 @@ class Surroundings:
         wrong = CORNER_ROUND_OFF * (TURN + extent / abs(rate))
         size = rounded.size(self.sampler.size + arc.after.index) + self._bend(rate) * wrong
         return rate, size, 1.0 / arc.after.rate(n[0]), wrong
+
+    def placed(self, chart: Chart) -> Chart:
+        """A chart around the arc, with its place in the turn."""
+        names = [stop.name for stop in self.mechanism.stops]
+        arc, meets = self.arc, self.meets()
+        return replace(chart, stop=names.index(arc.stop.name), begin=arc.begin, meets=meets)
 
     def _bend(self, rate: float) -> float:
         """Bound on the change of the rate of the gap ahead in a radian, near the end of the arc."""
@@ -156,19 +131,8 @@ def _sampled(around: Surroundings, gap: float, w: float, tolerance: float) -> Ch
     tables, samples = resolved(sampler, domain, weights, tolerance)
     points = checks(sampler, domain, tables)
     kept = trimmed(points, domain, tables, weights, tolerance, _least(tables))
-    count_u, count_x = kept.equation.shape[2:]
-    slopes = np.ascontiguousarray(tables.slopes[:, :, :count_u, :count_x])
-    return Chart(
-        arc,
-        domain,
-        kept,
-        slopes,
-        misfit(points, domain, kept.gaps, points.true.gaps),
-        misfit(points, domain, slopes, points.true.slopes),
-        samples,
-        on_rows(around.mechanism, domain, tables),
-        around.meets(),
-    )
+    on = on_rows(around.mechanism, domain, tables)
+    return replace(around.placed(kept), on_rows=on, samples=samples)
 
 
 def _least(tables: Tables) -> tuple[int, int]:
@@ -181,63 +145,3 @@ def _least(tables: Tables) -> tuple[int, int]:
             found.append(needed(series, weights, GAP_SHARE))
     by_u, by_x = zip(*found, strict=True)
     return max(by_u), max(by_x)
-
-
-def stacked(mechanism: Mechanism, charts: list[Chart], after: list[int]) -> Charts:
-    """All charts as arrays of one shape, padded by zeros.
-
-    Args:
-        after: Number of the chart that follows each.
-    """
-    names = [stop.name for stop in mechanism.stops]
-    shapes = np.array([chart.kept.equation.shape[1:] for chart in charts])
-    cells, count_u, count_x = (int(size) for size in shapes.max(axis=0))
-
-    def padded(arrays: list[FloatArray]) -> FloatArray:
-        found = np.zeros((len(arrays), len(arrays[0]), cells, count_u, count_x))
-        for number, array in enumerate(arrays):
-            f, c, i, j = array.shape
-            found[number, :f, :c, :i, :j] = array
-            # By round-off a place at the end may lie beyond it: there the functions are constant.
-            found[number, :f, c:, 0, :j] = array[:, -1:].sum(axis=2)
-        return found
-
-    inertia = np.zeros((len(charts), cells, count_u))
-    for number, chart in enumerate(charts):
-        c, i = chart.kept.inertia.shape
-        inertia[number, :c, :i] = chart.kept.inertia
-        inertia[number, c:, 0] = chart.kept.inertia[-1].sum()
-    travel = np.array([chart.domain.travel for chart in charts])
-    stops = [names.index(chart.arc.stop.name) for chart in charts]
-    meets = np.array([chart.meets for chart in charts])
-    limits = [chart.on_rows for chart in charts]
-    parts = max(len(rows) for rows in limits)
-    return Charts(
-        equation=padded([chart.kept.equation for chart in charts]),
-        gaps=padded([chart.kept.gaps for chart in charts]),
-        slopes=padded([chart.slopes for chart in charts]),
-        inertia=inertia,
-        residual=np.array([chart.kept.residual for chart in charts]),
-        largest=np.array([chart.kept.largest for chart in charts]),
-        steepest_x=np.array([chart.kept.steepest_x for chart in charts]),
-        steepest_u=np.array([chart.kept.steepest_u for chart in charts]),
-        inertia_residual=np.array([chart.kept.inertia_residual for chart in charts]),
-        gap_residual=np.array([chart.gap_residual for chart in charts]),
-        slope_residual=np.array([chart.slope_residual for chart in charts]),
-        travel=travel,
-        span=travel / shapes[:, 0] * cells,
-        low=np.array([chart.domain.low for chart in charts]),
-        high=np.array([chart.domain.high for chart in charts]),
-        on_rows=np.array([np.pad(rows, (0, parts - len(rows)), "edge") if parts else rows
-                          for rows in limits]),
-        begin=np.array([chart.arc.begin for chart in charts]),
-        stop=np.array(stops, dtype=np.int64),
-        others=np.array([[k for k in range(len(names)) if k != stop] for stop in stops],
-                        dtype=np.int64),
-        after=np.array(after, dtype=np.int64),
-        arrive=meets[:, 0].copy(),
-        arrive_residual=meets[:, 1].copy(),
-        throw=meets[:, 2].copy(),
-        corner_error=meets[:, 3].copy(),
-        lever=np.array([stop.lever for stop in mechanism.stops]),
-    )  # fmt: skip

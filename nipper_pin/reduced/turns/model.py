@@ -12,10 +12,11 @@ from ...dynamics import ShaftMotion, System
 from ...errors import InputError
 from ...hybrid import comes_back, initial_state
 from ...mechanism import Mechanism, Stop
-from ..kernels.turn_layout import Charts
+from ..kernels.layout import Charts
 from ..model import LIVELY, ROOM, lively_speed
+from ..tables.tables import levers, stacked
 from .arcs import Arc, Walk, system_at
-from .charts import Surroundings, chart_of, stacked
+from .charts import Surroundings, chart_of
 
 
 def unfit_turns(mechanism: Mechanism) -> str | None:
@@ -118,7 +119,7 @@ def build_turns(
         start_index=start_index,
         start_angle_rad=angle,
         sense=mechanism.cylinder.sense,
-        charts=stacked(mechanism, charts, after),
+        charts=stacked(charts, after, levers(mechanism)),
         begin=(0, stop.gap(q), *_rates(mechanism, angle, start_index, stop), closed),
         restitution=np.array([stop.restitution for stop in mechanism.stops]),
         stiffness=np.array([spring.stiffness for spring in mechanism.springs]),

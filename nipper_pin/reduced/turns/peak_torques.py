@@ -12,7 +12,7 @@ sampled on the charts of the turns, and only where torques are asked for.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
@@ -24,17 +24,16 @@ from ...given import number
 from ...made_once import made_once
 from ...mechanism import Mechanism
 from ...tolerances.reduced import TORQUE_TABLES
-from ..kernels.layout import Cases
-from ..kernels.turn_layout import Charts
+from ..kernels.layout import HIGH, LOW, Cases, Charts
 from ..model import factors
 from ..results import ENGINE
 from ..tables.functions import Samples
-from ..tables.tables import Domain, checks, resolved, trimmed
+from ..tables.tables import Chart, Domain, checks, levers, resolved, stacked, trimmed
 from .cases import BESIDE, Run, room_for, run_of, turn_cases
-from .charts import Chart, Surroundings, stacked
+from .charts import Surroundings
 from .model import START_INDEX, TurnModel, surroundings
 from .quantities import widening
-from .turn import scratch, turn_model
+from .turn import turn_model
 
 # Nodes across the gap to start with.
 _NODES_X = 8
@@ -92,13 +91,13 @@ def torque_model(mechanism: Mechanism, start_index: float, room: float) -> Torqu
     charts = turn_model(mechanism, start_index, room).charts
     found = []
     for place, item in enumerate(around):
-        low, high = float(charts.low[place]), float(charts.high[place])
+        low, high = charts.numbers[place, [LOW, HIGH]].tolist()
         domain = Domain(float(item.arc.travels[-1]), low, high, count_x=_NODES_X)
         for drive in range(len(mechanism.drives)):
             found.append(_chart(item, drive, domain))
     return TorqueModel(
         drives=tuple(item.name for item in mechanism.drives),
-        charts=stacked(mechanism, found, [0] * len(found)),
+        charts=stacked(found, [0] * len(found), levers(mechanism)),
     )
 
 
@@ -107,20 +106,15 @@ def _chart(around: Surroundings, drive: int, domain: Domain) -> Chart:
     sampler = _DriveSampler(around, drive)
     rate = float(np.sqrt(np.abs(around.acceleration(0.0, 0)[0]) * domain.high))
     weights = _weights(around, sampler, rate)
-    tables, samples = resolved(sampler, domain, weights, TORQUE_TABLES)
+    tables, _ = resolved(sampler, domain, weights, TORQUE_TABLES)
     points = checks(sampler, domain, tables)
     kept = trimmed(points, domain, tables, weights, TORQUE_TABLES)
-    functions = kept._replace(
-        equation=np.ascontiguousarray(kept.equation[:-1]),
-        gaps=np.ascontiguousarray(kept.equation[-1:]),
-        residual=kept.residual[:-1],
-        largest=kept.largest[:-1],
-        steepest_x=kept.steepest_x[:-1],
-        steepest_u=kept.steepest_u[:-1],
-    )
-    slopes = np.zeros((2, *kept.equation.shape[1:]))
-    return Chart(around.arc, domain, functions, slopes, kept.residual[-1:], np.zeros(2), samples,
-                 np.empty(0), (0.0, 0.0, 0.0, 0.0))  # fmt: skip
+    by_a = np.zeros((3, *kept.equation.shape[1:]))
+    by_a[0] = kept.equation[-1]
+    return replace(
+        kept, equation=kept.equation[:-1], gaps=by_a, bounds=kept.bounds[:, :-1],
+        gap_bounds=kept.bounds[0, [-1, -1, -1]],
+    )  # fmt: skip
 
 
 def _weights(around: Surroundings, sampler: _DriveSampler, rate: float) -> FloatArray:
@@ -213,7 +207,6 @@ def _follow(
     torques = torque_model(mechanism, model.start_index, room).charts
     panels = _PANELS * (run.most + BESIDE)
     run_torques(
-        grids(), model.charts, scratch(model.charts, run.most),
-        scratch(model.charts, run.most, panels), torques, scratch(torques), cases, run.settings,
-        run.turns, model.begin, model.clamp, run.records(), run.records(1), told[:, 0], found,
+        grids(), model.charts, torques, cases, run.settings, run.most, panels, run.turns,
+        model.begin, model.clamp, run.records(), run.records(1), told[:, 0], found,
     )  # fmt: skip

@@ -17,7 +17,7 @@ from ...arrays import FloatArray
 from ...errors import SimulationError
 from ...given import number
 from ...mechanism import Mechanism
-from ..kernels import turn_layout as rows
+from ..kernels import layout as rows
 from ..kernels.layout import Cases
 from ..results import ENGINE, Column
 from .cases import room_for, run_of, turn_cases

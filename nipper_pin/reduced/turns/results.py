@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import FloatArray
-from ..kernels import layout, turn_layout
+from ..kernels import layout
 from ..results import ENGINE, Column
 
 
@@ -66,40 +66,40 @@ class ReducedTurns:
     table: FloatArray = field(repr=False)
     engine: str = ENGINE
 
-    time = Column(turn_layout.TIME)
+    time = Column(layout.TIME)
     """Times from the start of the first turn [s]."""
-    travel = Column(turn_layout.TRAVEL)
+    travel = Column(layout.TRAVEL)
     """Travels of the cylinder from there [rad]."""
-    approach_rate = Column(turn_layout.APPROACH)
+    approach_rate = Column(layout.APPROACH)
     """Rates of the gap before collisions [rad/s or m/s], negative."""
-    separation_rate = Column(turn_layout.SEPARATION)
+    separation_rate = Column(layout.SEPARATION)
     """Rates after them."""
-    impulse = Column(turn_layout.IMPULSE)
+    impulse = Column(layout.IMPULSE)
     """Normal impulses at the contact points [N s]; along the joint without one [N m s]."""
-    energy_lost = Column(turn_layout.ENERGY)
+    energy_lost = Column(layout.ENERGY)
     """Kinetic energy lost [J]."""
-    rebound_amplitude = Column(turn_layout.AMPLITUDE)
+    rebound_amplitude = Column(layout.AMPLITUDE)
     """Largest gaps of the rebounds that end at the same stop [rad or m]; NaN for others."""
-    time_error = Column(turn_layout.TIME_ERROR)
+    time_error = Column(layout.TIME_ERROR)
     """Bounds on the errors of ``time`` [s]."""
-    rate_error = Column(turn_layout.RATE_ERROR)
+    rate_error = Column(layout.RATE_ERROR)
     """Bounds on the errors of ``approach_rate``."""
-    impulse_error = Column(turn_layout.IMPULSE_ERROR)
+    impulse_error = Column(layout.IMPULSE_ERROR)
     """Bounds on the errors of ``impulse``, in its unit."""
-    amplitude_error = Column(turn_layout.AMPLITUDE_ERROR)
+    amplitude_error = Column(layout.AMPLITUDE_ERROR)
     """Bounds on the errors of ``rebound_amplitude``."""
-    energy_error = Column(turn_layout.ENERGY_ERROR)
+    energy_error = Column(layout.ENERGY_ERROR)
     """Bounds on the errors of ``energy_lost`` [J]."""
 
     @property
     def kind(self) -> tuple[str, ...]:
         """Each event: collision, rest or release."""
         names = {
-            turn_layout.COLLISION: "collision",
-            turn_layout.REST: "rest",
-            turn_layout.RELEASE: "release",
+            layout.COLLISION: "collision",
+            layout.REST: "rest",
+            layout.RELEASE: "release",
         }
-        return tuple(names[int(number)] for number in self.table[:, turn_layout.KIND])
+        return tuple(names[int(number)] for number in self.table[:, layout.KIND])
 
     @property
     def stop(self) -> tuple[str, ...]:
@@ -109,9 +109,9 @@ class ReducedTurns:
     @property
     def stop_number(self) -> NDArray[np.int64]:
         """Its place among the stops."""
-        return self.table[:, turn_layout.STOP].astype(np.int64)
+        return self.table[:, layout.STOP].astype(np.int64)
 
     @property
     def collisions(self) -> NDArray[np.bool_]:
         """Which events are collisions."""
-        return np.asarray(self.table[:, turn_layout.KIND] == turn_layout.COLLISION)
+        return np.asarray(self.table[:, layout.KIND] == layout.COLLISION)

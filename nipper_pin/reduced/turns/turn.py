@@ -13,8 +13,7 @@ from ...extras import require
 from ...given import number
 from ...made_once import made_once
 from ...mechanism import Mechanism
-from ..kernels.layout import CASE_NUMBERS, LEFT_GAP, LEVELS, SCRATCH_ROWS, SIZES, Cases
-from ..kernels.turn_layout import Charts, Records, TurnWork
+from ..kernels.layout import LEFT_GAP, Cases, Records
 from .cases import Run, one_case, run_of
 from .model import START_INDEX, TurnModel, build_turns
 from .results import TURN_REASONS, ReducedTurns, TurnStatus
@@ -112,28 +111,6 @@ def follow(
     from ..kernels.turn_quantities import run_turns
 
     run_turns(
-        grids(), model.charts, scratch(model.charts, run.most), cases, run.settings, run.turns,
-        model.begin, model.clamp, run.least_force, records, told, found,
+        grids(), model.charts, cases, run.settings, run.most, run.turns, model.begin, model.clamp,
+        run.least_force, records, told, found,
     )  # fmt: skip
-
-
-def scratch(charts: Charts, most: int = 1, panels: int = 0) -> TurnWork:
-    """Scratch arrays of a call: no two threads share them.
-
-    Args:
-        charts: The functions that are evaluated.
-        most: Largest number of collisions of a series.
-        panels: Panels of the motion that are kept.
-    """
-    count, _, cells, count_u, count_x = charts.equation.shape
-    rows, finest = (3 + charts.others.shape[1]) * count_x, LEVELS[-1]
-    return TurnWork(
-        np.zeros((count, CASE_NUMBERS)),
-        np.zeros((count, cells, count_u, rows)),
-        np.zeros((count, SIZES, 3)),
-        np.zeros((count, cells, count_u)),
-        np.zeros(count, dtype=np.bool_),
-        np.zeros((finest + 1, rows)),
-        np.zeros((SCRATCH_ROWS * (1 + panels), finest + 2)),
-        np.zeros((3, most)),
-    )
