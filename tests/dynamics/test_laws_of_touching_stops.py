@@ -164,6 +164,27 @@ def test_parts_that_do_not_touch_are_struck_as_if_alone(law: str, faint: float) 
 
 
 @pytest.mark.parametrize("law", ["newton", "sequential"])
+@pytest.mark.parametrize(("faint", "taken"), [(1e-9, 1.0), (1e-14, 0.0)])
+def test_a_stop_beside_a_hard_blow_takes_part_unless_its_rate_is_round_off(
+    law: str, faint: float, taken: float
+) -> None:
+    """A cart that strikes its floor with 1 m/s carries a block that drifts across to a wall."""
+    parts = [link("cart", 3.0), slide("z", "frame", "cart", (0.0, 1.0)),
+             link("block", 0.5), slide("x", "cart", "block")]  # fmt: skip
+    stops = {
+        "floor": {"joint": "z", "restitution": 0.5},
+        "wall": {"joint": "x", "restitution": 0.25},
+    }
+    both = machine(parts, 2, simultaneous=law, stops=stops)
+    system = System(both, ShaftMotion(both, 1.0, 0.0))
+    v = np.array([-1.0, -faint])
+    impact = solve_impact(system, np.zeros(2), v, np.empty((0, 2)), both.stops)
+    assert impact.v_after == pytest.approx([0.5, 0.25 * faint * taken], rel=EXACT)
+    wall = pytest.approx(taken * 0.5 * 1.25 * faint, rel=EXACT)
+    assert {"floor": pytest.approx(3.5 * 1.5, rel=EXACT), "wall": wall} == impact.P_N
+
+
+@pytest.mark.parametrize("law", ["newton", "sequential"])
 @pytest.mark.parametrize("wall", [False, True])
 def test_forty_balls_keep_momentum_and_energy(law: str, wall: bool) -> None:
     """With a wall the momentum changes by its impulse; without losses the energy stays.

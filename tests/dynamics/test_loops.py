@@ -188,6 +188,21 @@ def test_near_a_dead_centre_positions_closed_anew_do_not_depend_on_the_guess() -
     assert anew < 0.25 * taken
 
 
+def test_a_choice_of_coordinates_that_has_become_singular_is_made_anew(e62: Mechanism) -> None:
+    """The closures of a second configuration do not determine what those of the first did."""
+    system = System(e62, ShaftMotion(e62, 50.0, 0.0))
+    given = tuple(int(index) for index in system.driven)
+    (jacobian,) = system.body.closures(np.zeros((1, 7)))[1]
+    first = system.split(jacobian, given, ())
+    again = jacobian.copy()
+    again[:, first.columns[0]] = again[:, first.columns[1]]
+    # What the lost column did is done by another coordinate, which was independent.
+    other = next(column for column in first.independent if column not in given)
+    again[:, other] = jacobian[:, first.columns[0]]
+    assert np.linalg.cond(again[:, first.columns]) > 1e12
+    assert np.linalg.cond(again[:, system.split(again, given, ()).columns]) < 1e4
+
+
 def test_signs_of_determinants_are_compared() -> None:
     """Rows that change places change the sign; a singular matrix has none."""
     one, singular = np.diag([2.0, 3.0]), np.ones((2, 2))

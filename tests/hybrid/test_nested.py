@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -15,11 +14,10 @@ from nipper_pin.hybrid.contact.bounce_series import BounceSeries, NestedSeries
 from nipper_pin.hybrid.run.series.bounces import lowest_gap
 
 T_REST = 1.25
-
 EPS = float(np.finfo(float).eps)
 
 
-def _series(e: float, bounces: int, first: float = 1.0) -> BounceSeries:
+def series_of(e: float, bounces: int, first: float = 1.0) -> BounceSeries:
     """Collisions on the smooth curve t(w) = T_REST - 0.3 log(1 + w), rates nearly geometric.
 
     A stop with restitution e has dt/dw = -2 / (alpha (1 - e)) at rest: alpha is chosen to be so.
@@ -34,101 +32,35 @@ def _series(e: float, bounces: int, first: float = 1.0) -> BounceSeries:
     return series
 
 
-@pytest.mark.parametrize("e", [0.05, 0.2, 0.5, 0.9])
-def test_limit_converges_to_the_known_end(e: float) -> None:
-    """The limit meets T_REST to 1e-13 once enough bounces are known, and says so.
+@pytest.mark.parametrize(("e", "enough"), [(0.05, 6), (0.2, 9), (0.5, 16), (0.9, 90)])
+def test_limits_of_a_smooth_series(e: float, enough: int) -> None:
+    """At every length the true error is of the order of the estimate; with enough it is 1e-13.
 
-    Taylor's remainder of m points is 0.3/m times the product of their rates; the round-off of the
-    times is amplified by the sum of the Lagrange weights at w = 0, about 30 for e = 0.5 and 1e4
-    for e = 0.9, which is why the best of the orders is returned and not the highest. The times
-    themselves end far from T_REST (by 0.3 w), so the last time alone cannot pass.
+    The estimate is the step between two orders, which the remainder of the lower one dominates;
+    a factor of 10 covers its neighbours, and a few round-offs of the times the floor. Round-off is
+    amplified by the sum of the Lagrange weights at w = 0, about 30 for e = 0.5 and 1e4 for 0.9,
+    so that the best of the orders is returned and not the highest. The times end far from the rest.
     """
-    bounces = {0.05: 6, 0.2: 9, 0.5: 16, 0.9: 90}[e]
-    series = _series(e, bounces)
+    for bounces in range(3, 14):
+        limit, error = series_of(e, bounces, first=0.3).limit(e)
+        assert abs(limit - T_REST) <= 10.0 * error + 8.0 * EPS * T_REST, bounces
+    series = series_of(e, enough)
     limit, error = series.limit(e)
     assert abs(limit - T_REST) <= 1e-13
     assert error <= 4e-13
     assert abs(series.times[-1] - T_REST) > 1e-9
+    assert series.limit(1.0) == (np.inf, np.inf)
 
 
-@pytest.mark.parametrize("e", [0.05, 0.2, 0.5, 0.9])
-def test_error_estimate_is_not_too_small(e: float) -> None:
-    """At every length of the series the true error is of the order of the estimate or less.
-
-    The estimate is the step between two orders, which the remainder of the lower one dominates;
-    a factor of 10 covers its neighbours, and a few round-offs of the times the floor.
-    """
-    for bounces in range(3, 14):
-        limit, error = _series(e, bounces, first=0.3).limit(e)
-        assert abs(limit - T_REST) <= 10.0 * error + 8.0 * EPS * T_REST, bounces
-
-
-@pytest.mark.parametrize("e", [0.05, 0.2, 0.5])
-@pytest.mark.parametrize("bounces", [3, 4, 5])
-def test_the_known_slope_brings_the_limit_nearer(e: float, bounces: int) -> None:
-    """The same collisions without their decelerations leave ten times the error.
-
-    Without is Lagrange's extrapolation of the times alone, done here. A slope of the wrong sign or
-    size would leave a larger error than none. The fastest rate lies before the series, so that no
-    collision is too far away to count.
-    """
-    points = replace(_series(e, bounces, first=0.3), fastest=1.0)
-    w = np.array(points.rates)
-    weights = [np.prod(np.delete(w, i) / (np.delete(w, i) - w[i])) for i in range(bounces)]
-    without = abs(float(np.dot(weights, points.times)) - T_REST)
-    limit, _ = points.limit(e)
-    assert abs(limit - T_REST) < max(0.1 * without, 4.0 * EPS)
-
-
-def test_a_straight_line_is_met_by_three_points() -> None:
-    """With t = t_rest - c w, the law of a bouncing ball, the limit is exact.
-
-    Its deceleration g has 2 / (g (1 - e)) = c.
-    """
-    e, c = 0.5, 0.25
-    series = BounceSeries("stop", 0.0)
-    for w in (1.0, e, e * e):
-        series = series.bounced(2.0 - c * w, w, 2.0 / (c * (1.0 - e)))
-    limit, error = series.limit(e)
-    assert limit == pytest.approx(2.0, abs=4.0 * EPS * 2.0)
-    assert error <= 64.0 * EPS
-
-
-@pytest.mark.parametrize(
-    "rates", [[], [1.0], [1.0, 0.5], [1.0, 1.0, 0.5], [0.5, 1.0, 0.2], [1.0, 0.5, 0.6]]
-)
+@pytest.mark.parametrize("rates", [[1.0, 0.5], [1.0, 1.0, 0.5], [0.5, 1.0, 0.2], [1.0, 0.5, 0.6]])
 def test_no_limit_while_the_rates_do_not_fall(rates: list[float]) -> None:
-    """Too few collisions or rates that do not fall leave the end and its error infinite.
-
-    So does a deceleration that passes zero before the limit, and restitution one.
-    """
-    series = BounceSeries("stop", 0.0)
+    """Nor where a deceleration passes zero before the limit."""
+    series = passing = BounceSeries("stop", 0.0)
     for number, rate in enumerate(rates):
         series = series.bounced(0.1 * number, rate, 1.0)
-    assert series.limit(0.5) == (np.inf, np.inf)
-    series = BounceSeries("stop", 0.0)
     for w in (1.0, 0.5, 0.25):
-        series = series.bounced(-w, w, w - 0.1)
-    assert series.limit(0.5) == (np.inf, np.inf)
-    assert _series(0.5, 6).limit(1.0) == (np.inf, np.inf)
-
-
-def test_series_remembers_its_start_and_its_fastest_rate() -> None:
-    """Old points are forgotten; start and fastest rate are not, and the series is not changed."""
-    series = BounceSeries("stop", 0.25)
-    longer = series
-    for number in range(20):
-        longer = longer.bounced(0.25 + number, 2.0**-number, 1.0)
-    assert series.times == ()
-    assert longer.start == 0.25
-    assert longer.fastest == 1.0
-    assert longer.times[-1] == 19.25
-    assert len(longer.times) == len(longer.rates) < 20
-
-
-BOTH = {"floor", "lid"}
-
-CASE = {"speed_rpm": 60.0, "window": Window.CYCLE}
+        passing = passing.bounced(-w, w, w - 0.1)
+    assert series.limit(0.5) == passing.limit(0.5) == (np.inf, np.inf)
 
 
 def struck(times: list[float], rates: list[float]) -> NestedSeries:
@@ -161,9 +93,13 @@ def test_no_limit_without_a_series() -> None:
     again = struck([0.0, 1.0, 1.5, 1.75, 5.0], [1.0, 0.5, 0.25, 0.125, 0.125])
     assert (again.times, again.start, again.fastest) == ((5.0,), 5.0, 0.125)
     turns = np.arange(12.0)
-    settling = struck(turns.tolist(), (1.0 + 0.5**turns).tolist())
-    t, error = settling.limit()
+    t, error = struck(turns.tolist(), (1.0 + 0.5**turns).tolist()).limit()
     assert t == math.inf or error > 0.1
+
+
+BOTH = {"floor", "lid"}
+
+CASE = {"speed_rpm": 60.0, "window": Window.CYCLE}
 
 
 @cache
@@ -307,16 +243,6 @@ def test_rest_by_a_rate() -> None:
     for rate in (1e-2, 1e-3, 1e-4):
         event = rest_of(run(numbers, rest_rate=rate))
         assert 0.1 * factor * rate < exact - event.t < 2.0 * factor * rate
-
-
-def test_a_run_that_is_cut_short_says_what_to_do() -> None:
-    """Fewer collisions than the series needs end the run with a sentence that names both ways."""
-    solution = run((1.0, 1.0, 0.3, 0.3, 30.0), max_collisions=40)
-    assert solution.outcome is Outcome.TOO_MANY_COLLISIONS
-    assert len(solution.collisions) == 40
-    assert "max_collisions" in solution.outcome.value
-    assert "rest_rate" in solution.outcome.value
-    assert "throw" in solution.outcome.value
 
 
 def test_a_box_that_is_not_pressed_down_comes_to_no_rest_together() -> None:

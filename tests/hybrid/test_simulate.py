@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import nipper_pin as nip
+from nipper_pin.hybrid import advance
 from nipper_pin.mechanism.skeleton import write_skeleton
 
 BOUNCING_MASS = Path(__file__).parents[1] / "verification" / "models" / "bouncing_mass"
@@ -265,6 +266,24 @@ def test_progress_is_reported_after_every_turn(e62: nip.Mechanism) -> None:
     nip.simulate(e62, case, progress=lambda done, total: seen.append((done, total)))
     assert seen[-1] == (50, 50)
     assert len(seen) < 50
+
+
+def test_a_phase_of_too_many_panels_is_refused(
+    e62: nip.Mechanism, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The longest phase passes a limit of as many panels as it has and not one of one less.
+
+    Without the limit both would pass; what is refused names the time that was reached.
+    """
+    resolution = nip.Resolution(panels_per_turn=400)
+    case = nip.Case(speed_rpm=450.0, window=nip.Window.CYCLE, resolution=resolution)
+    most = max(len(part.panels) for part in nip.simulate(e62, case).segments)
+    monkeypatch.setattr(advance, "_MOST_PANELS", most)
+    nip.simulate(e62, case)
+    monkeypatch.setattr(advance, "_MOST_PANELS", most - 1)
+    with pytest.raises(nip.ConvergenceError, match=f"more than {most - 1} panels") as caught:
+        nip.simulate(e62, case)
+    assert caught.value.evidence["t"] > 0.0
 
 
 def test_a_cylinder_that_turns_the_wrong_way_is_an_input_error() -> None:

@@ -11,6 +11,7 @@ from driven_machines import GRAVITY, LAWS, MACHINES, Law, follower, swing
 from numpy.polynomial import Polynomial
 from scipy.integrate import solve_ivp
 from scipy.optimize import minimize_scalar
+from small_machines import SLED, link, machine, slide, turn
 
 import nipper_pin as nip
 from benchmarks.stress.machines.small_machines import e62 as e62_source
@@ -253,6 +254,31 @@ def test_limits_of_bounces_do_not_reach_across_knots() -> None:
     assert (angles < knot).sum() >= 3
     stated = coarse.errors[-1].time + fine.errors[-1].time
     assert abs(coarse.events[-1].t - fine.events[-1].t) <= 0.1 * stated
+
+
+def test_no_limit_is_taken_before_a_knot_that_it_lies_behind() -> None:
+    """A ball bounces on a table that stands still, and begins to rise 5 ms before its rest.
+
+    Without the rise that would come after t_1 (1 + e) / (1 - e); the coarse run knows it long
+    before, and has to follow the bounces all the same.
+    """
+    still = 3.0 * math.sqrt(2.0 * 0.05 / GRAVITY)
+    rise = {"law": "cam", "motion": "cycloidal", "start_deg": 360.0 * (still - 5e-3),
+            "rise_deg": 60.0, "return_deg": 60.0, "lift_mm": 20.0}  # fmt: skip
+    ball = machine(
+        [link("table"), slide("lift", "frame", "table", (0.0, 1.0)),
+         link("ball"), slide("gap", "table", "ball", (0.0, 1.0))], 2, gravity=GRAVITY,
+        drives={"cam": {"joint": "lift", **rise, **SLED}}, initial={"gap": {"at_mm": 50.0}},
+        stops={"table": {"joint": "gap", "restitution": 0.5}},
+    )  # fmt: skip
+    coarse, fine = (turn(ball, tolerance=tolerance) for tolerance in (1e-6, 1e-13))
+    rests = [
+        next((event.t, run.errors[event.number - 1].time) for event in run.events
+             if event.kind is nip.EventKind.REST) for run in (coarse, fine)
+    ]  # fmt: skip
+    (t, stated), (right, rest) = rests
+    assert abs(t - right) <= stated + rest < 1e-6
+    assert abs(right - still) > 1e-5
 
 
 MASS, STIFFNESS, PRELOAD, ECCENTRICITY = 0.8, 900.0, 0.012, 0.018
