@@ -9,7 +9,9 @@ import tomllib
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
+import driven_machines as driven
 import judged_runs
 import numpy as np
 import pytest
@@ -22,8 +24,10 @@ from small_machines import SLED, hinge, link, machine, slide
 from benchmarks.stress.linkages import write_linkage
 from nipper_pin import Case, Event, Mechanism, Solution, export, load
 from nipper_pin.cli import main
+from nipper_pin.mechanism import from_sources
 from nipper_pin.mechanism.gallery import GALLERY, file_of
 from nipper_pin.mechanism.skeleton import write_skeleton
+from tests.bench.stress.machine_of_all_elements import everything
 
 MODELS = Path(__file__).parents[1] / "models"
 SHUT_FIRST = [
@@ -69,6 +73,28 @@ def test_e62(speed: float, drive: str) -> None:
 )  # fmt: skip
 def test_other_combers(model: str, drive: str) -> None:
     agree(compare(MODELS / model, 300.0, drive), 10)
+
+
+@pytest.mark.parametrize(
+    ("make", "law", "drive"),
+    [(driven.rocker, "oscillating guide", "held"), (driven.swing, "Fourier", "inertial"),
+     (driven.follower, "12 rows", "held")],
+)  # fmt: skip
+def test_laws_of_drives(make: Callable[[Any], Mechanism], law: str, drive: str) -> None:
+    """On a four-bar, a pendulum between stops, and a follower that is thrown."""
+    agree(compare(both(make(driven.LAWS[law])), 180.0, drive, start_index=0.0), 0)
+
+
+@DRIVES
+def test_a_four_bar(drive: str) -> None:
+    agree(compare(Path(__file__).parent / "verification/models/four_bar", 60.0, drive), 0)
+
+
+def test_elements_of_every_kind() -> None:
+    """Stops on both sides, a spring, one of rows, one between points, and a damper."""
+    source = everything()
+    mechanism = from_sources(source.name, source.urdf, source.description, source.folder)
+    agree(compare(both(mechanism), 90.0, start_index=0.0), 10)
 
 
 @pytest.mark.campaign

@@ -11,7 +11,9 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 import pytest
+from any_plane import rewritten
 from machine_of_all_elements import CASE, everything
 
 from benchmarks.stress import CHECKS, violations
@@ -24,7 +26,7 @@ from benchmarks.stress.machines.small_machines import flaps
 from nipper_pin import Case, EventKind, Mechanism, Outcome, Solution, Window, simulate
 from nipper_pin.dynamics import System
 from nipper_pin.hybrid.result.rebounds import Rebounds
-from nipper_pin.mechanism import from_sources
+from nipper_pin.mechanism import from_sources, gallery
 
 # A planted error is beyond the limit that it breaks by at most this factor.
 _NEAR = 100.0
@@ -269,6 +271,18 @@ def test_what_the_judge_is_shown_is_refused(
 ) -> None:  # fmt: skip
     monkeypatch.setattr(owner, name, change(getattr(owner, name)))
     refused(kind, replace(runs[run]), word)
+
+
+@pytest.mark.parametrize("name", ["sieve", "scotch_yoke", "relay", "valve_train"])
+def test_right_turns_are_not_refused(name: str) -> None:
+    """Of machines in another plane, all of whose frames are turned, slots and blocks among them."""
+    rng = np.random.default_rng(7)
+    turn = pin.rpy.rpyToMatrix(*rng.uniform(-3.0, 3.0, 3))
+    drawn = gallery.drawn(name).mechanism()
+    urdf = rewritten(drawn.urdf, turn, {}, rng)
+    turned = from_sources(name, urdf, drawn.description, ".")
+    case = Case(speed_rpm=drawn.cylinder.rated_speed_rpm, window=Window.CYCLE)
+    assert violations(simulate(turned, case)) == []
 
 
 def test_right_solutions_are_not_refused(runs: dict[str, Solution]) -> None:
