@@ -21,7 +21,7 @@ def main(file: str | Path = "rebounds.gif") -> None:
     solution = nip.simulate(nip.load("e62"), nip.Case(speed_rpm=650.0))
     # Rebounds are thousandths of a radian: the gap is drawn ten times as large, and playback is a
     # thousand times slower around impacts. Forces and motion stay as simulated.
-    written = nip.view(solution, file, slow=1000.0, exaggerate=10.0)
+    written = nip.view(solution, file, slow=1000.0)
     print(f"{written}: {Path(file).stat().st_size / 1e3:.0f} kB")
     # What the film shows, as numbers.
     lost = sum(hit.energy_lost for hit in solution.collisions)

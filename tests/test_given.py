@@ -72,7 +72,7 @@ CALLS: list[tuple[Callable[..., object], str, tuple[Any, ...]]] = [
     (limit, "turns", (*NOT_WHOLE, 0)),
     (lever, "speed_rpm", (*but_none(NOT_ONE), 0.0)),
     (look, "slow", (*but_none(NOT_ONE), 0.5)),
-    (look, "exaggerate", (*NOT_ONE, 99.0)),
+    (look, "exaggerate", (*but_none(NOT_ONE), 9999.0)),
     (of(nip.read_sweep, "nowhere"), "most", (0, -1, 2.5, "3", True, [2])),
     (of(nip.check, E62), "speed_rpm start_index", but_none(NOT_ONE)),
 ]

@@ -323,8 +323,8 @@ def test_view_writes_what_the_name_says(solution: nip.Solution, tmp_path: Path) 
         assert (pictures.format, pictures.n_frames) == ("GIF", math.ceil(10.0 * length))
     with pytest.raises(nip.InputError, match=r"NAME.html or NAME.gif"):
         nip.view(solution, tmp_path / "a.png")
-    with pytest.raises(nip.InputError, match="exaggerate = 99"):
-        nip.view(solution, tmp_path / "c.html", exaggerate=99.0)
+    with pytest.raises(nip.InputError, match="exaggerate = 9999"):
+        nip.view(solution, tmp_path / "c.html", exaggerate=9999.0)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.gif", "a.html"]
 
 

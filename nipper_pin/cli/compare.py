@@ -139,8 +139,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "minutes)",
     )  # fmt: skip
     parser.add_argument(
-        "--exaggerate", type=float, default=1.0, metavar="N",
-        help="draw rebounds of the film N times as large, 1 to 50 (default 1)",
+        "--exaggerate", type=float, metavar="N",
+        help="draw rebounds of the film N times as large, 1 to 1000 (default: so that they are "
+        "seen)",
     )  # fmt: skip
     parser.add_argument("--out", metavar="DIR", help="write the table (CSV) and the curves")
     parser.add_argument("--json", metavar="FILE", help="write the table as JSON; - for stdout")
@@ -181,7 +182,7 @@ def _check(options: argparse.Namespace, *, pictured: bool) -> None:
     if pictured:
         require("view", "meshcat", "umsgpack", what="a page of the viewer")
     else:
-        look = {"slow": options.slow is not None, "exaggerate": options.exaggerate != 1.0}
+        look = {"slow": options.slow is not None, "exaggerate": options.exaggerate is not None}
         refuse_beside(
             argparse.Namespace(**look),
             "a table; add --html FILE or --browser",

@@ -37,9 +37,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--exaggerate",
         type=float,
-        default=1.0,
         metavar="N",
-        help="draw the gap of the transition stop N times as large, 1 to 50 (default 1)",
+        help="draw rebounds N times as large, 1 to 1000 (default: so that they are seen)",
     )
     parser.add_argument(
         "--html", metavar="FILE", help="write one self-contained page instead of serving it"

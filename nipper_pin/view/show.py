@@ -22,7 +22,7 @@ def view(
     file: str | Path | None = None,
     *,
     slow: float | None = None,
-    exaggerate: float = 1.0,
+    exaggerate: float | None = None,
     port: int = PORT,
     browser: bool = True,
 ) -> Path | None:
@@ -34,7 +34,9 @@ def view(
             view (of one solution); None to serve it until Ctrl-C.
         slow: Time is stretched 1 : slow around events; by default 1000, or less for a run of which
             the film would take more than two minutes.
-        exaggerate: The gap of the transition stop is drawn so many times as large, 1 to 50.
+        exaggerate: Rebounds of the transition stop are drawn so many times as large, 1 to 1000; by
+            default a round number of times by which they are seen. The page shows them in true size
+            at a click.
         port: Port to serve at; 0 for any that is free.
         browser: Whether to open the page that is served in the user's browser.
 

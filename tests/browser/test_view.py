@@ -148,7 +148,10 @@ def test_the_arrow_of_an_impulse_comes_and_goes(page: Page, shown: Film) -> None
 
 
 def test_an_exaggerated_gap_shows(page: Page, plain: Page, shown: Film) -> None:
-    """In the middle of the first rebound, 0.3 degrees, the two drawings differ; at rest not."""
+    """In the middle of the first rebound, 0.3 degrees, the two drawings differ; at rest not.
+
+    A click shows the one as the other, at the same time of the film.
+    """
     first = next(item for item in shown.solution.collisions if item.stop == "jaw")
     closed = next(item for item in shown.solution.phases if item.number == 2)
     share = []
@@ -157,6 +160,12 @@ def test_an_exaggerated_gap_shows(page: Page, plain: Page, shown: Film) -> None:
         for one in (page, plain):
             seek(one, float(shown.pace.playback_at(t)))
             images.append(machine(one))
+        page.uncheck("#larger")
+        np.testing.assert_array_equal(machine(page), images[1])
+        assert page.inner_text("#lips figcaption").endswith("true size")
+        page.check("#larger")
+        np.testing.assert_array_equal(machine(page), images[0])
+        assert page.inner_text("#size").strip() == "rebounds x 10"
         share.append((np.abs(images[0] - images[1]).max(axis=-1) > 30.0).mean())
     assert share[0] > 0.003
     assert share[1] == 0.0

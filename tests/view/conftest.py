@@ -26,10 +26,10 @@ def many_turns() -> Solution:
 
 @pytest.fixture(scope="session")
 def page_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., str]:
-    """The page of a run or a comparison, as it is written."""
+    """The page of a run or a comparison, as it is written; in true size where nothing is said."""
     file = tmp_path_factory.mktemp("pages") / "page.html"
 
-    def text(shown: Solution | Comparison, **look: float) -> str:
-        return nip.view(shown, file, **look).read_text(encoding="utf-8")
+    def text(shown: Solution | Comparison, **look: float | None) -> str:
+        return nip.view(shown, file, **{"exaggerate": 1.0, **look}).read_text(encoding="utf-8")
 
     return text

@@ -95,7 +95,7 @@ def test_frames_of_a_film(cycle: Solution) -> None:
 
 
 def test_of_many_turns_the_first_two_are_shown(many_turns: Solution) -> None:
-    shown = film(many_turns, Look())
+    shown = film(many_turns, Look(exaggerate=1.0))
     assert shown.pace.machine[-1] == pytest.approx(2.0 * many_turns.shaft.period, rel=1e-12)
     document = readings(shown)
     assert document["phases"][-1]["start"] < document["duration"]
@@ -138,13 +138,13 @@ def test_an_exaggerated_gap_keeps_the_loops_closed(cycle: Solution, large: Film)
                 for name in (closure.frame_a, closure.frame_b)
             )
             assert np.abs(a - b)[[0, 2]].max() < 1e-14
-    assert film(cycle, Look()).drawn is not large.drawn
+    assert film(cycle, Look(exaggerate=1.0)).drawn is not large.drawn
 
 
 def test_an_exaggerated_gap_opens_away_from_its_stop() -> None:
     """Drawn five times as large, gaps of an upper stop grow downwards from the stop's place."""
     run = run_of("boxed")
-    plain, large = film(run, Look()), film(run, Look(exaggerate=5.0))
+    plain, large = film(run, Look(exaggerate=1.0)), film(run, Look(exaggerate=5.0))
     floor, t = run.mechanism.stop("floor"), plain.pace.machine
     assert floor.sense < 0.0
     gap, drawn = floor.gaps(plain.drawn), floor.gaps(large.drawn)
@@ -168,17 +168,17 @@ def test_the_heights_drawn_larger_are_those_of_the_transition_stop() -> None:
 # What is refused.
 
 
-@pytest.mark.parametrize("values", [{"slow": 1.0}, {"slow": 1e5}, {"exaggerate": 50.0}])
+@pytest.mark.parametrize("values", [{"slow": 1.0}, {"slow": 1e5}, {"exaggerate": 1000.0}])
 def test_looks_up_to_their_ends(values: dict[str, float]) -> None:
     assert Look(**values)
-    with pytest.raises(InputError, match=r"cannot be used: 1 to (50|100000)$|: 1 to 1e\+05"):
+    with pytest.raises(InputError, match=r"cannot be used: 1 to 1000(00)?$"):
         Look(**{key: 1.001 * value if value > 1.0 else 0.999 for key, value in values.items()})
 
 
 def test_a_run_without_motion_says_so() -> None:
     still = simulate(load("e62", {"stops.jaw.restitution": 0.0}), Case(speed_rpm=450.0))
     with pytest.raises(InputError, match="no motion to show"):
-        film(still, Look())
+        film(still, Look(exaggerate=1.0))
 
 
 def test_a_gap_that_is_not_there_cannot_be_exaggerated() -> None:
@@ -327,7 +327,7 @@ def test_words_of_pictures(cycle: Solution, words: Words) -> None:
     Of each what differs from the one before. All texts stand inside of the picture, and none on
     another one, on the bar or on the machine.
     """
-    shown = film(cycle, Look())
+    shown = film(cycle, Look(exaggerate=1.0))
     moving, playback = MovingSketch(shown), shown.pace.playback
     hit = next(hit for hit in cycle.collisions if hit.stop == "jaw")
     at = float(shown.pace.playback_at(hit.t))

@@ -305,7 +305,7 @@ def log_lines(run: Solution) -> Iterator[Line]:
 
 def page_columns(run: Solution) -> Iterator[Line]:
     """Numbers of every frame."""
-    shown = film(run, Look())
+    shown = film(run, Look(exaggerate=1.0))
     said: Any = readings(shown)["columns"]
     t = shown.pace.machine
     for item in said:

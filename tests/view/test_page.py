@@ -14,7 +14,7 @@ import meshcat
 import numpy as np
 import pytest
 from page_words import film_of, said
-from runs_shown import run_of
+from runs_shown import machine_called, run_of, turn
 from snapshots import Words
 from three_js import Scene
 
@@ -33,6 +33,7 @@ from nipper_pin import (
 from nipper_pin.cli import main
 from nipper_pin.mechanism import known_models
 from nipper_pin.mechanism.gallery import GALLERY
+from nipper_pin.view.scene import Look, film
 
 
 @pytest.fixture(scope="module")
@@ -129,6 +130,55 @@ def test_every_part_is_in_the_frame_all_the_turn(name: str, page_of: Callable[..
     assert wide < widest
     # Nor is the mechanism lost in the picture.
     assert max(high / 20.0, wide / widest) > 0.5
+
+
+@pytest.mark.parametrize(("name", "rebounds"), [
+    ("e62", True), ("balls", False), ("drag_link", True), ("bell", False), ("evans", False),
+    ("elements", True),
+])  # fmt: skip
+def test_rebounds_are_seen_where_nobody_asks_for_a_factor(
+    name: str, rebounds: bool, page_of: Callable[..., str]
+) -> None:
+    """The highest is drawn 1.4 to 3.6 degrees high, or as much of the reach; a page has both."""
+    made = machine_called(name) if name in {"drag_link", "bell", "evans"} else None
+    run = run_of(name) if made is None else turn(made, made.cylinder.rated_speed_rpm, 24.0)
+    shown, plain = film(run, Look()), film(run, Look(exaggerate=1.0))
+    assert (shown.larger > 1.0) is rebounds
+    np.testing.assert_array_equal(shown.q, plain.q)
+    page, true_page = page_of(run, exaggerate=None), page_of(run)
+    told, true_told = film_of(page), film_of(true_page)
+    if not rebounds:
+        assert told == true_told
+        return
+    stop = run.mechanism.stop(run.mechanism.transition_stop)
+    turns = next(item.kind for item in run.mechanism.joints if item.index == stop.index)[0] == "r"
+    highest = max(hit.rebound_amplitude or 0.0 for hit in run.collisions if hit.stop == stop.name)
+    high = shown.larger * highest / (math.radians(6.0) if turns else 0.03 * run.mechanism.reach_m)
+    assert 0.6 * 0.4 < high < 0.6
+    assert round(math.log10(shown.larger) % 1.0, 9) in {0.0, round(math.log10(2.0), 9),
+                                                        round(math.log10(5.0), 9)}  # fmt: skip
+    asked = page_of(run, exaggerate=shown.larger)
+    assert (told, scene_text(page)) == (film_of(asked), scene_text(asked))
+    wanted = {key: true_told[key] for key in ("exaggerate", "note", "lips")}
+    assert {key: told["true_size"][key] for key in wanted} == wanted
+    assert told["true_size"]["scene"] == scene_text(true_page)
+
+
+def scene_text(page: str) -> str:
+    """The message that plays the film, as the page holds it."""
+    (found,) = re.findall(r'<script id="scene"[^>]*>(.*?)</script>', page, re.S)
+    return str(json.loads(found)[-1])
+
+
+def test_two_machines_share_a_factor(turns: Comparison, page_of: Callable[..., str]) -> None:
+    """The smaller of both, and both are shown in true size at a click."""
+    alone = [film(run, Look()).larger for run in (turns.a, turns.b)]
+    page, true_page = page_of(turns, exaggerate=None), page_of(turns)
+    told, true_told = film_of(page), film_of(true_page)
+    assert told["exaggerate"] == min(alone) > 1.0
+    wanted = {key: true_told[key] for key in ("exaggerate", "note", "lips", "other_lips")}
+    assert {key: told["true_size"][key] for key in wanted} == wanted
+    assert told["true_size"]["scene"] == scene_text(true_page)
 
 
 # The command.

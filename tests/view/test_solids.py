@@ -54,7 +54,7 @@ def run_called(name: str) -> Solution:
 def test_every_link_stands_where_pinocchio_has_it(name: str, page_of: Callable[..., str]) -> None:
     """Place and rotation of its node at some moments; a machine without shapes has bars there."""
     run = run_called(name)
-    shown, judge = film(run, Look()), Judge(run)
+    shown, judge = film(run, Look(exaggerate=1.0)), Judge(run)
     scene = Scene(page_of(shown.solution))
     drawn = {path.split("/")[2] for path in scene.objects}
     children = {joint.child for joint in run.mechanism.joints}
@@ -83,7 +83,7 @@ def judge(run: Solution) -> Judge:
 
 @pytest.fixture(scope="module")
 def shown(run: Solution) -> Film:
-    return film(run, Look())
+    return film(run, Look(exaggerate=1.0))
 
 
 @pytest.fixture(scope="module")
@@ -167,7 +167,7 @@ def ends_of(run: Solution, q: Array) -> dict[str, list[Array]]:
 
 def test_lines_go_from_point_to_point(page_of: Callable[..., str]) -> None:
     run = run_of("elements")
-    shown = film(run, Look())
+    shown = film(run, Look(exaggerate=1.0))
     scene = Scene(page_of(shown.solution))
     lengths = set()
     for _, at, q, _ in moments(Judge(run), shown):
@@ -274,7 +274,7 @@ def carrier(judge: Judge, name: str) -> tuple[str, Array, Array]:
 
 def test_arrows_of_the_page(struck: Judge, page_of: Callable[..., str]) -> None:
     """Foot at the contact, direction of the push, length by the largest impulse that is drawn."""
-    shown = film(struck.run, Look())
+    shown = film(struck.run, Look(exaggerate=1.0))
     scene = Scene(page_of(shown.solution))
     found = forces(struck)
     paths = [path.split("/impulse_")[1] for path in scene.objects if "/impulse_" in path]

@@ -162,7 +162,7 @@ def bars(run: Solution) -> Iterator[Told]:
 
 def page_collisions(run: Solution) -> Iterator[Told]:
     """Texts of the page, one for each event, from its time of the film on."""
-    shown = film(run, Look())
+    shown = film(run, Look(exaggerate=1.0))
     said: Any = readings(shown)["collisions"]
     for number, item in enumerate(said, start=1):
         t = float(np.interp(item["at"], shown.pace.playback, shown.pace.machine))
@@ -251,7 +251,7 @@ def printed_phases(run: Solution) -> Iterator[Told]:
 
 
 def page_phases(run: Solution) -> Iterator[Told]:
-    shown = film(run, Look())
+    shown = film(run, Look(exaggerate=1.0))
     said: Any = readings(shown)["phases"]
     for place, item in enumerate(said):
         document: Any = record(run)["phases"][place]  # type: ignore[index]

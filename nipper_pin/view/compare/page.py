@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from importlib import resources
 from typing import Any
 
@@ -10,12 +10,13 @@ import numpy as np
 
 from ...study.compare import Comparison
 from ...terms import digits
-from ..scene import Look
+from ..scene import Look, Solid, pictured
 from ..scene.colours import channels
 from ..scene.objects import ROOT
-from ..scene.page import assembled, background, cameras, machine_messages
-from ..scene.readings import curve_record, readings, rounded
-from .pair import COLOUR_A, COLOUR_B, Lane, Pair, clock_text, lanes, pair
+from ..scene.page import assembled, background, cameras, encoded, machine_messages
+from ..scene.readings import curve_record, drawing, readings, rounded
+from ..scene.tracks import animation
+from .pair import COLOUR_A, COLOUR_B, Lane, Pair, clock_text, lanes, pair, pair_in_true_size
 from .table import cells, shown_rows
 from .words import changes_text, finding, label
 
@@ -28,13 +29,23 @@ _Message = dict[str, Any]
 def comparison_page(comparison: Comparison, look: Look) -> str:
     """The page of a comparison, served or written alike."""
     both = pair(comparison, look)
-    one, other = machine_messages(both.a), machine_messages(both.b)
-    film = one.pop()
-    second = [_renamed(message) for message in other]
-    clips = second.pop()["animations"]
-    film = {**film, "animations": [*film["animations"], *clips]}
+    machines = [item.solution.mechanism for item in (both.a, both.b)]
+    drawn = [pictured(mechanism) for mechanism in machines]
+    found = _readings(comparison, both)
+    if both.a.larger > 1.0:
+        plain = pair_in_true_size(both)
+        found["true_size"] = {**_drawing(plain), "scene": encoded(_animation(plain, drawn))}
+    one, other = map(machine_messages, machines, drawn)
+    messages = [*background(), *one, *map(_renamed, other), _animation(both, drawn)]
     files = [resources.files(__package__) / "page_files" / name for name in _FILES]
-    return assembled([*background(), *one, *second, film], _readings(comparison, both), files)
+    return assembled(messages, found, files)
+
+
+def _animation(both: Pair, drawn: Sequence[Sequence[Solid]]) -> _Message:
+    """The message that plays both films."""
+    one, other = (animation(film, own) for film, own in zip((both.a, both.b), drawn, strict=True))
+    clips: list[Any] = [one["animations"], _renamed(other)["animations"]]
+    return {**one, "animations": [*clips[0], *clips[1]]}
 
 
 def _renamed(message: _Message) -> _Message:
@@ -63,20 +74,19 @@ def _moved(path: str) -> str:
     return f"/{_OTHER}{path.removeprefix(f'/{ROOT}')}" if path.startswith(f"/{ROOT}") else path
 
 
-def _readings(comparison: Comparison, both: Pair) -> dict[str, object]:
+def _readings(comparison: Comparison, both: Pair) -> _Message:
     """What the page's script reads: that of A's film, with B's beside it."""
     one, other = readings(both.a), readings(both.b)
     return {
         **one,
         "title": "A and B",
         "case": "",
-        "note": f"{clock_text(both)} {one['note']}",
+        **_drawing(both),
         "columns": _columns(one["columns"], other["columns"]),
         "collisions": _collisions(one["collisions"], other["collisions"]),
         "curves": [_lane_record(lane) for lane in lanes(both)],
         "arrows": [*one["arrows"], *([_OTHER, *path[1:]] for path in other["arrows"])],
         "cameras": cameras(both.a, both.b),
-        **_lips(one["lips"], other["lips"]),
         "compare": {
             "a": {"name": label(comparison.a), "colour": COLOUR_A, "root": [ROOT]},
             "b": {"name": label(comparison.b), "colour": COLOUR_B, "root": [_OTHER],
@@ -87,6 +97,13 @@ def _readings(comparison: Comparison, both: Pair) -> dict[str, object]:
             "rows": [cells(row) for row in shown_rows(comparison)],
         },
     }  # fmt: skip
+
+
+def _drawing(both: Pair) -> _Message:
+    """What the page writes about how large rebounds are drawn."""
+    one, other = drawing(both.a), drawing(both.b)
+    note = f"{clock_text(both)} {one['note']}"
+    return {**one, "note": note, **_lips(one["lips"], other["lips"])}
 
 
 def _columns(one: Any, other: Any) -> list[_Message]:

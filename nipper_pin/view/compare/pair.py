@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from ...units import MS_PER_S
 from ..reading import shown_until
 from ..scene import Film, Look, film
 from ..scene.curves import Curve, curves
+from ..scene.film import true_size
 from ..scene.pace import Pace, paced
 
 COLOUR_A, COLOUR_B = "#0072B2", "#CC79A7"
@@ -63,7 +64,7 @@ def pair(comparison: Comparison, look: Look) -> Pair:
     """
     runs = comparison.a, comparison.b
     later = _later(*runs)
-    ends = shown_until(runs[0]), shown_until(runs[1])
+    ends = [shown_until(run) for run in runs]
     begin = max(0.0, -later)
     end = max(ends[0], ends[1] - later) - begin
     moved = begin, begin + later
@@ -73,13 +74,21 @@ def pair(comparison: Comparison, look: Look) -> Pair:
         for event in run.events if by <= event.t <= last
     ])  # fmt: skip
     frames = paced(events, end, max(run.shaft.period for run in runs), look.slow)
-    films, inside = [], []
-    for run, by, last in zip(runs, moved, ends, strict=True):
-        t = frames.machine + by
-        films.append(film(run, look, Pace(frames.playback, t, frames.stretch)))
-        # Round-off of the sum is no time without motion.
-        inside.append(t <= last * (1.0 + np.finfo(float).eps * 8.0))
-    return Pair(films[0], films[1], later, (inside[0], inside[1]))
+    times = [frames.machine + by for by in moved]
+    paces = [Pace(frames.playback, t, frames.stretch) for t in times]
+    a, b = (film(run, look, own) for run, own in zip(runs, paces, strict=True))
+    if a.larger != b.larger:
+        # Rebounds are compared to one scale.
+        look = replace(look, exaggerate=min(a.larger, b.larger))
+        a, b = (film(run, look, own) for run, own in zip(runs, paces, strict=True))
+    # Round-off of the sum is no time without motion.
+    ends = [last * (1.0 + np.finfo(float).eps * 8.0) for last in ends]
+    return Pair(a, b, later, (times[0] <= ends[0], times[1] <= ends[1]))
+
+
+def pair_in_true_size(both: Pair) -> Pair:
+    """Both films with their rebounds as they are."""
+    return replace(both, a=true_size(both.a), b=true_size(both.b))
 
 
 def clock_text(both: Pair) -> str:

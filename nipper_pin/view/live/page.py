@@ -7,9 +7,10 @@ from importlib import resources
 from ...errors import InputError
 from ...mechanism import Mechanism
 from ..reading import shown_until
-from ..scene import pictured
-from ..scene.pace import round_slow
+from ..scene import Look, film, pictured
+from ..scene.pace import round_slow, steady
 from ..scene.page import assembled, background, cameras, machine_messages
+from ..scene.tracks import animation
 from .answer import answer
 from .session import Session, Shown, filmed, read
 from .settings import RESTITUTION, Knob, knobs, larger_knob
@@ -41,8 +42,8 @@ def shown_live(mechanism: Mechanism, speed_rpm: float) -> tuple[Shown, str]:
         raise InputError(first.message, model=mechanism.name)
     slow = round_slow(shown_until(solution), _LONGEST)
     turns = WholeTurns(mechanism, controls)
-    shown = Shown(mechanism, controls, pictured(mechanism), slow, turns)
-    larger = larger_knob()
+    larger = larger_knob(film(solution, Look(), steady(solution, slow)).larger)
+    shown = Shown(mechanism, controls, pictured(mechanism), slow, turns, larger)
     played, remark = filmed(shown, solution, larger.start)
     found = {
         **read(played, remark),
@@ -53,7 +54,8 @@ def shown_live(mechanism: Mechanism, speed_rpm: float) -> tuple[Shown, str]:
         },
     }
     files = [resources.files(__package__) / "page_files" / name for name in _FILES]
-    page = assembled([*background(), *machine_messages(played)], found, files, _CONNECT)
+    messages = [*background(), *machine_messages(mechanism, shown.drawn)]
+    page = assembled([*messages, animation(played, shown.drawn)], found, files, _CONNECT)
     return shown, page
 
 

@@ -23,7 +23,7 @@ from .curves import Curves, legend
 from .fields import LONGEST, field_text, refusal, typed
 from .memory import Memory
 from .numbers import told
-from .settings import LARGER, Knob, larger_knob
+from .settings import LARGER, Knob
 from .whole_turn import WholeTurns
 
 _NOTE = (
@@ -69,6 +69,7 @@ class Shown:
         drawn: What the mechanism is drawn with.
         slow: Seconds of a film in a second of the machine.
         turns: Whole turns of the settings.
+        larger: How large rebounds are drawn.
     """
 
     mechanism: Mechanism
@@ -76,6 +77,7 @@ class Shown:
     drawn: Sequence[Solid]
     slow: float
     turns: WholeTurns
+    larger: Knob
 
 
 class Session:
@@ -89,7 +91,7 @@ class Session:
     def __init__(self, shown: Shown, clock: Callable[[], float] = time.perf_counter) -> None:
         """Begin with all sliders at their starts."""
         self._shown, self._clock = shown, clock
-        self._knobs = {item.key: item for item in (*shown.controls, larger_knob())}
+        self._knobs = {item.key: item for item in (*shown.controls, shown.larger)}
         self._values = {key: item.start for key, item in self._knobs.items()}
         # Texts as they were typed, also those that are refused.
         self._texts = {key: field_text(value) for key, value in self._values.items()}
@@ -196,7 +198,7 @@ def filmed(shown: Shown, solution: Solution, larger: float) -> tuple[Film, str]:
     try:
         return film(solution, Look(exaggerate=larger), frames), ""
     except InputError as error:
-        return film(solution, Look(), frames), error.message
+        return film(solution, Look(exaggerate=1.0), frames), error.message
 
 
 def read(shown: Film, remark: str = "") -> dict[str, object]:

@@ -10,12 +10,12 @@ from ...errors import InputError
 from ...hybrid.result.quantities import coordinate_unit
 from ...mechanism import Mechanism, Spring, retuned
 from ...units import M_PER_MM, MM_PER_M, RAD_PER_DEG
-from ..scene.film import LARGEST_EXAGGERATION
 
 SPEED = "speed"
 LARGER = "larger"
 RESTITUTION = "restitution"
 _MOST_RESTITUTION = 0.8
+_MOST_LARGER = 50.0
 # A range ends at these parts of the value that the model has.
 _SPEED_RANGE = (0.4, 2.0)
 _SPRING_RANGE = (0.25, 2.5)
@@ -94,11 +94,11 @@ def knobs(mechanism: Mechanism, speed_rpm: float) -> tuple[Knob, ...]:
     return tuple(found)
 
 
-def larger_knob() -> Knob:
-    """How much larger rebounds are drawn."""
+def larger_knob(start: float) -> Knob:
+    """How much larger rebounds are drawn, at first by a factor."""
     return Knob(
-        key=LARGER, name="gap drawn larger", unit="times", factor=1.0, low=1.0,
-        high=LARGEST_EXAGGERATION, step=1.0, start=10.0,
+        key=LARGER, name="rebounds drawn larger", unit="times", factor=1.0, low=1.0,
+        high=max(start, _MOST_LARGER), step=1.0, start=start,
     )  # fmt: skip
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,13 +17,15 @@ from ...hybrid import Solution
 from ...mechanism import Mechanism, Stop
 from ..reading import shown_until
 from .pace import Pace, pace
-from .rebounds import factors
+from .rebounds import factors, rebound_flights
 
-LARGEST_EXAGGERATION = 50.0
+LARGEST_EXAGGERATION = 1000.0
 _LONGEST_STRETCH = 1e5
+_FACTORS = (1000.0, 500.0, 200.0, 100.0, 50.0, 20.0, 10.0, 5.0, 2.0)
 # A rebound is drawn no larger than this.
 _DRAWN_ANGLE = math.radians(6.0)
 _DRAWN_STROKE = 0.03  # of the reach of the mechanism
+_SEEN = 0.6  # of these, for the highest rebound where nobody asks for a factor
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,20 +35,21 @@ class Look:
     Attributes:
         slow: Stretch of time around events, 1 to 1e5 [-]; None: 1000, or less for a run of which
             the film would take more than two minutes.
-        exaggerate: Factor on the gap of the transition stop in the drawing, 1 to 50 [-].
+        exaggerate: Factor on rebounds of the transition stop in the drawing, 1 to 1000 [-]; None:
+            a round one by which they are seen.
 
     Raises:
         InputError: A value is out of range.
     """
 
     slow: float | None = None
-    exaggerate: float = 1.0
+    exaggerate: float | None = None
 
     def __post_init__(self) -> None:
         """Validate."""
         for key, most in (("slow", _LONGEST_STRETCH), ("exaggerate", LARGEST_EXAGGERATION)):
             value = getattr(self, key)
-            if key != "slow" or value is not None:
+            if value is not None:
                 number(key, value, 1.0, most, allowed=f"1 to {most:g}", where="view")
 
 
@@ -54,6 +58,7 @@ class Film:
     """Frames of a solution.
 
     Attributes:
+        larger: Factor on rebounds in the drawing [-].
         pace: Times of the frames on both clocks.
         q: Configurations of the machine, shape (K, nv) [rad or m].
         drawn: Configurations of the drawing; those of the machine unless gaps are exaggerated.
@@ -66,7 +71,7 @@ class Film:
     """
 
     solution: Solution
-    look: Look
+    larger: float
     pace: Pace
     q: FloatArray
     drawn: FloatArray
@@ -99,13 +104,13 @@ def film(solution: Solution, look: Look, frames: Pace | None = None) -> Film:
         frames = pace(solution, look.slow)
     t = np.clip(frames.machine, 0.0, shown_until(solution))
     motion = solution.trajectory.evaluate(t)
-    drawn = exaggerated(solution, t, motion.q, look.exaggerate)
+    larger, drawn = _enlarged(solution, t, motion.q, look.exaggerate)
     position, angle = poses(solution, drawn)
     cylinder = mechanism.cylinder
     starts = [item.t_start for item in solution.phases]
     return Film(
         solution=solution,
-        look=look,
+        larger=larger,
         pace=frames,
         q=motion.q,
         drawn=drawn,
@@ -116,6 +121,28 @@ def film(solution: Solution, look: Look, frames: Pace | None = None) -> Film:
         index=cylinder.indices_from_angles(motion.cylinder_angle),
         force=solution.trajectory.reactions(t).contacts,
     )
+
+
+def true_size(film: Film) -> Film:
+    """The film with its rebounds as they are."""
+    position, angle = poses(film.solution, film.q)
+    return replace(film, larger=1.0, drawn=film.q, position=position, angle=angle)
+
+
+def _enlarged(
+    solution: Solution, t: FloatArray, q: FloatArray, asked: float | None
+) -> tuple[float, FloatArray]:
+    """Factor on rebounds, and configurations to draw."""
+    if asked is not None:
+        return asked, exaggerated(solution, t, q, asked)
+    highest = max((flight.highest for flight in rebound_flights(solution)), default=0.0)
+    if highest > 0.0:
+        most = min(_SEEN * drawn_limit(solution.mechanism) / highest, LARGEST_EXAGGERATION)
+        for factor in (item for item in _FACTORS if item <= most):
+            # Where loops do not close so far from the motion, a smaller factor serves.
+            with suppress(InputError):
+                return factor, exaggerated(solution, t, q, factor)
+    return 1.0, q
 
 
 def bouncing_stop(mechanism: Mechanism) -> Stop | None:

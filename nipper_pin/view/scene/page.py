@@ -15,11 +15,13 @@ import meshcat
 import numpy as np
 import umsgpack
 
+from ...mechanism import Mechanism
 from .arrows import arrow_stops
-from .film import Film
+from .film import Film, true_size
 from .framing import ALONG, OBLIQUE, camera, corners
 from .objects import arrow_commands, solid_commands, strut_command
-from .readings import readings, rounded
+from .readings import drawing, readings, rounded
+from .solids import Solid
 from .symbols import pictured
 from .tracks import animation
 
@@ -33,8 +35,13 @@ def scene_page(shown: Film) -> str:
     Returns:
         HTML with script, scene and animation inside.
     """
+    drawn = pictured(shown.solution.mechanism)
     found = {**readings(shown), "cameras": cameras(shown)}
-    return assembled([*background(), *machine_messages(shown)], found)
+    if shown.larger > 1.0:
+        plain = true_size(shown)
+        found["true_size"] = {**drawing(plain), "scene": encoded(animation(plain, drawn))}
+    messages = machine_messages(shown.solution.mechanism, drawn)
+    return assembled([*background(), *messages, animation(shown, drawn)], found)
 
 
 def encoded(message: Mapping[str, object]) -> str:
@@ -85,17 +92,14 @@ def background() -> list[dict[str, object]]:
     ]
 
 
-def machine_messages(shown: Film) -> list[dict[str, Any]]:
-    """Messages that draw the machine of a film; the last one is its animation."""
-    mechanism = shown.solution.mechanism
-    drawn = pictured(mechanism)
+def machine_messages(mechanism: Mechanism, drawn: Sequence[Solid]) -> list[dict[str, Any]]:
+    """Messages that draw a machine with its arrows and lines; an animation moves it."""
     sent: list[dict[str, object]] = []
     for solid in drawn:
         sent += solid_commands(mechanism, solid)
     for stop in arrow_stops(mechanism):
         sent += arrow_commands(mechanism, stop)
     sent += (strut_command(mechanism, strut) for strut in mechanism.struts)
-    sent.append(animation(shown, drawn))
     return sent
 
 

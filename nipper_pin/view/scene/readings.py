@@ -41,12 +41,10 @@ def readings(film: Film) -> dict[str, Any]:
     last = pace.machine[-1]
     shown = [item for item in intervals(solution) if item.start <= last]
     starts = pace.playback_at(np.array([item.start for item in shown]))
-    lips = close_up(film)
     return {
         "title": mechanism.title or mechanism.name,
         "case": case_text(solution),
-        "note": note(film),
-        "exaggerate": film.look.exaggerate,
+        **drawing(film),
         "index_per_turn": INDEX_PER_TURN,
         "playback": rounded(pace.playback),
         "duration": float(pace.playback[-1]),
@@ -71,8 +69,17 @@ def readings(film: Film) -> dict[str, Any]:
         "curves": [curve_record(curve) for curve in curves(film)],
         "names": names(mechanism),
         "arrows": [arrow_path(mechanism, stop).split("/") for stop in arrow_stops(mechanism)],
-        "lips": None if lips is None else lips.record(),
     }  # fmt: skip
+
+
+def drawing(film: Film) -> dict[str, Any]:
+    """What the page writes about how large rebounds are drawn, as plain data."""
+    lips = close_up(film)
+    return {
+        "exaggerate": film.larger,
+        "note": note(film),
+        "lips": None if lips is None else lips.record(),
+    }
 
 
 def curve_record(curve: Curve) -> dict[str, object]:
@@ -140,10 +147,10 @@ def note(film: Film) -> str:
     if "estimate" in film.solution.mechanism.title:
         source = "these dimensions are estimates, not the maker's drawings; "
     said = NOTE.format(source=source)
-    if film.look.exaggerate > 1.0:
+    if film.larger > 1.0:
         stop = film.solution.mechanism.transition_stop
         said += (
-            f" Rebounds of the {stop} are drawn {film.look.exaggerate:g} times as large, up to "
+            f" Rebounds of the {stop} are drawn {film.larger:g} times as large, up to "
             f"{_limit(film)}, and the other links follow; closing, opening and all numbers are "
             "those of the machine."
         )

@@ -21,7 +21,7 @@ from nipper_pin.view.compare.pair import pair
 from nipper_pin.view.scene import Film, Look, film
 
 ROOT = Path(__file__).resolve().parents[3]
-SPEED, EXAGGERATE = 650.0, 10.0
+SPEED = 650.0
 VIEW, LIVE = (1120, 860), (1400, 900)  # pixels
 LIVE_SPEEDS = (675.0, 700.0)  # r/min, one after the other, beside the pinned curves of SPEED
 COMPARED = (450.0, 520.0)  # r/min
@@ -56,12 +56,11 @@ def save(page: Page, path: Path) -> None:
 def view_pictures(browser: Browser, folder: Path) -> None:
     """The three phases, and an impulse."""
     solution = nip.simulate(nip.load("e62"), nip.Case(speed_rpm=SPEED, window=nip.Window.CYCLE))
-    look = Look(exaggerate=EXAGGERATE)
     with tempfile.TemporaryDirectory() as place:
         file = Path(place) / "view.html"
-        nip.view(solution, file, exaggerate=EXAGGERATE)
+        nip.view(solution, file)
         page = opened(browser, file)
-        for name, time in moments(film(solution, look)).items():
+        for name, time in moments(film(solution, Look())).items():
             stop_at(page, time)
             save(page, folder / f"view_{name}.png")
         page.close()
@@ -72,11 +71,10 @@ def comparison_picture(browser: Browser, path: Path) -> None:
     model = nip.load("e62")
     cases = (nip.Case(speed_rpm=rpm, window=nip.Window.CYCLE) for rpm in COMPARED)
     comparison = nip.compare(*(nip.simulate(model, case) for case in cases))
-    look = Look(exaggerate=EXAGGERATE)
-    first = moments(pair(comparison, look).a)["phase3"]
+    first = moments(pair(comparison, Look()).a)["phase3"]
     with tempfile.TemporaryDirectory() as place:
         file = Path(place) / "both.html"
-        nip.view(comparison, file, exaggerate=EXAGGERATE)
+        nip.view(comparison, file)
         page = opened(browser, file)
         page.locator("#names").uncheck()
         stop_at(page, first)

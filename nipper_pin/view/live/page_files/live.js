@@ -26,6 +26,8 @@ for (const [button, text] of [["reset", "reset"], ["pin", "pin this curve"], ["f
   const made = element("button", buttons, { id: button, type: "button", textContent: text });
   made.addEventListener("click", () => ask({ kind: "pressed", button }));
 }
+const plain = element("button", buttons, { id: "plain", type: "button", textContent: "true size" });
+plain.addEventListener("click", () => ask({ kind: "slid", key: "larger", value: 1 }));
 panel.append(byId("lips"));
 const answered = element("section", aside, { id: "answer" });
 aside.prepend(answered);
@@ -103,15 +105,10 @@ function tellState() {
   drawCurves();
 }
 function tellFilm(found, scene) {
-  const { time } = animator, { timeScale } = animator.mixer, { playing } = animator;
   film = { ...found, ...state.axes, cameras: film.cameras, live: film.live };
-  draw(scene);
-  animator.mixer.timeScale = timeScale;
-  animator.pause();
   tell();
   tellLips();
-  go(time);
-  if (playing) animator.play();
+  replay(scene);
 }
 const writeMoment = write;
 write = (time) => {

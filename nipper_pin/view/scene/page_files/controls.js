@@ -48,6 +48,30 @@ tell();
 byId("names").checked = byId("pane").clientWidth > 600;
 byId("names").addEventListener("change", () => { written = null; });
 
+// Another animation at the same time of the film, playing or not.
+function replay(scene) {
+  const { time, playing } = animator, { timeScale } = animator.mixer;
+  draw(scene);
+  animator.mixer.timeScale = timeScale;
+  animator.pause();
+  go(time);
+  if (playing) animator.play();
+}
+// Rebounds larger, or as they are: the drawing alone changes.
+if (film.true_size) {
+  const { exaggerate, note, lips, other_lips, true_size } = film;
+  const larger = { exaggerate, note, lips, other_lips, scene: messages[messages.length - 1] };
+  byId("size").hidden = false;
+  byId("size").querySelector("span").textContent = `x ${exaggerate}`;
+  byId("larger").addEventListener("change", () => {
+    film = { ...film, ...(byId("larger").checked ? larger : true_size) };
+    byId("note").textContent = film.note;
+    tellLips();
+    replay(film.scene);
+    written = null;
+  });
+}
+
 scrub.addEventListener("input", () => go(Number(scrub.value)));
 const toggle = () => (animator.playing ? animator.pause() : animator.play());
 byId("play").addEventListener("click", toggle);

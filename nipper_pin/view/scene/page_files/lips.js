@@ -51,7 +51,8 @@ function drawLips({ whose, figure, camera, hidden, around }) {
   pen.fillRect(12, high - 18, 1, 11);
   pen.fillRect(12 + long, high - 18, 1, 11);
   pen.font = "12px system-ui, sans-serif";
-  pen.fillText(`${lips.scale_mm} mm`, 16, high - 20);
+  const rebound = film.exaggerate === 1 ? "" : `; of a rebound ${Number((lips.scale_mm / film.exaggerate).toPrecision(2))} mm`;
+  pen.fillText(`${lips.scale_mm} mm${rebound}`, 16, high - 20);
 }
 addCloseUp("lips", byId("lips"));
 tellLips();

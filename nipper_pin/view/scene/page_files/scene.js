@@ -11,7 +11,8 @@ try {
   throw error;
 }
 const draw = (message) => viewer.handle_command_bytearray(Uint8Array.from(atob(message), (c) => c.charCodeAt(0)));
-JSON.parse(byId("scene").textContent).forEach(draw);
+const messages = JSON.parse(byId("scene").textContent);
+messages.forEach(draw);
 const animator = viewer.animator;
 // meshcat takes the height of the window for that of its pane.
 const fit = viewer.set_3d_pane_size.bind(viewer);
