@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -14,34 +15,18 @@ from typing import Any
 
 import pytest
 from programs import main
-from test_cli_options import CALLS, FIT, STUDY
+from test_cli_options import CALLS, STUDIES
 
 from benchmarks.stress import Campaign, Verdict
 from nipper_pin import cli
 
 PROGRAM = "import sys; from nipper_pin.cli import main; sys.exit(main())"
-# A stiffer preload calms the jaw, at the cost of force.
-DESIGN = """format = 1
-title = "calm"
-minimise = [{aims}]
-[parameters.preload]
-low = 9.0
-high = 11.0
-"""
 
 
 @pytest.fixture
 def folder(here: Path) -> Path:
     """A folder with small studies, where the commands run."""
-    studies = {
-        "fit": FIT,
-        "sweep": STUDY.format(title="one", name="restitution"),
-        "two": DESIGN.format(aims='"rebound_amplitude_1", "clamping_force_N"'),
-        "one": DESIGN.format(aims='"rebound_amplitude_1"'),
-    }
-    for name, text in studies.items():
-        (here / f"{name}.toml").write_text(text, encoding="utf-8")
-    return here
+    return Path(shutil.copytree(STUDIES, here, dirs_exist_ok=True))
 
 
 def once(call: Callable[..., object]) -> Callable[..., object]:

@@ -64,27 +64,7 @@ ELSEWHERE = {
     "identify --profiles", "identify --out", "optimise --out", "optimise --format",
     "speed-limit --plot", "--version", "check --watch",
 }  # fmt: skip
-STUDY = 'format = 1\nchunk = 2\ntitle = "{title}"\n[parameters.{name}]\nvalues = [0.1, 0.2, 0.3]\n'
-DESIGN = """format = 1
-title = "{title}"
-{aims}
-[parameters."{name}"]
-low = 0.05
-high = 0.3
-"""
-FIT = """format = 1
-title = "fit"
-model = "e62"
-[parameters.restitution]
-low = 0.05
-high = 0.3
-[[targets]]
-name = "one"
-quantity = "first_two_share"
-at = { speed_rpm = 650.0 }
-value = 0.8
-sigma = 0.1
-"""
+STUDIES = Path(__file__).with_name("studies")
 
 
 def options(
@@ -162,7 +142,7 @@ def asked(line: str, places: tuple[str, ...]) -> Facts:
 @pytest.fixture(scope="module")
 def inputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     """Files that command lines name."""
-    home = tmp_path_factory.mktemp("inputs")
+    home = Path(shutil.copytree(STUDIES, tmp_path_factory.mktemp("inputs"), dirs_exist_ok=True))
     mechanism, given = load("e62"), Case(speed_rpm=620.0)
     save_case(load("e62", {"preload": 10.5}), given, home / "case.json")
     turns = Case(speed_rpm=620.0, window="cycle", cycles=3, rest_rate=0.5, reuse_cycles=False)
@@ -173,18 +153,7 @@ def inputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     (home / "mine").mkdir()
     for suffix in ("toml", "urdf"):
         shutil.copy(known_models()["e62"] / f"e62.{suffix}", home / "mine" / f"mine.{suffix}")
-    aims = 'maximise = ["clamping_force_N", "stop_force_N"]'
-    texts = {
-        "identify": FIT,
-        "sweep": STUDY.format(title="one", name="restitution"),
-        "other_sweep": STUDY.format(title="another one", name='"stops.steeve.restitution"'),
-        "optimise": DESIGN.format(title="one", name="restitution", aims=aims),
-        "other_optimise": DESIGN.format(
-            title="another one", name="stops.steeve.restitution", aims=aims
-        ),
-    }
-    for name, text in texts.items():
-        (home / f"{name}.toml").write_text(text, encoding="utf-8")
+    shutil.copy(STUDIES / "fit.toml", home / "identify.toml")
     return {path.stem: str(path) for path in home.iterdir()}
 
 

@@ -9,13 +9,14 @@ from __future__ import annotations
 import io
 import os
 import re
+import shutil
 import signal
 import sys
 from pathlib import Path
 
 import pytest
 from programs import main
-from test_cli_options import DESIGN, FIT, STUDY
+from test_cli_options import STUDIES
 
 from benchmarks.commands import tell
 
@@ -44,10 +45,7 @@ class Stream(io.StringIO):
 @pytest.fixture(autouse=True)
 def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A folder with small studies, and a wide terminal."""
-    given = {"title": "one", "name": "restitution", "aims": 'minimise = "rebound_time_s_1"'}
-    texts = {"fit": FIT, "sweep": STUDY.format(**given), "design": DESIGN.format(**given)}
-    for name, text in texts.items():
-        (tmp_path / f"{name}.toml").write_text(text, encoding="utf-8")
+    shutil.copytree(STUDIES, tmp_path, dirs_exist_ok=True)
     monkeypatch.chdir(tmp_path)
     for name, value in (("COLUMNS", "200"), ("TERM", "xterm")):
         monkeypatch.setenv(name, value)

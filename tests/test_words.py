@@ -8,6 +8,7 @@ from __future__ import annotations
 import io
 import json
 import shlex
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -64,50 +65,6 @@ COMMANDS = {
     "fit_of_one_number": ((80,), "identify one.toml --starts 1 --profiles 0 --workers 1"),
     "fit_beyond_a_limit": ((80,), "identify limits.toml --starts 1 --profiles 0 --workers 1"),
 }
-SWEEP = """format = 1
-title = "Rebounds of a nipper [bold]by hand[/bold]"
-model = "e62"
-quantities = ["rebound_amplitude_2"]
-[parameters."drives.pendulum.crank_radius_mm"]
-values = [20.0, 64.0]
-[parameters."springs.steeve.preload_length_mm"]
-values = [10.0, 11.0]
-"""
-FIT = """format = 1
-title = "a camera at the ball"
-model = "ball"
-measured = "{name}.csv"
-[parameters."stops.table.restitution"]
-low = 0.2
-high = 0.8
-[parameters."drives.table.lead_mm_per_turn"]
-low = 1000.0
-high = 2000.0
-"""
-# Of a ball with a restitution of 0.465 on a table of 1,510 mm a turn, and what was misread.
-CAMERA = """speed_rpm,quantity,value,sigma
-60,rebound_time_s_1,0.1437,0.002
-60,rebound_time_s_2,{second},0.002
-60,duration_s,0.2680,0.002
-80,rebound_time_s_1,0.1906,0.002
-80,duration_s,0.3571,0.004
-"""
-LIMITS = """format = 1
-title = "a late opening"
-model = "e62"
-[parameters."springs.steeve.preload_length_mm"]
-low = 10.0
-high = 12.0
-[[targets]]
-name = "share of two"
-quantity = "first_two_share"
-at = { speed_rpm = 900.0, restitution = 0.25, stiffness_N_per_m = 9500.0 }
-value = 0.96
-sigma = 0.01
-[limits]
-at = { speed_rpm = 450.0 }
-opening_index = { low = 9.0, high = 11.0 }
-"""
 
 
 @pytest.fixture(scope="module")
@@ -119,17 +76,8 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> Path:
         assert main(["new", "press"]) == 0
         assert main(["new", "sieve", "--from", "sieve"]) == 0
     (folder / "ball").symlink_to(BALL)
-    for name in ("camera", "wrong", "one"):
-        (folder / f"{name}.toml").write_text(FIT.format(name=name), encoding="utf-8")
-    texts = {
-        "sweep.toml": SWEEP,
-        "limits.toml": LIMITS,
-        "camera.csv": CAMERA.format(second=0.0661),
-        "wrong.csv": CAMERA.format(second=0.0161),
-        "one.csv": "speed_rpm,quantity,value,sigma\n60,duration_s,0.5,0.002\n",
-    }
-    for name, text in texts.items():
-        (folder / name).write_text(text, encoding="utf-8")
+    # Of a ball with a restitution of 0.465 on a table of 1,510 mm a turn, and what was misread.
+    shutil.copytree(Path(__file__).with_name("studies") / "words", folder, dirs_exist_ok=True)
     save(simulate(load("e62"), Case(speed_rpm=600.0)), folder / "saved.npz")
     return folder
 

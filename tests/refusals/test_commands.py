@@ -6,32 +6,25 @@ The lines stand in the reviewed texts, each above its sentence.
 from __future__ import annotations
 
 import shlex
+import shutil
 from pathlib import Path
 
 import pytest
 from programs import main
 from snapshots import Words, blocks, without_the_machine
-from test_cli_options import FIT
+from test_cli_options import STUDIES
 
 from nipper_pin import Case, Mechanism, save, save_case, simulate
 from tests.refusals.bases import model
-
-SWEEP = "format = 1\n[parameters.restitution]\nvalues = [0.1, 0.2]\n"
-FREE = "[parameters.restitution]\nlow = 0.05\nhigh = 0.3\n"
 
 
 @pytest.fixture(scope="module")
 def home(tmp_path_factory: pytest.TempPathFactory, e62: Mechanism) -> Path:
     """Files that lines name."""
-    folder = tmp_path_factory.mktemp("home")
+    folder = Path(shutil.copytree(STUDIES, tmp_path_factory.mktemp("home"), dirs_exist_ok=True))
     for name in ("full", "out", "other"):
         (folder / name).mkdir()
-    texts = {
-        "file": "mine", "full/notes.txt": "mine", "other/mine.toml": "", "sweep.toml": SWEEP,
-        "fit.toml": FIT, "one.toml": f'format = 1\nminimise = "duration_s"\n{FREE}',
-        "two.toml": f'format = 1\nmaximise = ["clamping_force_N", "stop_force_N"]\n{FREE}',
-    }  # fmt: skip
-    for name, text in texts.items():
+    for name, text in (("file", "mine"), ("full/notes.txt", "mine"), ("other/mine.toml", "")):
         (folder / name).write_text(text, encoding="utf-8")
     (folder / "broken.npz").write_bytes(b"PK\x03\x04 not an archive")
     (folder / "loop").symlink_to("loop")
