@@ -22,12 +22,6 @@ RADIUS, LENGTH, TOUCH = 0.025, 0.113, math.atan2(-20.0, -15.0)
 EPS = float(np.finfo(float).eps)
 
 
-def ram_height(psi: np.ndarray) -> np.ndarray:
-    """Ram pin of the rigid slider-crank above its place at touch, closed form [m]."""
-    across = RADIUS * np.cos(psi)
-    return RADIUS * np.sin(psi) - np.sqrt(LENGTH**2 - across**2) + 0.132
-
-
 def ram_rate(psi: float, radius: float = RADIUS, length: float = LENGTH) -> float:
     """Derivative of the above by the crank angle [m/rad]."""
     across = radius * math.cos(psi)
@@ -78,24 +72,6 @@ def press(tmp_path: Path) -> Mechanism:
     """In a folder that is there and empty."""
     (tmp_path / "press").mkdir()
     return load(write_skeleton(tmp_path / "press"))
-
-
-def test_slider_crank_of_the_tutorial_moves_as_in_closed_form(tmp_path: Path) -> None:
-    """Step 1 against r sin(psi) - sqrt(l^2 - r^2 cos^2(psi)) over a turn.
-
-    The closed form knows no tree, no closure and no solver; angle_at_touch_deg is written with four
-    decimals, which shifts psi by up to 5e-5 deg and the ram by 25 mm of it: 2.2e-8 m.
-    """
-    mechanism = load(first_step(tmp_path))
-    assert mechanism.degrees_of_freedom == len(mechanism.drives) == 1
-    solution = simulate(mechanism, Case(speed_rpm=120.0, window=Window.CYCLE))
-    times = np.linspace(*solution.trajectory.span, 301)
-    found = solution.trajectory.evaluate(times).q
-    height = found[:, next(item.index for item in mechanism.joints if item.name == "height")]
-    np.testing.assert_allclose(
-        height, ram_height(solution.shaft.angle(times)), rtol=0.0, atol=2.5e-8
-    )
-    assert height.max() - height.min() == pytest.approx(2.0 * RADIUS, abs=1e-5)
 
 
 @pytest.mark.parametrize("step", ["1", "2", "3"])

@@ -190,12 +190,14 @@ def test_what_is_wrong_is_red(
     monkeypatch.setenv("COLUMNS", "80")
     monkeypatch.setenv("FORCE_COLOR", "1")
     monkeypatch.setenv("TERM", "xterm")
-    line = "identify wrong.toml --starts 1 --profiles 0 --workers 1 --json wrong.json"
+    line = "identify wrong.toml --starts 1 --profiles 0 --workers 1 --json wrong.json --out wrong"
     assert main(shlex.split(line)) == 1
     out, err = capsys.readouterr()
     assert (err.partition(": ")[2][:27], err.count("\n")) == ("THE DATA CONTRADICT THE FIT", 1)
     document = json.loads((home / "wrong.json").read_text(encoding="utf-8"))
     assert document["goodness"]["verdict"] == "contradicted"
+    model = (home / "wrong" / "wrong.toml").read_text(encoding="utf-8")
+    assert document["goodness"]["sentence"] in " ".join(model.replace("#", " ").split())
     words(out)
 
 

@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from nipper_pin.study.processes import WorkerError, Workers, fresh_processes
-from tests.study.sweep.sweep_studies import COMMAND, wait_for
+from tests.study.sweep.sweep_studies import COMMAND
 
 # What a copy of this process would know.
 MARKS: list[str] = []
@@ -64,38 +64,6 @@ def test_processes_begin_afresh(monkeypatch: pytest.MonkeyPatch) -> None:
         assert deaf(0) == (False, True)
     assert [os.environ[name] for name in THREADS] == ["3", "2", "4"]
     MARKS.clear()
-
-
-PARENT = """
-import time
-from collections.abc import Iterator
-from nipper_pin.study.processes import _nothing, fresh_processes
-
-if __name__ == "__main__":
-    with fresh_processes(1, _nothing) as pool:
-        print(*pool.map(eval, ["__import__('os').getpid()"]), flush=True)
-        time.sleep(600)
-"""
-
-
-def test_processes_end_with_their_parent(tmp_path: Path) -> None:
-    """However that ends."""
-    (tmp_path / "parent.py").write_text(PARENT, encoding="utf-8")
-    program = [sys.executable, tmp_path / "parent.py"]
-    with subprocess.Popen(program, stdout=subprocess.PIPE) as parent:
-        assert parent.stdout is not None
-        worker = int(parent.stdout.readline())
-        assert runs(worker)
-        parent.kill()
-    wait_for(lambda: not runs(worker))
-
-
-def runs(process: int) -> bool:
-    """Whether there is such a process, and not what one that ended leaves behind."""
-    try:
-        return Path(f"/proc/{process}/stat").read_text(encoding="utf-8").rsplit(")")[-1][1] != "Z"
-    except FileNotFoundError:
-        return False
 
 
 def test_a_worker_that_dies_is_an_error() -> None:

@@ -313,18 +313,6 @@ def test_other_mechanisms_are_refused(capsys):
     assert "one spring" in said.err
 
 
-def test_a_document_in_a_file_leaves_the_terminal_its_tables(study, here, capsys, monkeypatch):
-    """The file holds the document; - prints it, and nothing else."""
-    monkeypatch.setattr("benchmarks.paper.study.paper_study", lambda *_: study)
-    assert main(["paper", "--json", "run.json"]) == 0
-    assert capsys.readouterr().out[:1] not in ("", "{")
-    document = json.loads((here / "run.json").read_text(encoding="utf-8"))
-    assert main(["paper", "--json", "-"]) == 0
-    out, err = capsys.readouterr()
-    assert json.loads(out).keys() == document.keys()
-    assert err == ""
-
-
 @pytest.mark.campaign
 @pytest.mark.parametrize("name", ["hanging_pendulum", "e62_offset_guide"])
 def test_the_same_is_done_for_another_comber(name):

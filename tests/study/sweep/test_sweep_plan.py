@@ -316,15 +316,6 @@ def test_what_a_parameter_changes(e62: Mechanism) -> None:
         assert said == (kind, path or name, place, scale)
 
 
-def test_workers_beside_a_scheduler(tmp_path: Path) -> None:
-    """Refused before anything is written."""
-    found = plan(tmp_path, TABLE)
-    with pytest.raises(InputError, match="and --scheduler has its own") as caught:
-        run_sweep(found, tmp_path / "out", workers=1, scheduler="tcp://a")
-    assert caught.value.evidence == {"workers": 1, "scheduler": "tcp://a"}
-    assert [item.name for item in tmp_path.iterdir()] == ["study.toml"]
-
-
 @pytest.mark.parametrize(
     ("name", "scenarios"),
     [("sweep_spring", 100_000), ("sweep_turns", 100_000), ("sweep_eccentric", 2000),
