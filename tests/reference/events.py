@@ -152,6 +152,9 @@ class Simulation:
         if self.trace.collisions and self.trace.collisions[-1].time == time:
             last[self.trace.collisions[-1].stop] = self.trace.collisions[-1]
         peak: dict[str, Number] = {JAW: ctx.zero, STEEVE: ctx.zero}
+        # The stroke and its rate: a difference of two lengths keeps its absolute precision only.
+        stroke = [last[stop].stroke_rate_after for stop in last]
+        stroke = [ctx.zero, *stroke] if stroke else []
         while True:
             self.trace.steps += 1
             motion = machine.flight(machine.frame(self.psi(time)), th, rate)
@@ -159,8 +162,13 @@ class Simulation:
             full = {stop: list(gap.upto(self.order)) for stop, gap in gaps.items()}
             for stop, count in vanish.items():
                 full[stop][:count] = [ctx.zero] * count
+            full[STEEVE][: len(stroke)] = stroke
             step = min(safe_step(c, self.tolerance, ctx) for c in full.values())
             step = min(step, end - time)
+            if not step > 0:
+                # Dimensions that do not close make numbers that are none.
+                message = "a flight cannot be resolved"
+                raise ArithmeticError(message)
             hits = []
             for stop, c in full.items():
                 root = first_root(c[vanish.get(stop, 0) :], step, ctx)
@@ -173,6 +181,7 @@ class Simulation:
             now = time + step
             if hit is None:
                 th, rate = horner(full[JAW], step), horner(slope(full[JAW]), step)
+                stroke = [horner(full[STEEVE], step), horner(slope(full[STEEVE]), step)]
                 vanish, time = {}, now
                 if time >= end:
                     phase.end, phase.ended_by = time, "end of the window"
@@ -194,6 +203,7 @@ class Simulation:
                     phase.end, phase.ended_by = rest, stop + " at rest"
                     return stop, rest
             last[stop] = collision
+            stroke = [collision.stroke, collision.stroke_rate_after]
             peak[stop] = ctx.zero
             vanish, time = {stop: 1}, now
 

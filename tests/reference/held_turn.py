@@ -6,29 +6,14 @@ of ``planar.py`` along the closed jaw. Nothing here is shared with the package.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from extended import COLLISION, JAW, PI, RELEASE, REST, STEEVE, Happening, L, Solution
+from events import JAW, STEEVE
+from extended import COLLISION, RELEASE, REST, Happening, L, Solution
 
-# Places along a stretch, and within a bracket that is narrowed; times a bracket is narrowed.
-_PLACES, _WITHIN, _TIMES = 2001, 65, 6
-
-
-@dataclass
-class Hold:
-    """A stretch of time on which the jaw is closed.
-
-    Attributes:
-        begin: its start, s.
-        end: its end, s.
-        ended: what ends it: the stop that throws the jaw open, a release, or the end of the turn.
-    """
-
-    begin: Any
-    end: Any
-    ended: str
+# Places along a stretch, and within a bracket that is narrowed.
+_PLACES, _WITHIN = 2001, 65
 
 
 class HeldTurn:
@@ -39,24 +24,13 @@ class HeldTurn:
 
     Attributes:
         events: as of ``extended.cycle``.
-        holds: when the jaw was closed.
+        holds: the phases in which the jaw was closed.
     """
 
     def __init__(self, changes: dict[str, str]) -> None:
-        self.run = Solution(changes)
-        self.run.start = self.run.machine.psi_foremost()
-        self.holds: list[Hold] = []
-        held, time, end = STEEVE, L(0), 2 * PI / self.run.machine.speed
-        pressed = self.run.held(held, np.zeros(1, dtype=L))["force"][0] > 0
-        while held:
-            # A stop that is not pressed shut at the start opens there.
-            name, until = self.run.hold(held, time, end) if pressed else (RELEASE, time)
-            pressed = True
-            if held == JAW:
-                self.holds.append(Hold(time, until, name))
-            if not name:
-                break
-            held, time, _ = self.run.fly(until, self.run.begin(held, name, until), end)
+        self.run = Solution(changes, foremost=True)
+        self.run.follow(STEEVE, L(0))
+        self.holds = [phase for phase in self.run.trace.phases if phase.closed == JAW]
 
     @property
     def events(self) -> list[Happening]:
@@ -65,36 +39,24 @@ class HeldTurn:
 
     def force(self, times: Any) -> Any:
         """Force at the lips while the jaw is closed, N."""
-        return self.run.held(JAW, times)["force"] / self.run.machine.lever
+        return self.run.held(JAW, times)[1][0] / self.run.machine.lever
 
     def extremes(self) -> tuple[Any, Any] | None:
         """Least and largest force at the lips, N; None where the jaw is never held."""
-        found = [sign * self._most(hold, sign) for sign in (-1, 1) for hold in self.holds]
-        if not found:
+        held = [phase for phase in self.holds if phase.force_min is not None]
+        if not held:
             return None
-        half = len(self.holds)
-        return min(found[:half]), max(found[half:])
-
-    def _most(self, hold: Hold, sign: int) -> Any:
-        """Largest value of sign times the force on a stretch."""
-        low, high, count = hold.begin, hold.end, _PLACES
-        best = L("-inf")
-        for _ in range(_TIMES):
-            times = np.linspace(low, high, count, dtype=L)
-            values = sign * self.force(times)
-            place = int(np.argmax(values))
-            best = max(best, values[place])
-            low, high = times[max(place - 1, 0)], times[min(place + 1, count - 1)]
-            count = _WITHIN
-        return best
+        lever = self.run.machine.lever
+        least, most = min(hold.force_min for hold in held), max(hold.force_max for hold in held)
+        return least / lever, most / lever
 
     def clamped(self, level: Any) -> Any:
         """Time with the jaw closed and its force above a level, s."""
         total = L(0)
         for hold in self.holds:
-            times = np.linspace(hold.begin, hold.end, _PLACES, dtype=L)
+            times = np.linspace(hold.start, hold.end, _PLACES, dtype=L)
             above = self.force(times) >= level
-            corners = [hold.begin]
+            corners = [hold.start]
             for i in np.flatnonzero(above[1:] != above[:-1]):
                 corners.append(self._passes(times[i], times[i + 1], level, bool(above[i + 1])))
             corners.append(hold.end)
@@ -159,8 +121,8 @@ def quantities(turn: HeldTurn, share: float) -> dict[str, Any]:
         "level": level,
         "closed_at": first([event.time for event in jaw if event.kind == COLLISION]),
         "rests_at": first([event.time for event in jaw if event.kind == REST]),
-        "lost_at": first([hold.end for hold in turn.holds if hold.ended == RELEASE]),
-        "opened_at": first([hold.end for hold in turn.holds if hold.ended == STEEVE]),
+        "lost_at": first([hold.end for hold in turn.holds if hold.ended_by == RELEASE]),
+        "opened_at": first([hold.end for hold in turn.holds if hold.ended_by == STEEVE]),
         "clamped": turn.clamped(L(level)),
         "least_force": None if extremes is None else extremes[0],
         "most_force": None if extremes is None else extremes[1],

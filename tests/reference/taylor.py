@@ -9,6 +9,7 @@ Time is real: the conjugate of a complex series has the conjugate coefficients.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from itertools import pairwise
 from typing import Any
 
 Number = Any
@@ -207,12 +208,13 @@ def first_root(
         return None
     scaled = [c / size for c in scaled]
     rough = [float(c) for c in scaled]
+    places = _with_turns(slope(rough), [i / samples for i in range(samples + 1)])
     left = horner(rough, 0.0)
-    for i in range(1, samples + 1):
-        right = horner(rough, i / samples)
+    for before, place in pairwise(places):
+        right = horner(rough, place)
         down, up = left > 0 >= right, left < 0 <= right
         if down or (up and not falling):
-            x0, x1, f0, f1 = (i - 1) / samples, i / samples, left, right
+            x0, x1, f0, f1 = before, place, left, right
             for _ in range(200):
                 mid = 0.5 * (x0 + x1)
                 if not x0 < mid < x1:
@@ -229,3 +231,18 @@ def first_root(
             return x * end
         left = right
     return None
+
+
+def _with_turns(d: list[float], places: list[float]) -> list[float]:
+    """Places with those between them where a slope changes sign: a dip may be that narrow."""
+    rates = [horner(d, place) for place in places]
+    found = list(places)
+    for i in range(1, len(places)):
+        if rates[i - 1] * rates[i] < 0:
+            low, high = places[i - 1], places[i]
+            for _ in range(50):
+                middle = 0.5 * (low + high)
+                same = horner(d, middle) * rates[i - 1] > 0
+                low, high = (middle, high) if same else (low, middle)
+            found.append(low)
+    return sorted(found)

@@ -13,7 +13,8 @@ import pytest
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 
-from extended import COLLISION, REST, Happening, Solution, cycle, transition  # noqa: E402
+from extended import COLLISION, REST, Extended, Happening, cycle, transition  # noqa: E402
+from taylor import first_root  # noqa: E402
 
 L = np.longdouble
 pytestmark = pytest.mark.skipif(
@@ -80,15 +81,7 @@ def test_turns(name: str) -> None:
 
 
 def test_a_gap_that_only_just_falls_below_zero_is_found() -> None:
-    """The dip of a steeve whose acceleration turns between two samples of the gap."""
-    run = Solution({})
-    state = {"th": L("0.01"), "rate": L(0), "s": L(0), "s_rate": L(0)}
-    _, gaps = run.panel(L(0), state, run.longest, L(0))
-    gap = gaps["jaw"]
-    # x = 1e-6 ((sigma - 0.7)^2 - 1e-12), from the Legendre coefficients of x'' = 2e-6 / h^2.
-    gap.x, gap.v = L("1e-6") * (L("0.49") - L("1e-12")), L("-1.4e-6") / gap.h
-    gap.c = np.zeros_like(gap.c)
-    gap.c[0] = L("2e-6") / gap.h**2
-    root = gap.root()
+    """Between two of the places at which a gap is looked at: (x - 0.7)^2 - 1e-12."""
+    root = first_root([L("0.49") - L("1e-12"), L("-1.4"), L(1)], L(1), Extended)
     assert root is not None
     assert abs(root - (L("0.7") - L("1e-6"))) < 1e-12

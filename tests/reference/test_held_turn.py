@@ -48,10 +48,10 @@ def test_time_above_a_level_is_that_of_a_fine_grid() -> None:
     """Where the force passes the level twice, or once."""
     turn = HeldTurn({"speed_rpm": "650.0"})
     (hold,) = turn.holds
-    times = np.linspace(hold.begin, hold.end, 20001, dtype=np.longdouble)
+    times = np.linspace(hold.start, hold.end, 20001, dtype=np.longdouble)
     force = turn.force(times)
     for level in (55.0, 90.0, 95.0):
-        share = (force >= level).mean() * (hold.end - hold.begin)
+        share = (force >= level).mean() * (hold.end - hold.start)
         assert abs(turn.clamped(level) - share) <= 2.0 * (times[1] - times[0])
     least, most = turn.extremes() or (0, 0)
     assert force.min() >= least

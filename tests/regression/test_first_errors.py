@@ -21,7 +21,8 @@ TESTS = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(TESTS / "reference"))
 sys.path.insert(0, str(TESTS.parent / "scripts/maintain/measure"))
 
-from extended import JAW, PI, STEEVE, L, Solution  # noqa: E402
+from events import JAW, STEEVE  # noqa: E402
+from extended import L, Solution  # noqa: E402
 from stated_errors.dimensions import machine  # noqa: E402
 from stated_errors.truth import Trial, trial  # noqa: E402
 
@@ -46,29 +47,31 @@ class First(NamedTuple):
 def of_transition(one: Trial) -> First | None:
     """At the touch; None if the jaw does not close there."""
     run = exact(one)
-    state = run.begin(STEEVE, JAW, L(0))
-    hit = run.events[-1]
-    assert state["th"] == 0
-    return First(hit.time, hit.approach, hit.impulse) if hit.approach < 0 else None
+    run.collide_from(STEEVE, JAW, L(0), run.held(STEEVE, L(0))[0])
+    first = first_of(run)
+    return first if first.approach < 0 else None
 
 
 def of_turn(one: Trial) -> First | None:
     """Where the jaw closes with the steeve on its stop; None if that is not what happens first."""
-    run = exact(one)
-    run.start = run.machine.psi_foremost()
-    start = run.held(STEEVE, np.zeros(1, dtype=L))
-    if not min(start["force"][0], start["gap"][0]) > 0:
+    run = exact(one, foremost=True)
+    start, force = run.held(STEEVE, L(0))
+    if not min(force[0], start.th[0]) > 0:
         return None
-    name, time = run.hold(STEEVE, L(0), 2 * PI / run.machine.speed)
-    if name != JAW:
+    name, time, motion = run.hold(STEEVE, L(0), run.period)
+    if name != JAW or motion is None:
         return None
-    run.begin(STEEVE, JAW, time)
-    hit = run.events[-1]
-    return First(time, hit.approach, hit.impulse)
+    run.collide_from(STEEVE, JAW, time, motion)
+    return first_of(run)
 
 
-def exact(one: Trial) -> Solution:
-    return Solution(one.numbers | {"speed_rpm": repr(one.speed_rpm)})
+def exact(one: Trial, *, foremost: bool = False) -> Solution:
+    return Solution(one.numbers | {"speed_rpm": repr(one.speed_rpm)}, foremost=foremost)
+
+
+def first_of(run: Solution) -> First:
+    (hit,) = run.events
+    return First(hit.time, hit.approach, hit.impulse)
 
 
 def ratios(true: First, run: Any) -> list[float]:
