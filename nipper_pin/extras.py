@@ -13,6 +13,7 @@ EXTRAS = {
     "study": ("matplotlib", *_SWEEPS),
     "sweep": _SWEEPS,
     "cluster": (*_SWEEPS, "distributed"),
+    "completion": ("shtab",),
     "peers": ("numba", "mujoco"),
 }
 """Modules that come with each extra of the package."""

@@ -8,6 +8,7 @@ import math
 import runpy
 import shlex
 import shutil
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -92,6 +93,25 @@ def test_numbers_with_shortcuts_are_in_the_document(
     assert case["stops.steeve.restitution"] == 0.1
     assert case["stops.jaw.restitution"] == 0.2
     assert "restitution" not in case
+
+
+@pytest.mark.parametrize(("words", "completed"), [
+    ("sim", "simulate"), ("simulate --rest-", "--rest-rate"), ("view --window c", "cycle"),
+    ("check pre", "press.toml"), ("simulate --out ou", "out"), ("plot --no", None),
+])  # fmt: skip
+def test_a_shell_completes(
+    words: str, completed: str | None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """By the script that the command prints, in a real bash."""
+    with pytest.raises(SystemExit, match=r"^0$"):
+        main(["--print-completion", "bash"])
+    (tmp_path / "press.toml").touch()
+    (tmp_path / "out").mkdir()
+    asked = f"COMP_WORDS=(nipper-pin {words}); COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1))"
+    script = f"{capsys.readouterr().out}\n{asked}\n_shtab_nipper_pin\necho ${{COMPREPLY[@]}}"
+    run = subprocess.run(["bash", "-c", script], cwd=tmp_path, capture_output=True, text=True)
+    assert run.stderr == ""
+    assert run.stdout.split() == ([] if completed is None else [completed])
 
 
 def test_what_cannot_be_simulated_gives_status_1(capsys: pytest.CaptureFixture[str]) -> None:

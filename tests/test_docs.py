@@ -53,7 +53,9 @@ def test_commands_of_the_pages_exist():
             seen += 1
             try:
                 _parser().parse_args(words)
-            except SystemExit:
+            except SystemExit as ended:
+                if not ended.code:
+                    continue
                 pytest.fail(f"{page.name}: nipper-pin {shlex.join(words)}")
     assert seen > 30
 

@@ -27,6 +27,7 @@ from .. import __version__
 from ..errors import InputError, NipperError, meant, one_line
 from ..given import read_number, read_whole
 from .arguments import Once
+from .completion import SHELLS, PrintCompletion
 from .surroundings import interrupts, open_streams
 
 _RIGHT = 0
@@ -208,6 +209,10 @@ def _parser(command: str | None = None, commands: Commands = NIPPER_PIN) -> argp
     parser = argparse.ArgumentParser(prog=commands.program, description=commands.description)
     if commands is NIPPER_PIN:
         parser.add_argument("--version", action="version", version=f"nipper-pin {__version__}")
+        parser.add_argument(
+            "--print-completion", action=PrintCompletion, every=_parser, choices=SHELLS,
+            metavar="SHELL", help=f"print how a shell completes: {', '.join(SHELLS)}",
+        )  # fmt: skip
     subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for name, (place, text) in commands.places.items():
         of_command = subparsers.add_parser(name, help=text)

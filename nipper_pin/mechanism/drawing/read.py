@@ -162,4 +162,6 @@ def _check_kind(joint: JointTable, key: str, file: str) -> None:
     if not (kind and wanted <= given <= wanted | may_be):
         ways = "; ".join(", ".join(keys) for keys in _KEYS.values())
         allowed = f"the keys of one kind of joint: {ways}"
+        if kind and wanted - given:
+            allowed = f"a {kind} with {', '.join(sorted(wanted - given))} too"
         raise ModelError(file=file, key=key, value=", ".join(sorted(given)), allowed=allowed)

@@ -68,7 +68,7 @@ function drawCurves() {
     pen.fillStyle = shade("ink");
     pen.font = "11px system-ui, sans-serif";
     pen.textAlign = "left";
-    curve.label.forEach((text, row) => pen.fillText(text, 0, top + 10 + 12 * row));
+    curve.label.forEach((text, row) => pen.fillText(text, 0, top + 10 + 12 * row, LEFT - 48));
     pen.textAlign = "right";
     pen.fillText(curve.text, LEFT - 3, top + 6);
     pen.fillText(low || "0", LEFT - 3, bottom + 1);
