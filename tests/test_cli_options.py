@@ -62,7 +62,8 @@ TABLE = {block.name.partition(":")[0]: block for name in CALLS for block in TABL
 # By what they write, in test_cli_endings.py, test_words.py and study/.
 ELSEWHERE = {
     "identify --profiles", "identify --out", "optimise --out", "optimise --format",
-    "speed-limit --plot", "--version", "--print-completion", "check --watch",
+    "speed-limit --plot", "--version", "--print-completion", "check --watch", "sweep --csv",
+    "sweep --units",
 }  # fmt: skip
 STUDIES = Path(__file__).with_name("studies")
 

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from ..errors import InputError, one_line
-from .arguments import refuse_beside, write_json
+from .arguments import check_outputs, refuse_beside, write_json
 
 # Time between two lines of progress where there is no terminal [s].
 _EVERY_S = 30.0
@@ -43,18 +43,27 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="check the study, and say what it, or --chunks of it, would compute and how long that "
         "takes here",
     )
+    parser.add_argument("--csv", metavar="FILE", help="write all rows that are stored as CSV")
+    parser.add_argument(
+        "--units", choices=("SI", "mm"), help="of --csv: SI (default), or mm and degrees"
+    )
     parser.add_argument("--json", metavar="FILE", help="write a report as JSON; - for stdout")
     parser.set_defaults(run=_run)
 
 
 def _run(options: argparse.Namespace) -> None:
-    from ..study.sweep import estimate, read_plan, run_sweep
+    from ..study.sweep import estimate, read_plan, read_sweep, run_sweep
     from ..study.sweep.plan import chosen
     from ..terms import counted
 
     if options.dry_run:
         what = "--dry-run, which writes nothing and times scenarios here"
-        refuse_beside(options, what, {"out": "--out", "scheduler": "--scheduler"})
+        refuse_beside(options, what, {"out": "--out", "scheduler": "--scheduler", "csv": "--csv"})
+    if options.units is not None and options.csv is None:
+        message = "--units is that of the table that --csv FILE writes; give both"
+        raise InputError(message, argument="--units")
+    for file in (options.csv, options.json):
+        check_outputs(None, file)
     plan, bounds = read_plan(options.study), _bounds(options.chunks)
     size = f"{counted(plan.scenarios, 'scenario')} of {counted(plan.mechanisms, 'mechanism')}"
     if options.dry_run:
@@ -95,6 +104,9 @@ def _run(options: argparse.Namespace) -> None:
             *report.sentences(),
             *report.extremes.sentences(),
         ]
+        if options.csv is not None:
+            read_sweep(folder).write_csv(options.csv, options.units or "SI")
+            said.append(f"written: {options.csv}")
         following = ["plot", str(folder)]
     if options.json is not None:
         write_json(document, options.json)

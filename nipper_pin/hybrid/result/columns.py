@@ -21,11 +21,12 @@ UNITS = ("SI", "mm")
 """SI units, or mm and degrees in place of m and rad; forces, times and energies are the same."""
 
 _SAMPLES_PER_PHASE = 100
-_IN_MM = {
+IN_MM = {
     f"{unit}{per}": (f"{people}{per}", factor)
     for unit, people, factor in (("rad", "deg", DEG_PER_RAD), ("m", "mm", MM_PER_M))
     for per in ("", "/s")
 }
+"""Unit of people and factor of each SI unit that "mm" changes."""
 
 
 def columns(solution: Simulated, table: str, units: str = "SI") -> dict[str, Column]:
@@ -38,12 +39,22 @@ def columns(solution: Simulated, table: str, units: str = "SI") -> dict[str, Col
     Raises:
         UnknownNameError: There is no such table, or no such units.
     """
-    for kind, name, known in (("table", table, TABLES), ("units", units, UNITS)):
-        if name not in known:
-            raise UnknownNameError(kind=kind, name=name, known=known, where="to_frame")
-    made = _Columns(units == "mm")
+    if table not in TABLES:
+        raise UnknownNameError(kind="table", name=table, known=TABLES, where="to_frame")
+    made = _Columns(known_units(units) == "mm")
     _FILLS[table](solution, made)
     return made.found
+
+
+def known_units(units: str) -> str:
+    """The name of units.
+
+    Raises:
+        UnknownNameError: There are no such units.
+    """
+    if units not in UNITS:
+        raise UnknownNameError(kind="units", name=units, known=UNITS, where="to_frame")
+    return units
 
 
 class _Columns:
@@ -60,17 +71,17 @@ class _Columns:
             units: Its SI unit, or that of each row.
         """
         kinds = [units] if isinstance(units, str) else list(dict.fromkeys(units))
-        if self._in_mm and any(kind in _IN_MM for kind in kinds):
-            factors = [_IN_MM[kind][1] for kind in ([units] if isinstance(units, str) else units)]
+        if self._in_mm and any(kind in IN_MM for kind in kinds):
+            factors = [IN_MM[kind][1] for kind in ([units] if isinstance(units, str) else units)]
             values = np.asarray(values, dtype=float) * (factors or 1.0)
-            bare = name.removesuffix(_ending(kinds[0])) if len(kinds) == 1 else name
-            name = bare + "_or".join(_ending(_IN_MM[kind][0]) for kind in kinds)
+            bare = name.removesuffix(ending(kinds[0])) if len(kinds) == 1 else name
+            name = bare + "_or".join(ending(IN_MM[kind][0]) for kind in kinds)
         self.found[name] = values
 
 
-def _ending(unit: str) -> str:
+def ending(unit: str) -> str:
     """The unit at the end of a name."""
-    return "_" + unit.replace("/", "_").replace(" ", "_")
+    return unit and "_" + unit.replace("/", "_").replace(" ", "_")
 
 
 def _collisions(solution: Simulated, table: _Columns) -> None:
@@ -134,7 +145,7 @@ def _motion(solution: Simulated, table: _Columns) -> None:
                                 + [getattr(item, kind) for item in motion])  # fmt: skip
         for place, joint in enumerate(mechanism.joints):
             unit = coordinate_unit(mechanism, joint.index) + per
-            table.add(f"{joint.name}{'_rate' * bool(per)}{_ending(unit)}", states[:, place], unit)
+            table.add(f"{joint.name}{'_rate' * bool(per)}{ending(unit)}", states[:, place], unit)
     for stop in mechanism.stops:
         values = np.concatenate([none, *(item.contacts[stop.name] for item in forces)])
         unit = force_unit(mechanism, stop)

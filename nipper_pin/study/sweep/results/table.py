@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,6 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 from ....errors import InputError
 from ....given import whole
+from ....hybrid.result.columns import IN_MM, ending, known_units
+from ....outputs import complete_file
+from ....terms import NONE
 from .chunk_file import DamageError, check, read_file
 from .record import columns_of, read_document
 from .store import CHUNKS, PLAN, need_pyarrow
@@ -53,21 +57,66 @@ class SweepTable:
         facts = {"model": self.model, "scenarios": f"{self.stored:,} of {self.scenarios:,} stored"}
         return html(self.title or "sweep", facts, self.table.column_names, rows, len(self.table))
 
-    def to_frame(self, library: str | None = None) -> Any:
+    def to_frame(self, library: str | None = None, units: str = "SI") -> Any:
         """All rows as a data frame.
 
         Args:
             library: "pandas", "polars" or "pyarrow"; by default the first that is installed.
+            units: "SI", or "mm" for quantities in mm and degrees; parameters have the units of the
+                study.
 
         Raises:
-            InputError: It is not installed.
+            InputError: The library is not installed.
+            UnknownNameError: There are no such units.
         """
         from ....frames import data_frame
 
+        table = self._in_mm() if known_units(units) == "mm" else self.table
         if library == "pyarrow":
-            return self.table
-        names = self.table.column_names
-        return data_frame({name: self.table[name].to_pylist() for name in names}, library)
+            return table
+        return data_frame({name: table[name].to_pylist() for name in table.column_names}, library)
+
+    def _in_mm(self) -> pa.Table:
+        """The rows with quantities in mm and degrees, and names that say so."""
+        import pyarrow.compute as pc
+
+        found = self.table
+        for place, field in enumerate(self.table.schema):
+            unit = self._unit(field)
+            if unit in IN_MM:
+                shown, factor = IN_MM[unit]
+                # Numbers of a collision stand behind the unit: impulse_N_s_1.
+                name = re.sub(rf"{ending(unit)}(?=_\d+$|$)", ending(shown), field.name)
+                name = name if name != field.name else f"{name}{ending(shown)}"
+                found = found.set_column(place, name, pc.multiply(found[place], factor))
+        return found
+
+    def write_csv(self, path: str | Path, units: str = "SI") -> None:
+        """Write all rows as CSV, as spreadsheets open it; each head ends with its unit.
+
+        Args:
+            path: File to write; it appears when it is complete.
+            units: As of `to_frame`; parameters have the names and units of model files.
+
+        Raises:
+            InputError: The file cannot be written.
+            UnknownNameError: There are no such units.
+        """
+        from pyarrow.csv import write_csv
+
+        table = self.to_frame("pyarrow", units)
+        paths = {axis["name"]: axis["path"] for axis in self.axes}
+        heads = []
+        for field, name in zip(self.table.schema, table.column_names, strict=True):
+            end = ending(self._unit(field)) if name == field.name else ""
+            heads.append(paths.get(name, name if end in name else f"{name}{end}"))
+        with complete_file(Path(path)) as partial:
+            write_csv(table.rename_columns(heads), partial)
+
+    def _unit(self, field: pa.Field) -> str:
+        """SI unit of a quantity; empty for one without, and for all other columns."""
+        unit = (field.metadata or {}).get(b"unit", b"").decode()
+        return unit if field.name in self.quantities and unit != NONE else ""
 
 
 def read_sweep(folder: str | Path, most: int | None = None) -> SweepTable:
