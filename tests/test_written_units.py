@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from nipper_pin import Mechanism, ModelError, changed, load
+from nipper_pin import Mechanism, changed
 from nipper_pin.cli import main
 from nipper_pin.mechanism import number_of
 from nipper_pin.mechanism.edit.overrides import by_path
@@ -42,21 +42,6 @@ def test_of_one_unit_no_digit_is_lost() -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
-    [
-        ("9,25", "with a decimal point: 9.25"), ("9N", "which N is not"),
-        ("9 lbf", "made of m, mm"), ("far", "a number"), ("9 mm mm", "which mm mm is not"),
-        ("1_0mm", "a number"), ("٣mm", "a number"), ("9 mm/", "made of m, mm"),
-        ("9 mm^x", "made of m, mm"),
-    ],
-)  # fmt: skip
-def test_what_is_no_number_in_mm(e62: Mechanism, text: str, told: str) -> None:
-    with pytest.raises(ModelError) as caught:
-        changed(e62, {"preload": text})
-    assert told in caught.value.evidence["allowed"]
-
-
-@pytest.mark.parametrize(
     ("path", "value", "read", "own", "number"),
     [
         ("springs.steeve.stiffness_N_per_mm", 9, 9.0, "springs.steeve.stiffness_N_per_m", 9000.0),
@@ -77,18 +62,11 @@ def test_a_path_may_end_in_another_unit(
     machine = changed(e62, {path: value})
     assert number_of(machine, own) == pytest.approx(number, rel=4e-16)
     assert number_of(machine, path) == pytest.approx(read, rel=4e-16)
-    with pytest.raises(ModelError, match=r"a number once: .* gives the same one"):
-        load("e62", {path: value, own: 1.0})
 
 
 def test_so_may_that_of_a_number_that_is_not_written(e62: Mechanism) -> None:
     found = by_path({"stops.jaw.at_rad": -0.01}, e62.description, "e62.toml")
     assert found == {"stops.jaw.at_deg": pytest.approx(math.degrees(-0.01), rel=4e-16)}
-
-
-def test_numbers_without_a_unit_take_none() -> None:
-    with pytest.raises(ModelError, match="a number without a unit, not 'mm'"):
-        load("e62", {"restitution": "0.2mm"})
 
 
 def test_commands_take_them(
@@ -103,6 +81,3 @@ def test_commands_take_them(
         assert main(["simulate", "e62", *words, "--json", "-"]) == 0
         said.append(capsys.readouterr().out)
     assert said[0].partition('"work"')[0] == said[1].partition('"work"')[0]
-    with pytest.raises(SystemExit):
-        main(["simulate", "e62", "--speed", "650 mm"])
-    assert "which mm is not" in capsys.readouterr().err

@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 
 import pytest
 from small_machines import hinge, link, machine, sources
-from snapshots import Words
+from snapshots import Words, blocks
 
 from nipper_pin import Case, Mechanism, check, load, simulate
 from nipper_pin.cli import main
@@ -122,8 +122,7 @@ def test_no_advice(name: str) -> None:
     assert advised(NOT_ADVISED[name]()) == UrdfAdvice((), "")
 
 
-# Texts inside the root element; an odd element, with a comment beside it, at each place.
-ODD = '<odd value="1"/><!-- of no matter -->'
+# Texts inside the root element.
 PLACES = {
     "robot": '<link name="a"/>{}',
     "link": '<link name="a">{}</link>',
@@ -132,21 +131,6 @@ PLACES = {
     "limit": '<joint name="j"><limit>{}</limit></joint>',
     "geometry": '<link name="a"><visual><geometry>{}</geometry></visual></link>',
 }
-UNREAD = {
-    **{f"element of {place}": text.format(ODD) for place, text in PLACES.items()},
-    "attribute of a link": '<link name="a" mass="1"/>',
-    "attribute of a limit": '<joint name="j"><limit force="1"/></joint>',
-    "element of another name space": '<x:arg xmlns:x="http://x"/><x:arg xmlns:x="http://x"/>',
-    "damping in another place": '<joint name="j"><joint_properties damping="1"/></joint>',
-    "many elements": "".join(f"<a{i}/>" for i in range(8)),
-    **{f"two of {tag}": f'<joint name="j"><{tag}/><{tag}/></joint>'
-       for tag in ("origin", "parent", "child", "axis", "limit", "dynamics", "mimic")},
-    "text of a link": '<link name="a">crank</link>',
-    "text of an inertial": '<link name="a"><inertial><mass value="1"/> kg</inertial></link>',
-    "text of an axis": '<joint name="j"><axis xyz="0 -1 0">0 1 0</axis></joint>',
-    "text beside a comment": '<joint name="j"><!-- a note -->x\ty</joint>',
-    "text of the root": 'stray<link name="a"/>',
-}  # fmt: skip
 
 
 def said(text: str, attributes: str = "") -> list[str]:
@@ -155,10 +139,11 @@ def said(text: str, attributes: str = "") -> list[str]:
 
 def test_what_is_not_read(words: Words) -> None:
     """Elements, attributes and texts that nobody reads, and what counts once, by their places."""
-    told = {name: said(text) for name, text in UNREAD.items()}
-    told["attribute of the root"] = said("", ' kind="arm"')
-    assert all(len(sentences) == 1 for sentences in told.values())
-    words("".join(f"{name}\n    {sentence}\n" for name, (sentence,) in told.items()))
+    text = ""
+    for item in blocks(__file__, "test_what_is_not_read"):
+        (sentence,) = said(*item.edits) if item.edits else said("", ' kind="arm"')
+        text += f"{item.text}    {sentence}\n"
+    words(text, masked=False)
 
 
 def test_what_is_read_or_called_ignored_is_not_named() -> None:
