@@ -62,7 +62,7 @@ CALLS: list[tuple[Callable[..., object], str, tuple[Any, ...]]] = [
     (table, "max_collisions", (*NOT_WHOLE, 0)),
     (table, "engine", (None, 3, ["direct"], {}, "fast")),
     (table, "drive", (None, 3, ["held"], {}, "elastic")),
-    (turns, "turns", (*NOT_WHOLE, 0)),
+    (turns, "turns max_collisions", (*NOT_WHOLE, 0, 10**12)),
     (turns, "least_force_N", (*NOT_ONE, 1e300, -1.0)),
     (turns, "torques", NO_FLAG),
     (design, "starts seed points", NOT_WHOLE),

@@ -171,38 +171,25 @@ def test_coordinates_by_the_names_of_joints(solution: nip.Solution) -> None:
         np.testing.assert_array_equal(motion.rates[joint.name], motion.v[:, place])
 
 
-@pytest.mark.parametrize(
-    ("installed", "asked", "library"),
-    [
-        ({"pandas", "polars", "pyarrow"}, None, "pandas"),
-        ({"polars", "pyarrow"}, None, "polars"),
-        ({"pandas", "polars"}, "polars", "polars"),
-    ],
-)
 def test_the_library_that_is_there_makes_the_frame(
-    installed: set[str],
-    asked: str | None,
-    library: str,
-    solution: nip.Solution,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    pytest.importorskip(library)
-    monkeypatch.setattr(frames, "find_spec", lambda name: name if name in installed else None)
-    frame = solution.to_frame(asked)
-    assert type(frame).__module__.startswith(library)
-    assert list(frame["time_s"]) == [item["time_s"] for item in nip.record(solution)["collisions"]]
-
-
-def test_without_a_library_the_frame_says_what_to_install(
     solution: nip.Solution, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """The first of those that are installed, or the one that is asked for; or what to install."""
+    times = [item["time_s"] for item in nip.record(solution)["collisions"]]
+    for installed, asked, library in (
+        ({"pandas", "polars", "pyarrow"}, None, "pandas"), ({"polars", "pyarrow"}, None, "polars"),
+        ({"pandas", "polars"}, "polars", "polars"),
+    ):  # fmt: skip
+        pytest.importorskip(library)
+        monkeypatch.setattr(frames, "find_spec", lambda name: name in installed or None)  # noqa: B023
+        frame = solution.to_frame(asked)
+        assert type(frame).__module__.startswith(library)
+        assert list(frame["time_s"]) == times
     monkeypatch.setattr(frames, "find_spec", lambda _: None)
-    with pytest.raises(nip.InputError, match="pip install pandas"):
-        solution.to_frame()
-    with pytest.raises(nip.InputError, match="polars is not installed: pip install polars"):
-        solution.to_frame("polars")
-    with pytest.raises(nip.InputError, match="'excel' cannot be used"):
-        solution.to_frame("excel")
+    for asked, said in ((None, "pip install pandas"), ("excel", "'excel' cannot be used"),
+                        ("polars", "polars is not installed: pip install polars")):  # fmt: skip
+        with pytest.raises(nip.InputError, match=said):
+            solution.to_frame(asked)
 
 
 @pytest.mark.parametrize(

@@ -114,22 +114,15 @@ def long_words(folder: Path) -> Path:
     return home
 
 
-def spring_rows(folder: Path) -> Path:
-    """Springs whose tables are written out in the TOML file."""
-    parts, tables = four_bars(1, 1, 0)
-    rows = list(range(MOST_TEXT // 16))
-    spring = {"joint": "b0", "coordinate_deg": rows, "torque_N_m": rows}
-    return written(folder, parts, 1, **tables, springs={"x": spring})
-
-
-def table(folder: Path, rows: int, width: int = 0) -> Path:
-    """The E62 with a drive that has a table."""
+def table(folder: Path) -> Path:
+    """The E62 with a drive that has a table of the most rows and bytes."""
     law = '[drives.tension]\njoint = "tension_shaft"\nlaw = "table"\nfile = "t.csv"\n\n'
     home = model("e62", (TENSION, law), folder)
-    angle = np.linspace(0.0, 360.0, rows)
+    angle = np.linspace(0.0, 360.0, MOST_ROWS)
     drive = next(item for item in load("e62").drives if item.name == "tension")
     place = drive.law.evaluate(np.radians(angle))[0]
     place[-1] = place[0]
+    width = MOST_TABLE // MOST_ROWS - 1
     lines = [f"{a:.12f},{b:.17f}".ljust(width) for a, b in zip(angle, place, strict=True)]
     (home / "t.csv").write_text("\n".join(["cylinder_angle_deg,coordinate_rad", *lines]))
     return home
@@ -220,13 +213,7 @@ LARGEST: dict[str, tuple[str, Made, str]] = {
     "parts": ("model", many_parts, ""),
     "chain": ("model", chain, ""),
     "words": ("model", long_words, ""),
-    "rows in TOML": ("model", spring_rows, "at most 100000 rows"),
-    "table": ("model", lambda folder: table(folder, MOST_ROWS), ""),
-    "wide table": (
-        "model",
-        lambda folder: table(folder, MOST_ROWS, MOST_TABLE // MOST_ROWS - 1),
-        "",
-    ),
+    "table": ("model", table, ""),
     "case": ("case", case_of_lists, "not a saved case"),
     "run": ("run", long_run, ""),
     "numbers": ("run", numbers, "not a saved solution"),

@@ -3,16 +3,30 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from snapshots import Words
 
-from nipper_pin import Case, EventKind, InputError, Mechanism, simulate, turn_table
+from nipper_pin import (
+    Case,
+    EventKind,
+    InputError,
+    Mechanism,
+    SimulationError,
+    load,
+    simulate,
+    turn_table,
+)
 from nipper_pin.cli import main
 from nipper_pin.mechanism.gallery import drawn
+from nipper_pin.reduced.turns import TurnStatus, turn_quantities
+from nipper_pin.study import speed_limit as speed_limit_module
 from nipper_pin.study.speed_limit import SpeedLimit, Verdict, speed_limit
+from nipper_pin.view.studies.speed_limit_report import _sentence
 
 TURNS = 120
 
@@ -155,3 +169,41 @@ def test_ranges_and_machines_that_cannot_be_used(e62: Mechanism) -> None:
     # What to do is something that a user of this study can do.
     with pytest.raises(InputError, match=r"and 2 are left; .* \(simulate --window cycle --speed"):
         speed_limit(machine, low_rpm=10.0, high_rpm=20.0)
+
+
+@pytest.mark.slow
+def test_speeds_that_cannot_be_followed_are_told_of(
+    e62: Mechanism, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """They are no speeds at which the jaw does not settle."""
+
+    def lost(mechanism: Mechanism, **keys: Any) -> Any:
+        """Turns of which none above 10,000 r/min could be followed."""
+        found = turn_quantities(mechanism, **keys)
+        away = np.asarray(keys["speed_rpm"]) > 1e4
+        return replace(found, status=np.where(away, TurnStatus.LEFT_GAP, found.status))
+
+    monkeypatch.setattr(speed_limit_module, "turn_quantities", lost)
+    found = speed_limit(e62, low_rpm=600.0, high_rpm=1e9, speeds=2, turns=30)
+    assert found.status == ("followed", "left_gap")
+    assert found.settles_rpm is None
+    assert found.repeats_rpm is None
+    assert found.lost.startswith("At 1 of 2 speeds, the first of them 1e+09 r/min")
+    said = _sentence(found)
+    # Halved twelve times between 600 r/min and the speed that is lost.
+    assert found.settled[-1].verdict is Verdict.UNKNOWN
+    assert found.settled[-1].low_rpm <= 1e4 + 1e9 / 2**12
+    assert "at every speed" not in said
+    assert said.endswith(found.lost)
+    with pytest.raises(SimulationError, match="at none of these speeds: a flight goes higher"):
+        speed_limit(e62, low_rpm=1e8, high_rpm=1e9, speeds=3)
+
+
+def test_blocks_of_speeds_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Speeds are followed some at a time, so that an interrupt is heard in between."""
+    machine = load("hanging_pendulum")
+    few = {"low_rpm": 100.0, "high_rpm": 300.0, "speeds": 7, "turns": 3}
+    whole = speed_limit(machine, **few)
+    monkeypatch.setattr("nipper_pin.study.speed_limit._BLOCK", 2)
+    assert repr(speed_limit(machine, **few)) == repr(whole)
+    np.testing.assert_array_equal(speed_limit(machine, **few).rests, whole.rests)

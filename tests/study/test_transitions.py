@@ -79,31 +79,6 @@ def test_turns_of_the_reduced_engine(e62: Mechanism) -> None:
     assert np.isnan(many.duration).all()
 
 
-@pytest.mark.campaign
-def test_turns_of_both_engines_in_random_cases(e62: Mechanism) -> None:
-    """Wherever tables follow the turns, the direct engine finds the same, and the same verdict.
-
-    Few cases at a time are left to that one.
-    """
-    random = np.random.default_rng(12)
-    cases: dict[str, Any] = {
-        "speed_rpm": random.uniform(600.0, 1500.0, 200),
-        "restitution": random.uniform(0.0, 0.4, 200),
-        "stiffness_N_per_m": random.uniform(6000.0, 13000.0, 200),
-        "preload_length_mm": random.uniform(7.0, 15.0, 200),
-    }
-    found = transition_table(e62, **cases)
-    by_tables = found.engine == "reduced_turn"
-    assert by_tables.sum() > 50
-    for part in np.array_split(np.arange(200), 200 // (TURNS_PAY_FROM - 1) + 1):
-        judge = transition_table(e62, **{key: values[part] for key, values in cases.items()})
-        assert found.premise_holds[part].tolist() == judge.premise_holds.tolist()
-        chosen = by_tables[part]
-        assert (judge.engine[chosen] == "turn").all()
-        agree(judge, found, chosen, part[chosen])
-        assert found.outcome[part].tolist() == judge.outcome.tolist()
-
-
 def test_tables_are_built_once_for_a_mechanism(monkeypatch: pytest.MonkeyPatch) -> None:
     """Other speeds, springs and restitutions cost no tables; another machine gets its own.
 
@@ -288,23 +263,19 @@ def test_springs_in_the_units_of_their_files(two: Mechanism) -> None:
 
 
 @pytest.mark.parametrize(
-    ("key", "right", "wrong", "most", "unit"),
+    ("key", "most", "unit"),
     [
-        ("stiffness_N_per_m", 1e10, 1.01e10, 1e10, "N/m"),
-        ("preload_length_mm", -999.0, 1.01e3, 1e3, "mm"),
-        ("preload_deg", 3600.0, -3601.0, 3600.0, "deg"),
-        ("stiffness_N_m_per_rad", 1e10, 1.01e10, 1e10, "N m/rad"),
+        ("stiffness_N_per_m", 1e10, "N/m"), ("preload_length_mm", -1e3, "mm"),
+        ("preload_deg", -3600.0, "deg"), ("stiffness_N_m_per_rad", 1e10, "N m/rad"),
     ],
 )  # fmt: skip
-def test_springs_in_another_unit(
-    two: Mechanism, key: str, right: float, wrong: float, most: float, unit: str
-) -> None:
+def test_springs_in_another_unit(two: Mechanism, key: str, most: float, unit: str) -> None:
     """As long as the machine, ten turns and 1e10 are plausible; more is another unit."""
-    most = max(most, 1e3 * two.reach_m) if key == "preload_length_mm" else most
-    spring_values(two, {key: right})
+    most *= two.reach_m if unit == "mm" and two.reach_m > 1.0 else 1.0
+    spring_values(two, {key: 0.99 * most})
     with pytest.raises(InputError, match=f"this is in {unit}, and e62 takes") as caught:
-        spring_values(two, {key: math.copysign(max(abs(wrong), 1.01 * most), wrong)})
-    assert caught.value.evidence["most"] == pytest.approx(most)
+        spring_values(two, {key: 1.01 * most})
+    assert caught.value.evidence["most"] == pytest.approx(abs(most))
     assert (caught.value.evidence["key"], caught.value.evidence["unit"]) == (key, unit)
 
 
@@ -315,7 +286,3 @@ def test_cases_that_no_machine_has(e62: Mechanism, two: Mechanism) -> None:
         spring_values(two, {"preload_length_mm": [1.0, 2.0], "preload_deg": [1.0, 2.0, 3.0]})
     with pytest.raises(InputError, match="need the same number of cases"):
         transition_table(e62, speed_rpm=[400.0, 500.0], restitution=[0.1, 0.2, 0.3])
-    for wrong in ({"speed_rpm": 0.0}, {"restitution": 1.01}, {"restitution": -0.01},
-                  {"stiffness_N_per_m": -1.0}):  # fmt: skip
-        with pytest.raises(InputError):
-            transition_table(e62, **{"speed_rpm": 450.0, **wrong})

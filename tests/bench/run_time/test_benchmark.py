@@ -331,8 +331,9 @@ def test_quick_benchmark_prints_one_document(
     errors = [row["error_worst"] for row in engines["direct"]]
     assert errors == sorted(errors, reverse=True)
     assert all(row["evaluations"] > 0 for row in engines["direct"])
-    cases = [row["setting"] for row in document["accuracy"]]
-    assert cases == [f"case {name}" for name in certified_names()]
+    assert [row["setting"] for row in document["accuracy"]] == [
+        f"case {name}" for name in certified_names()
+    ]
     assert all(row["error_worst"] <= 1e-10 for row in document["accuracy"])
     assert {row["engine"] for row in document["peers"]} == {peer.NAME for peer, _ in available()}
     assert all(row["version"] and row["error_worst"] < 0.1 for row in document["peers"])
@@ -344,15 +345,7 @@ def test_quick_benchmark_prints_one_document(
     # Its bound is one: what it states covers what is true.
     reduced = document["reduced"]
     assert reduced["error"] <= reduced["stated_error"] <= 1e-8
-    single, batch = (engines[name][3] for name in ("reduced", "reduced, batch"))
-    assert (single["setting"], batch["setting"]) == ("1e-10", "1e-10")
-    assert (reduced["error"], reduced["transition_ms"]) == (
-        single["error_worst"], single["wall_ms"],
-    )  # fmt: skip
-    assert reduced["transition_in_batch_ms"] == batch["wall_ms"]
     assert (document["quick"], reduced["batch"]) == (True, 10_000)
-    assert reduced["transitions_per_s"] > 0.0
-    assert "mujoco" in document["environment"]["versions"] or "mujoco" not in str(document["peers"])
 
 
 # --- its clock -----------------------------------------------------------------------------------

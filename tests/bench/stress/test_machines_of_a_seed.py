@@ -15,11 +15,11 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from benchmarks.stress import FAMILIES, run_campaign, trial
+from benchmarks.stress import FAMILIES, trial
 from benchmarks.stress.linkages import random_linkage, write_linkage
 from benchmarks.stress.linkages.dyads import KINDS, Growing, add_dyad, crank
 from benchmarks.stress.linkages.motion import ANGLES, NoAssemblyError
-from nipper_pin import Case, Drawing, UnknownNameError, load, simulate
+from nipper_pin import Case, Drawing, load, simulate
 
 KEPT = Path(__file__).with_name("machines_of_a_seed.json")
 SEED, TRIALS = 421, 48
@@ -130,13 +130,6 @@ def test_a_linkage_is_written_as_a_model_folder(tmp_path: Path) -> None:
     assert load(tmp_path / "third").description == same.mechanism().description
     assert case["speed_rpm"] == same.case["speed_rpm"]
     assert case["drive"] == same.case["drive"]
-
-
-def test_a_campaign_of_one_family() -> None:
-    result = run_campaign(1, 5, 1, families=("linkage",))
-    assert {verdict.family for verdict in result.verdicts} == {"linkage"}
-    with pytest.raises(UnknownNameError, match="no family of trials named 'linkages'"):
-        trial(1, 1, ("linkages",))
 
 
 if __name__ == "__main__":

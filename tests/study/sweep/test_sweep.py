@@ -356,27 +356,6 @@ def test_a_folder_is_read_and_goes_on_with_its_own_plan_only(
             run_sweep(other, out)
 
 
-@pytest.mark.slow
-def test_a_study_from_its_file_to_its_figures(tmp_path: Path) -> None:
-    """By the command: estimate, rows, the same folder again, a picture of the period."""
-    asked = '["clamped_share", "largest_torque_N_m_pendulum"]'
-    text = f"quantities = {asked}\n{CYCLE}{FEW}"
-    file, out = study(tmp_path, text), str(tmp_path / "out")
-    assert main(["sweep", file, "--dry-run"]) == 0
-    stored(Path(out), plan(tmp_path, text))
-    assert main(["sweep", file, "--out", out, "--workers", "1"]) == 0
-    rows = read_sweep(out)
-    assert rows.stored == TURNS_PAY_FROM
-    assert set(rows.table["engine"].to_pylist()) == {"reduced"}
-    torque = rows.table["largest_torque_N_m_pendulum"]
-    assert rows.table.schema.field("largest_torque_N_m_pendulum").metadata == {b"unit": b"N m"}
-    assert min(torque.to_pylist()) > 10.0
-    for name in ("clamped_share", "repeats_after", "turns"):
-        assert main(["plot", out, "--quantity", name]) == 0
-        assert (tmp_path / "out" / "plots" / f"main_effects_{name}.svg").is_file()
-    assert main(["plot", out, "--quantity", "premise_holds"]) == 2
-
-
 def test_numbers_of_turns_are_whole(swept: tuple[Plan, Path], tmp_path: Path) -> None:
     """Of text they are damage; a parameter of another sweep may have their names."""
     out = tmp_path / "out"
