@@ -152,16 +152,12 @@ def test_tables_of_a_run_in_mm_and_degrees(table: str, turn: nip.Solution) -> No
 
 
 def test_the_case_of_a_run_by_its_fields() -> None:
-    """The rated speed if none is given; a case and fields of one, and unknown ones, are refused."""
+    """The rated speed if none is given."""
     mechanism = nip.load("e62")
     rated = nip.simulate(mechanism)
     assert rated.case == nip.Case(speed_rpm=mechanism.cylinder.rated_speed_rpm)
     faster = nip.simulate(mechanism, speed_rpm=650.0, window="cycle", cycles=2)
     assert faster.case == nip.Case(speed_rpm=650.0, window="cycle", cycles=2)
-    with pytest.raises(nip.InputError, match="speed_rpm"):
-        nip.simulate(mechanism, rated.case, speed_rpm=650.0)
-    with pytest.raises(nip.UnknownNameError, match="did you mean 'speed_rpm'"):
-        nip.simulate(mechanism, speed_rmp=650.0)
 
 
 def test_coordinates_by_the_names_of_joints(solution: nip.Solution) -> None:
@@ -186,26 +182,10 @@ def test_the_library_that_is_there_makes_the_frame(
         assert type(frame).__module__.startswith(library)
         assert list(frame["time_s"]) == times
     monkeypatch.setattr(frames, "find_spec", lambda _: None)
-    for asked, said in ((None, "pip install pandas"), ("excel", "'excel' cannot be used"),
+    for asked, said in ((None, "pip install pandas"),
                         ("polars", "polars is not installed: pip install polars")):  # fmt: skip
         with pytest.raises(nip.InputError, match=said):
             solution.to_frame(asked)
-
-
-@pytest.mark.parametrize(
-    ("call", "words"),
-    [
-        (lambda: nip.simulate("e62", nip.Case(speed_rpm=650.0)), r"simulate\(nip.load\('e62'\)"),
-        (lambda: nip.simulate(Path("e62"), nip.Case(speed_rpm=650.0)), "takes a loaded model"),
-        (lambda: nip.simulate(None, nip.Case(speed_rpm=650.0)), "of type NoneType"),
-        (lambda: nip.simulate(nip.load(), 650.0), r"nip.Case\(speed_rpm=650.0\)"),
-        (lambda: nip.check("e62"), r"check\(nip.load\('e62'\)"),
-        (lambda: nip.view("e62"), "view shows a solution"),
-    ],
-)
-def test_a_wrong_argument_is_one_clear_error(call: Any, words: str) -> None:
-    with pytest.raises(nip.InputError, match=words):
-        call()
 
 
 def test_sweep_computes_and_its_rows_are_read(tmp_path: Path) -> None:
@@ -292,10 +272,6 @@ def test_a_table_of_transitions_as_a_frame(table: nip.TransitionTable) -> None:
             for name in ("time_s", "approach_rate", "impulse_N_s", "rebound_amplitude",
                          "rebound_time_s", "energy_lost_J"):  # fmt: skip
                 assert row[f"{name}_{place}"] == pytest.approx(hit[name], **close)
-    with pytest.raises(nip.InputError, match="collisions = -1"):
-        table.to_frame("pyarrow", collisions=-1)
-    with pytest.raises(nip.InputError, match=r"transition_table\(nip.load\('e62'\)"):
-        nip.transition_table("e62", speed_rpm=650.0)
 
 
 def test_view_writes_what_the_name_says(solution: nip.Solution, tmp_path: Path) -> None:
@@ -308,10 +284,6 @@ def test_view_writes_what_the_name_says(solution: nip.Solution, tmp_path: Path) 
     with Image.open(film) as pictures:
         length = scene.film(solution, scene.Look(slow=100.0)).pace.playback[-1]
         assert (pictures.format, pictures.n_frames) == ("GIF", math.ceil(10.0 * length))
-    with pytest.raises(nip.InputError, match=r"NAME.html or NAME.gif"):
-        nip.view(solution, tmp_path / "a.png")
-    with pytest.raises(nip.InputError, match="exaggerate = 9999"):
-        nip.view(solution, tmp_path / "c.html", exaggerate=9999.0)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.gif", "a.html"]
 
 

@@ -10,7 +10,7 @@ import pytest
 from runs_shown import run_of
 
 import nipper_pin as nip
-from nipper_pin import Case, EventKind, InputError, Mechanism, Solution
+from nipper_pin import Case, EventKind, Mechanism, Solution
 from nipper_pin.mechanism import number_of
 from nipper_pin.study.compare import Change, Row
 
@@ -152,13 +152,6 @@ def test_a_document_holds_the_table(compared: nip.Comparison) -> None:
     assert document["changes"][0] == {"path": "speed_rpm", "a": A_RPM, "b": B_RPM}
     assert f"{len(compared.rows)} quantities, 2 changes" in repr(compared)
     assert "rebound_amplitude_1" in compared._repr_html_()
-
-
-def test_what_is_no_run_and_no_quantity_is_refused(runs: tuple[Solution, Solution]) -> None:
-    with pytest.raises(InputError, match="B is 'e62'"):
-        nip.compare(runs[0], "e62")  # type: ignore[arg-type]
-    with pytest.raises(InputError, match=r"height is none of the quantities.*duration_s"):
-        nip.compare(*runs).row("height")
 
 
 def test_machines_of_other_parts_are_compared_as_far_as_they_go(

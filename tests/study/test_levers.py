@@ -7,9 +7,8 @@ from pathlib import Path
 
 import mpmath
 import pytest
-from small_machines import SLED, link, machine, slide
 
-from nipper_pin import Case, InputError, Mechanism, SimulationError, load, simulate
+from nipper_pin import Case, Mechanism, SimulationError, load, simulate
 from nipper_pin.hybrid.result.turns import reported_turn
 from nipper_pin.mechanism import number_of
 from nipper_pin.study.levers import Bounce, Lever, Levers, every_path, levers
@@ -147,15 +146,6 @@ def test_the_bounce_of_the_turn_where_the_machine_arrives_otherwise() -> None:
     result = levers(own, 681.27)
     assert result.premise_holds is False
     assert result.bounce.amplitude == pytest.approx(12.614e-3, rel=1e-3)
-
-
-def test_what_does_not_bounce_is_refused() -> None:
-    with pytest.raises(InputError, match="does not bounce"):
-        levers(load("e62", {"restitution": 0.0}), SPEED)
-    sled = {"joint": "rail", "law": "fourier", "sine_mm": [0.5], **SLED}
-    bare = machine([link("sled"), slide("rail", "frame", "sled")], 1, drives={"feed": sled})
-    with pytest.raises(InputError, match="has no stop"):
-        levers(bare)
 
 
 BEFORE, AFTER = Bounce(4e-3, 8e-3, 0.02), Bounce(3e-3, 6e-3, 0.03)

@@ -14,7 +14,6 @@ from snapshots import Words
 from nipper_pin import (
     Case,
     EventKind,
-    InputError,
     Mechanism,
     SimulationError,
     load,
@@ -159,16 +158,6 @@ def test_a_stop_also_opens_where_its_force_is_lost() -> None:
     )
     index = (24.0 + 40.0 * released / period) % 40.0
     assert found.opening[0] == pytest.approx(index, abs=1e-6)
-
-
-def test_ranges_and_machines_that_cannot_be_used(e62: Mechanism) -> None:
-    for low, high, speeds in ((0.0, 1.0, 3), (5.0, 2.0, 3), (1.0, 2.0, 1), (1.0, np.inf, 3)):
-        with pytest.raises(InputError, match="cannot be used"):
-            speed_limit(e62, low_rpm=low, high_rpm=high, speeds=speeds)
-    machine = drawn("needle_bar").mechanism()
-    # What to do is something that a user of this study can do.
-    with pytest.raises(InputError, match=r"and 2 are left; .* \(simulate --window cycle --speed"):
-        speed_limit(machine, low_rpm=10.0, high_rpm=20.0)
 
 
 @pytest.mark.slow

@@ -17,7 +17,7 @@ import pytest
 from runs_shown import machine_called
 from two_engines import EPS, FORCE, difference
 
-from nipper_pin import DriveMode, InputError, Mechanism, UnknownNameError, load, turn_table
+from nipper_pin import DriveMode, InputError, Mechanism, load, turn_table
 from nipper_pin.hybrid.result.turns import turn_names
 from nipper_pin.mechanism.restitution import Falling
 from nipper_pin.study.turns import TURNS_PAY_FROM
@@ -135,23 +135,6 @@ def test_values_of_a_case_are_those_of_a_machine(e62: Mechanism) -> None:
                       **given)  # type: ignore[arg-type] # fmt: skip
     for key in turn_names(e62):
         assert many.quantity(key)[1].tobytes() == tables[1].quantity(key)[0].tobytes()
-
-
-def test_arguments_that_cannot_be_used(e62: Mechanism) -> None:
-    with pytest.raises(UnknownNameError, match="known: jaw, steeve"):
-        turn_table(e62, speed_rpm=450.0, restitution={"lip": 0.3})
-    for given, words in (
-        ({"steeve": 1.5}, "restitution of steeve"),
-        ({"jaw": [0.1, 0.2], "steeve": [0.1, 0.2, 0.3]}, "same number of cases"),
-    ):
-        with pytest.raises(InputError, match=words):
-            turn_table(e62, speed_rpm=450.0, restitution=given)  # type: ignore[arg-type]
-    with pytest.raises(InputError, match="1 to 10,000"):
-        turn_table(e62, speed_rpm=450.0, turns=10_001)
-    with pytest.raises(InputError, match="no stop that could clamp"):
-        turn_table(replace(e62, transition_stop=""), speed_rpm=450.0)
-    with pytest.raises(InputError, match=r"nip\.load"):
-        turn_table("e62", speed_rpm=450.0)  # type: ignore[arg-type]
 
 
 def test_torques_only_where_they_are_asked_for(e62: Mechanism) -> None:
