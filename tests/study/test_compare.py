@@ -150,8 +150,6 @@ def test_a_document_holds_the_table(compared: nip.Comparison) -> None:
     assert [Row("x", "", *pair).percent for pair in pairs] == [None, None, 0.0, -50.0]
     assert document["a"]["speed_rpm"] == A_RPM
     assert document["changes"][0] == {"path": "speed_rpm", "a": A_RPM, "b": B_RPM}
-    assert f"{len(compared.rows)} quantities, 2 changes" in repr(compared)
-    assert "rebound_amplitude_1" in compared._repr_html_()
 
 
 def test_machines_of_other_parts_are_compared_as_far_as_they_go(
