@@ -1,9 +1,9 @@
 """What a run must show, read off it in another way than the package does.
 
 Only the raw run is used: events with their states, and the nodes of its motion. Masses, forces and
-impulses come from Pinocchio's own reading of the URDF text and from the TOML document: impulses
-from the jump of momentum, energies from 1/2 v'Mv, forces from rnea in the free directions of the
-closures. Nothing of the package computes here.
+impulses come from the texts of the model by planar geometry (`planar_tree`): impulses from the jump
+of momentum, energies from 1/2 v'Mv, forces from the motion in the free directions of the closures;
+places from Pinocchio's own reading of the URDF. Nothing of the package computes here.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from scipy.linalg import null_space
 from scipy.optimize import minimize_scalar
 from small_machines import SLED, hinge, link, machine, slide
 
+from benchmarks.stress.mechanics.planar_tree import PlanarTree
 from nipper_pin import Event, Mechanism, Solution
 
 Array = Any
@@ -79,32 +80,23 @@ class Judge:
     """Reads one run."""
 
     def __init__(self, solution: Solution) -> None:
-        """Build Pinocchio's model of the URDF text."""
+        """Read the texts of its model."""
         self.run = solution
         mechanism = solution.mechanism
         self.document: Any = mechanism.description
         self.names = [joint.name for joint in mechanism.joints]
         self.model = pin.buildModelFromXML(mechanism.urdf)
-        self.model.gravity.linear = np.array([0.0, 0.0, -float(self.document["gravity_m_s2"])])
         self.data = self.model.createData()
         joints = [self.model.joints[self.model.getJointId(name)] for name in self.names]
         self._q = [joint.idx_q for joint in joints]
-        self._v = [joint.idx_v for joint in joints]
         self._circles = [joint.nq == 2 for joint in joints]
-        self.turning = [self._turns(name) for name in self.names]
+        self.tree = PlanarTree.of(mechanism)
+        self.turning = [not slides for slides in self.tree.slides]
         self.stops = {name: self._stop(name) for name in self.document.get("stops", {})}
         drives = self.document.get("drives", {})
         self.drives = {name: self.names.index(drives[name]["joint"]) for name in drives}
         forward = self.document["cylinder"]["direction"] == "counter-clockwise"
         self.omega = (1.0 if forward else -1.0) * math.tau * solution.case.speed_rpm / 60.0
-
-    def _turns(self, name: str) -> bool:
-        """Whether a joint turns its child: its unit velocity has a part about y."""
-        q = self.full(np.zeros(len(self.names)))
-        jacobian = pin.computeJointJacobian(
-            self.model, self.data, q, self.model.getJointId(name)
-        )  # fmt: skip
-        return bool(np.abs(jacobian[3:, self._v[self.names.index(name)]]).max() > 0.5)
 
     def _stop(self, name: str) -> StopData:
         item = self.document["stops"][name]
@@ -121,8 +113,6 @@ class Judge:
         sense = -1.0 if item.get("side") == "upper" else 1.0
         return StopData(column, turns, sense, at, item["restitution"], lever)
 
-    # Pinocchio's own order and form of the coordinates.
-
     def full(self, q: Array) -> Array:
         """Configuration of the URDF model."""
         out = np.empty(self.model.nq)
@@ -133,60 +123,20 @@ class Judge:
                 out[place] = value
         return out
 
-    def _to(self, v: Array) -> Array:
-        out = np.empty(self.model.nv)
-        out[self._v] = v
-        return out
-
-    def mass(self, q: Array) -> Array:
-        """M in the order of the run."""
-        upper = np.triu(pin.crba(self.model, self.data, self.full(q)))
-        whole = upper + np.triu(upper, 1).T
-        return whole[np.ix_(self._v, self._v)]
-
     def kinetic(self, q: Array, v: Array) -> float:
         """1/2 v'Mv [J]."""
-        return 0.5 * float(v @ self.mass(q) @ v)
-
-    def closures(self, q: Array) -> Array:
-        """G: rates of the x and z gaps of the cut pins by v."""
-        rows = []
-        pin.computeJointJacobians(self.model, self.data, self.full(q))
-        pin.updateFramePlacements(self.model, self.data)
-        for item in self.document.get("closures", {}).values():
-            one, other = (
-                pin.getFrameJacobian(
-                    self.model, self.data, self.model.getFrameId(item[key]),
-                    pin.LOCAL_WORLD_ALIGNED,
-                )
-                for key in ("frame_a", "frame_b")
-            )  # fmt: skip
-            rows.append((one - other)[[0, 2]][:, self._v])
-        return np.vstack(rows) if rows else np.zeros((0, len(self.names)))
+        return float(self.tree.kinetic_energy(q, v))
 
     def closure(self, q: Array) -> float:
         """Largest distance of two frames that a cut pin holds together [m]."""
-        pin.framesForwardKinematics(self.model, self.data, self.full(q))
-        gaps = [0.0]
-        for item in self.document.get("closures", {}).values():
-            one, other = (
-                self.data.oMf[self.model.getFrameId(item[key])].translation[[0, 2]]
-                for key in ("frame_a", "frame_b")
-            )
-            gaps.append(float(np.abs(one - other).max()))
-        return max(gaps)
+        still = np.zeros_like(q)
+        return float(np.abs(self.tree.closure(q, still, still, world=True)[0]).max(initial=0.0))
 
     def links(self, q: Array, v: Array) -> dict[str, tuple[float, float, float]]:
         """By link: turning rate counter-clockwise [rad/s], velocity (x, z) of its centre [m/s]."""
-        pin.forwardKinematics(self.model, self.data, self.full(q), self._to(v))
-        found = {}
-        for joint, child in self._children.items():
-            place = self.model.getJointId(joint)
-            centre = self.data.oMi[place].rotation @ self.model.inertias[place].lever
-            moving = pin.getVelocity(self.model, self.data, place, pin.LOCAL_WORLD_ALIGNED)
-            there = moving.linear + np.cross(moving.angular, centre)
-            found[child] = (-moving.angular[1], there[0], there[2])
-        return found
+        motion = self.tree.motion(q, v, np.zeros_like(v))
+        rates = zip(self.tree.links, motion.spin, motion.com_rate, strict=True)
+        return {link.name: (spin, rate.real, rate.imag) for link, spin, rate in rates}
 
     def places(self, q: Array) -> dict[str, tuple[float, float, float]]:
         """By link: where its joint stands (x, z) [m], and its rotation counter-clockwise [rad]."""
@@ -220,6 +170,10 @@ class Judge:
         """Row that picks one coordinate."""
         return np.eye(len(self.names))[column]
 
+    def free(self, q: Array) -> Array:
+        """Directions that the closures leave."""
+        return null_space(self.tree.closure_jacobian(q)) if self.tree.closures else np.eye(len(q))
+
     # Momentum and forces in the directions that the closures leave.
 
     def impulses(self, event: Event) -> tuple[dict[str, float], float]:
@@ -235,20 +189,18 @@ class Judge:
         ]  # fmt: skip
         pushes = [self.stops[name].sense * self.unit(self.stops[name].column) for name in struck]
         shafts = [self.unit(column) for column in self.drives.values()]
-        free = null_space(self.closures(q)) if len(self.closures(q)) else np.eye(len(q))
-        jump = free.T @ self.mass(q) @ (after - before)
+        free = self.free(q)
+        jump = free.T @ self.tree.mass_matrix(q) @ (after - before)
         found = np.linalg.lstsq(free.T @ np.array([*pushes, *shafts]).T, jump, rcond=None)[0]
         work = float(found[len(struck) :] @ [0.5 * (before + after) @ row for row in shafts])
         lost = self.kinetic(q, before) - self.kinetic(q, after) + work
         return dict(zip(struck, found.tolist(), strict=False)), lost
 
     def forces(self, t: float, closed: frozenset[str], *, left: bool) -> dict[str, float]:
-        """Force at the contact of each stop and of each drive, from rnea in the free directions."""
+        """Force at the contact of each stop and of each drive, in the free directions."""
         q, v, a = self.state(t, left=left)
-        wanted = pin.rnea(self.model, self.data, self.full(q), self._to(v), self._to(a))[self._v]
-        wanted = wanted - self.springs(q)
-        G = self.closures(q)
-        free = null_space(G) if len(G) else np.eye(len(q))
+        wanted = self.tree.inverse_dynamics(q, v, a) - self.springs(q)
+        free = self.free(q)
         held = sorted(closed)
         rows = [self.stops[name].sense * self.unit(self.stops[name].column) for name in held]
         rows += [self.unit(column) for column in self.drives.values()]

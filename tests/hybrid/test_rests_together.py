@@ -9,13 +9,12 @@ import pytest
 from mpmath import mp, mpf
 from small_machines import SLED, link, machine, slide, turn
 
-from nipper_pin import Case, Event, EventKind, Mechanism, Outcome, Solution, Window, load, simulate
-from nipper_pin.dynamics import Impact, ShaftMotion, System
+from nipper_pin import Case, Event, EventKind, Mechanism, Outcome, Solution, Window, simulate
+from nipper_pin.dynamics import Impact
 from nipper_pin.dynamics.parts import parts as parts_of
-from nipper_pin.hybrid import State, initial_state
+from nipper_pin.hybrid import State
 from nipper_pin.hybrid.contact.active_set import Closed
 from nipper_pin.hybrid.run.phase_manager import EventLog
-from nipper_pin.mechanism import changed
 
 GRAVITY = 9.81
 
@@ -199,25 +198,6 @@ def test_each_ball_does_what_it_does_alone(items: list[Ball]) -> None:
             assert one.rebound_amplitude == pytest.approx(other.rebound_amplitude, rel=1e-9)
 
 
-def test_the_state_of_a_rest_is_that_of_the_balls_that_go_on() -> None:
-    """At the rest of one ball, whose time lies beyond its last bounce, the other is on its way."""
-    items = [(0.5, 0.05), (0.9, 0.2)]
-    solution = fallen(items)
-    event = rests(solution)["floor0"]
-    motion = solution.motion_at(event)
-    assert motion.q[0, 0] == pytest.approx(-items[0][1], abs=1e-15)
-    with mp.workdps(40):
-        # Fall and rebounds of the second ball until then.
-        fall = mp.sqrt(2 * mpf(items[1][1]) / mpf(GRAVITY))
-        rate, start = mpf(GRAVITY) * fall * mpf(items[1][0]), fall
-        while start + 2 * rate / mpf(GRAVITY) < event.t:
-            start += 2 * rate / mpf(GRAVITY)
-            rate *= mpf(items[1][0])
-        flown = mpf(event.t) - start
-        height = float(rate * flown - mpf(GRAVITY) * flown**2 / 2)
-    assert motion.q[0, 1] + items[1][1] == pytest.approx(height, abs=1e-12)
-
-
 @pytest.mark.sampled(8)
 @pytest.mark.parametrize("e_N", [0.98, 0.985, 0.99, 0.995, 0.998])
 @pytest.mark.parametrize("height", [0.003, 0.2, 1.0])
@@ -373,36 +353,6 @@ def test_balls_above_one_another_rest(items: list[Ball], raised: bool, law: str)
     forces = solution.trajectory.reactions(np.array([0.99 * solution.shaft.period]))
     for i in range(len(items)):
         assert forces.stops[f"stop{i}"][0] == pytest.approx(GRAVITY * sum(masses[i:]), rel=1e-12)
-
-
-def _assembled(
-    mechanism: Mechanism, closed: frozenset[str], angle: float
-) -> tuple[np.ndarray, ...]:
-    """Positions and rates with these stops closed, assembled anew along the drives."""
-    phase = mechanism.phase_of(closed)
-    assert phase is not None
-    there = changed(mechanism, {"initial_phase": phase.number})
-    shaft = ShaftMotion(there, 450.0 * np.pi / 30.0, angle)
-    state = initial_state(System(there, shaft), 0.0)
-    return state.q, state.v
-
-
-@pytest.mark.parametrize("window", ["transition", "cycle"])
-def test_it_is_that_of_the_links_at_its_time(window: str) -> None:
-    """Held drives and closed stops determine every link at a rest, without what came before."""
-    mechanism = load("e62")
-    solution = simulate(mechanism, Case(speed_rpm=450.0, window=window))
-    rest = next(item for item in solution.events if item.kind is EventKind.REST)
-    assert rest.closed_after == frozenset({"jaw"})
-    motion = solution.motion_at(rest)
-    expected = _assembled(mechanism, rest.closed_after, float(solution.shaft.angle(rest.t)))
-    assert motion.t[0] == rest.t
-    np.testing.assert_allclose(motion.q[0], expected[0], rtol=0.0, atol=2e-13)
-    np.testing.assert_allclose(motion.v[0], expected[1], rtol=0.0, atol=1e-10)
-    jaw = mechanism.stop("jaw").index
-    assert motion.q[0, jaw] == motion.v[0, jaw] == 0.0
-    # The fields of the event are those of the collision before it.
-    assert np.abs(rest.q - expected[0]).max() > 1e-6
 
 
 def test_a_free_coordinate_goes_on_to_the_time_of_rest() -> None:

@@ -55,31 +55,6 @@ def test_balance_closes(run: nip.Solution) -> None:
     assert changed.relative > 1e-8
 
 
-@pytest.mark.slow
-def test_drive_work_is_the_integral_of_torque_times_rate(run: nip.Solution) -> None:
-    """The trapezoidal rule on dense reactions gives the drives' work, segment by segment.
-
-    With 400 steps on a segment the rule is wrong by (length)^2 / (12 * 400^2) of the second
-    derivative of the power, some 1e-5 of the work on a smooth stretch; 1e-3 is asked for.
-    """
-    work = largest = 0.0
-    for segment in run.segments:
-        times = np.linspace(segment.t_start, segment.t_end, 401)
-        inner = times[1:-1]
-        if not (np.diff(times) > 0.0).all():
-            continue
-        reactions = run.trajectory.reactions(inner)
-        motion = run.trajectory.evaluate(inner)
-        power = np.zeros(len(inner))
-        for drive in run.mechanism.drives:
-            power += reactions.drives[drive.name] * motion.v[:, drive.index]
-        # The two end steps take the inner value next to them.
-        part = float(np.trapezoid(power, inner)) + (power[0] + power[-1]) * (times[1] - times[0])
-        work += part
-        largest += abs(part)
-    assert work == pytest.approx(run.energy.drive_work, abs=1e-3 * largest)
-
-
 def test_a_whole_turn_takes_no_gravity_work_and_stores_nothing() -> None:
     """After one turn with held drives the machine is where it was: only losses remain.
 

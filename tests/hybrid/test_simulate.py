@@ -48,9 +48,15 @@ def test_a_transition_is_continued_as_a_whole_turn_goes_on(e62: nip.Mechanism) -
     assert further.events == run.events
     assert further.segments[-1].t_end == pytest.approx(opening.t - touch, rel=1e-9)
     t = np.linspace(run.events[-1].t, further.segments[-1].t_end, 7)[:-1]
-    found, wanted = further.trajectory.evaluate(t), turn.trajectory.evaluate(touch + t)
-    np.testing.assert_allclose(found.q, wanted.q, rtol=0.0, atol=1e-10)
-    np.testing.assert_allclose(found.v, wanted.v, rtol=0.0, atol=1e-10 * np.abs(wanted.v).max())
+    # At the rest itself, whose fields are those of the collision before it, too.
+    assert np.abs(run.events[-1].q - turn.trajectory.evaluate(touch + t[0]).q).max() > 1e-6
+    for motion, times in (
+        (further.trajectory.evaluate(t), t), (run.motion_at(run.events[-1]), t[:1]),
+    ):  # fmt: skip
+        wanted = turn.trajectory.evaluate(touch + times)
+        most = float(np.abs(wanted.v).max())
+        np.testing.assert_allclose(motion.q, wanted.q, rtol=0.0, atol=1e-10)
+        np.testing.assert_allclose(motion.v, wanted.v, rtol=0.0, atol=1e-10 * most)
 
 
 def test_threshold_and_limit_agree_up_to_the_threshold(e62: nip.Mechanism) -> None:

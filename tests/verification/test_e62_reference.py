@@ -224,20 +224,6 @@ def test_the_steeve_leaves_its_stop_above_the_critical_speed(offset: float, leav
     assert any(event.kind is EventKind.RELEASE for event in events) is leaves
 
 
-def test_six_numbers_of_two_other_solutions() -> None:
-    """The first two rebounds at 650 r/min, as two more independent solutions printed them.
-
-    Printed with 12 to 13 digits, hence 1e-9. (The first amplitude is off by 1.7e-12 in print.)
-    """
-    first, second = solved(Window.TRANSITION, "650").collisions[:2]
-    assert first.approach_rate == pytest.approx(-16.8260536165104, rel=1e-9)
-    assert first.rebound_amplitude == pytest.approx(5.25680465594e-3, rel=1e-9)
-    assert first.rebound_time == pytest.approx(5.42797116938e-3, rel=1e-9)
-    assert second.approach_rate == pytest.approx(-4.26168844861, rel=1e-9)
-    assert second.rebound_amplitude == pytest.approx(1.971621583362e-4, rel=1e-9)
-    assert second.rebound_time == pytest.approx(9.17963172588e-4, rel=1e-9)
-
-
 @pytest.mark.parametrize("name", DOCUMENTS[Window.CYCLE]["cases"])
 def test_closing_and_opening_indices(name: str) -> None:
     """The jaw closes at index 34 +- 0.3 and opens between 7 and 9.5, as its class does."""

@@ -208,58 +208,6 @@ def test_vertical_swings_of_the_elastic_pendulum() -> None:
     assert np.abs(z - 0.05 * (1.0 - np.cos(w * t))).max() <= 1e-10 * 0.05
 
 
-def test_forces_are_the_gradient_of_the_energy(pendulum: Mechanism) -> None:
-    """Central differences of the energy at random configurations, to 1e-8 of the largest force.
-
-    With steps of 1e-5 rad they are wrong by 1e-10 (third derivatives of some 1e2 N m) and by the
-    round-off of some joules, 1e-10 too. Energy and force are separate formulas; nothing here knows
-    a Jacobian.
-    """
-    system = System(pendulum, ShaftMotion(pendulum, 1.0, 0.0))
-    rng = np.random.default_rng(3)
-    q = rng.uniform(-1.5, 1.5, (40, 3))
-    forces = system.applied_forces(q, np.zeros_like(q))
-    step = 1e-5
-    for column in range(3):
-        moved_by = np.zeros(3)
-        moved_by[column] = step
-        slope = system.spring_energy(q + moved_by) - system.spring_energy(q - moved_by)
-        slope /= 2.0 * step
-        assert np.abs(forces[:, column] + slope).max() <= 1e-8 * np.abs(forces).max()
-    assert (
-        np.abs(forces).max(axis=0)[[j.index for j in pendulum.joints if j.name != "clock"]].min()
-        > 1.0
-    )
-
-
-def test_dampers_dissipate_what_their_forces_take(pendulum: Mechanism) -> None:
-    """Power -v' tau of the part of the forces that goes with the rates, and it is never negative.
-
-    The rate of each line by differences of its length, 1e-5 rad apart, gives the power a second
-    time, to 1e-8.
-    """
-    system = System(pendulum, ShaftMotion(pendulum, 1.0, 0.0))
-    rng = np.random.default_rng(4)
-    q, v = rng.uniform(-1.5, 1.5, (40, 3)), rng.uniform(-5.0, 5.0, (40, 3))
-    power = system.dissipation(q, v)
-    taken = -np.einsum(
-        "ij,ij->i", system.applied_forces(q, v) - system.applied_forces(q, 0.0 * v), v
-    )
-    np.testing.assert_allclose(power, taken, rtol=1e-11)
-    assert power.min() > 0.0
-    assert power.mean() > 1.0
-    step = 1e-6
-    lengths = []
-    for sign in (1.0, -1.0):
-        places, _ = system.body.points(q + sign * step * v)
-        lengths.append(np.linalg.norm(places[:, :, 1] - places[:, :, 0], axis=2))
-    rates = (lengths[0] - lengths[1]) / (2.0 * step)
-    lower = next(joint.index for joint in pendulum.joints if joint.name == "lower")
-    dampings = np.array([strut.damping for strut in pendulum.struts])
-    again = rates**2 @ dampings + 0.2 * v[:, lower] ** 2
-    np.testing.assert_allclose(power, again, rtol=1e-7)
-
-
 def test_energy_of_everything_together(pendulum: Mechanism) -> None:
     """Two seconds of a double pendulum with all kinds at once: the balance closes to 1e-10.
 
@@ -272,53 +220,17 @@ def test_energy_of_everything_together(pendulum: Mechanism) -> None:
     assert abs(energy.residual) <= 1e-10 * exchanged
 
 
-def test_reactions_with_forces_past_the_joints(pendulum: Mechanism) -> None:
-    """Newton and Euler for the lower link, with the pulls of its two lines from their lengths.
-
-    Accelerations by differences of the dense velocities; h = 1e-5 s leaves 1e-8. Neither the
-    Jacobians of the points nor the outer forces of the recursion are used.
-    """
+def test_hinges_bear_no_moment_but_that_of_their_own_elements(pendulum: Mechanism) -> None:
+    """Forces between points pass the joints by: both springs and the damper are what is left."""
     solution = sprung.swing(pendulum, 0.5)
-    h, t = 1e-5, 0.31
-    times = t + h * np.array([-1.0, 0.0, 1.0])
-    motion = solution.trajectory.evaluate(times)
-    body = solution.system.body
-    states = [body.link_velocities(q, v) for q, v in zip(motion.q, motion.v, strict=True)]
-    link = pendulum.links.index("link_lower")
-    spin = (states[2][0][link] - states[0][0][link]) / (2.0 * h)
-    thrust = (states[2][1][link] - states[0][1][link]) / (2.0 * h)
-    q, v = motion.q[1], motion.v[1]
-    placement = body.placements(q)[link]
-    centre, hinge, tip = (
-        (placement.rotation @ np.array([x, 0.0, z]) + placement.translation)[[0, 2]]
-        for x, z in ((0.1, -0.05), (0.0, 0.0), (0.25, -0.07))
-    )
-    ahead, behind = (body.points((q + sign * h * v)[None])[0][0] for sign in (1.0, -1.0))
-    now = body.points(q[None])[0][0]
-    force = np.array([0.0, -sprung.MASS * GRAVITY])
-    pulls = np.zeros(2)
-    for number, strut in enumerate(pendulum.struts):
-        if strut.frame_b != "tip":
-            continue
-        line = now[number, 1] - now[number, 0]
-        length = np.linalg.norm(line)
-        rate = (np.linalg.norm(np.diff(ahead[number], axis=0))
-                - np.linalg.norm(np.diff(behind[number], axis=0))) / (2.0 * h)  # fmt: skip
-        tension = strut.stiffness * (length - strut.free_length) + strut.damping * rate
-        pulls -= tension * line / length
-    reactions = solution.trajectory.reactions(t)
-    joint = reactions.joints["lower"][0]
-    np.testing.assert_allclose(
-        joint[:2], sprung.MASS * thrust - force - pulls, atol=1e-6 * np.abs(joint).max()
-    )
-
-    def moment(at: np.ndarray, push: np.ndarray) -> float:
-        """Counter-clockwise about the hinge."""
-        x, z = at - hinge
-        return float(x * push[1] - z * push[0])
-
-    about = (
-        sprung.INERTIA * spin + moment(centre, sprung.MASS * thrust - force) - moment(tip, pulls)
-    )
-    assert joint[2] == pytest.approx(about, abs=1e-6 * np.abs(joint).max())
-    assert np.hypot(*pulls) > 1.0
+    t = np.array([0.1, 0.31, 0.44])
+    joints = solution.trajectory.reactions(t).joints
+    (turn, _), (lower, rate) = (sprung.moved(solution, t, joint) for joint in ("turn", "lower"))
+    table = pendulum.tabulated_springs[0].characteristic
+    expected = {
+        "turn": 3.0 * (math.radians(20.0) + turn),
+        "lower": table.forces(lower) + 0.2 * rate,
+    }
+    for joint, moment in expected.items():
+        np.testing.assert_allclose(joints[joint][:, 2], -moment, rtol=0.0, atol=1e-10)
+        assert np.abs(joints[joint][:, :2]).min() > 1.0
