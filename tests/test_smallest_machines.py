@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 from small_machines import hinge, link, slide, sources
 from snapshots import Words
+from waiting import notes
 
 from nipper_pin.cli import main
 from nipper_pin.mechanism.files import toml
@@ -108,11 +109,12 @@ def test_every_command(
     for machine in MACHINES:
         line = COMMANDS[command].format(m=models / machine).split()
         status, told = main(line), capsys.readouterr()
-        said = told.err.removeprefix("nipper-pin: ").replace(str(models), "MODELS") or "runs\n"
+        err = notes(told.err)
+        said = err.removeprefix("nipper-pin: ").replace(str(models), "MODELS") or "runs\n"
         text += f"{machine}: {said}"
         files = [Path(word) for word in line if word.endswith((".json", ".svg", ".html", ".gif"))]
         if status:
-            assert (status, len(told.err.splitlines())) == (2, 1)
+            assert (status, len(err.splitlines())) == (2, 1)
             assert not any(here.iterdir())
             continue
         assert all(file.stat().st_size > 100 for file in files)
@@ -191,9 +193,10 @@ def test_every_study(
         )
         (here / "study.toml").write_text(filled, encoding="utf-8")
         status, told = main(command.split()), capsys.readouterr()
-        said = told.err.removeprefix("nipper-pin: ").replace(str(models), "MODELS") or "runs\n"
+        err = notes(told.err)
+        said = err.removeprefix("nipper-pin: ").replace(str(models), "MODELS") or "runs\n"
         text += f"{machine}: {said}"
-        assert (len(told.err.splitlines()), status in (1, 2)) in {(0, False), (1, True)}
+        assert (len(err.splitlines()), status in (1, 2)) in {(0, False), (1, True)}
         if command == SWEEP_IT and not status:
             status, told = main(["plot", "swept"]), capsys.readouterr()
             assert (status, told.err) == (0, "")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import shlex
-import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -142,8 +141,8 @@ def _view(options: argparse.Namespace, solution: Solution) -> str:
 
 @contextmanager
 def _progress(case: Case) -> Iterator[Any]:
-    """Progress of many turns, on a terminal only."""
-    if case.window is not Window.CYCLE or case.cycles < 3 or not sys.stderr.isatty():
+    """Progress of many turns."""
+    if case.window is not Window.CYCLE or case.cycles < 3:
         yield None
         return
     from ..view.progress import progress

@@ -13,9 +13,6 @@ from pathlib import Path
 from ..errors import InputError, one_line
 from .arguments import check_outputs, refuse_beside, write_json
 
-# Time between two lines of progress where there is no terminal [s].
-_EVERY_S = 30.0
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Define the arguments of the command."""
@@ -137,9 +134,9 @@ def _bounds(text: str | None) -> tuple[int, int] | None:
 
 @contextmanager
 def _progress(folder: Path) -> Iterator[Callable[[int, int, int], None]]:
-    """Show a bar on a terminal or lines elsewhere; an interrupt reports the finished chunks."""
+    """Show progress; an interrupt reports the finished chunks."""
     stored = [0, 0]
-    with _bar() if sys.stderr.isatty() else _lines() as show:
+    with _rate() as show:
 
         def advance(done: int, found: int, total: int) -> None:
             stored[:] = done, total
@@ -156,28 +153,8 @@ def _progress(folder: Path) -> Iterator[Callable[[int, int, int], None]]:
 
 
 @contextmanager
-def _lines() -> Iterator[Callable[[int, int, int], None]]:
-    """Write progress, rate and remaining time to stderr every half minute."""
-    began = told = time.monotonic()
-
-    def show(done: int, found: int, total: int) -> None:
-        nonlocal told
-        now = time.monotonic()
-        if now - told < _EVERY_S:
-            return
-        told = now
-        rate = (done - found) / (now - began)
-        left = f", {rate:,.3g}/s, about {(total - done) / rate:,.0f} s left" if rate > 0.0 else ""
-        sys.stderr.write(f"nipper-pin: {done:,} of {total:,} scenarios after "
-                         f"{now - began:,.0f} s{left}\n")  # fmt: skip
-        sys.stderr.flush()
-
-    yield show
-
-
-@contextmanager
-def _bar() -> Iterator[Callable[[int, int, int], None]]:
-    """Advance the bar, with the rate of the scenarios that were not there before."""
+def _rate() -> Iterator[Callable[[int, int, int], None]]:
+    """Progress, with the rate of the scenarios that were not there before."""
     from ..view.progress import progress
 
     began = time.monotonic()

@@ -1,11 +1,16 @@
-"""Progress on a terminal: what is done, of how many, the time gone, and the time left if known."""
+"""Progress: what is done, of how many, the time gone, and the time left if known."""
 
 from __future__ import annotations
 
 import sys
+import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Protocol
+
+# Where there is no terminal: time until the first line, and between two later ones [s].
+_FIRST_S, _EVERY_S = 1.0, 30.0
 
 
 class Tell(Protocol):
@@ -23,13 +28,20 @@ class Tell(Protocol):
 
 @contextmanager
 def progress(what: str, total: int | None = None, *, alike: bool = True) -> Iterator[Tell]:
-    """Show a line of progress where stderr is a terminal, and nothing elsewhere.
+    """Show a line of progress where stderr is a terminal, and lines of text now and then elsewhere.
 
     Args:
         what: What the parts are.
         total: All parts, as far as known at the start.
         alike: Whether all parts take about the same time: only then is the time left told.
     """
+    shown = _bar if sys.stderr.isatty() else _lines
+    with shown(what, total, alike) as tell:
+        yield tell
+
+
+@contextmanager
+def _bar(what: str, total: int | None, alike: bool) -> Iterator[Tell]:
     from rich.progress import (
         BarColumn,
         Progress,
@@ -50,9 +62,7 @@ def progress(what: str, total: int | None = None, *, alike: bool = True) -> Iter
     ]
     if alike:
         columns += [TimeRemainingColumn(), TextColumn("left")]
-    # Nothing at all elsewhere, not even the cursor's movements.
-    quiet = not sys.stderr.isatty()
-    bar = Progress(*columns, console=Terminal(stderr=True), transient=True, disable=quiet)
+    bar = Progress(*columns, console=Terminal(stderr=True), transient=True)
     task = bar.add_task(what, total=total, count=_count(0, total))
 
     def tell(done: int, total: int | None, what: str | None = None) -> None:
@@ -60,6 +70,39 @@ def progress(what: str, total: int | None = None, *, alike: bool = True) -> Iter
 
     with bar:
         yield tell
+
+
+@contextmanager
+def _lines(parts: str, total: int | None, alike: bool) -> Iterator[Tell]:
+    """A line after a second, by then also if no part is done, and another every half minute."""
+    began = told = time.monotonic()
+    first: tuple[int, float] | None = None
+
+    def say(what: str, done: int, total: int | None) -> None:
+        seconds, left = time.monotonic() - began, ""
+        if alike and total is not None and first is not None and done > first[0]:
+            rest = (total - done) * (began + seconds - first[1]) / (done - first[0])
+            left = f", about {rest:,.0f} s left"
+        sys.stderr.write(
+            f"nipper-pin: {what}: {_count(done, total)} after {seconds:,.0f} s{left}\n"
+        )
+        sys.stderr.flush()
+
+    def tell(done: int, total: int | None, what: str | None = None) -> None:
+        nonlocal told, first
+        now = time.monotonic()
+        first = first or (done, now)
+        if now - told >= _EVERY_S:
+            told = now
+            say(what or parts, done, total)
+
+    early = threading.Timer(_FIRST_S, say, (parts, 0, total))
+    early.daemon = True
+    early.start()
+    try:
+        yield tell
+    finally:
+        early.cancel()
 
 
 def _count(done: int, total: int | None) -> str:

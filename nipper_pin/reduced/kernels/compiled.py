@@ -182,9 +182,9 @@ class _KeptCode(FunctionCache):  # type: ignore[misc]
         self._cache_file = _CheckedFiles(self._cache_path, self._impl.filename_base, _sources())
 
     def load_overload(self, sig: object, target_context: object) -> object:
-        """Machine code of a signature; None, which a terminal is told, if it is to be compiled."""
+        """Machine code of a signature; None, which is told, if it is to be compiled."""
         found = super().load_overload(sig, target_context)
-        if found is None and sys.stderr.isatty():
+        if found is None:
             _tell_that_it_takes_time()
         return found
 

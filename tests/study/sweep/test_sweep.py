@@ -29,12 +29,13 @@ from sweep_studies import (
 )
 
 from nipper_pin import Case, InputError, Mechanism, load, read_sweep, simulate, turn_table
-from nipper_pin.cli import main, sweep
+from nipper_pin.cli import main
 from nipper_pin.hybrid.result.turns import turn_names
 from nipper_pin.mechanism import from_sources, model_folder
 from nipper_pin.study.folders import alone_in
 from nipper_pin.study.sweep import Plan, run_sweep
 from nipper_pin.study.turns import TURNS_PAY_FROM
+from nipper_pin.view.progress import progress
 
 # --- results -------------------------------------------------------------------------------------
 
@@ -185,16 +186,17 @@ def test_jobs_of_an_array_begin_at_once(tmp_path: Path, capsys: pytest.CaptureFi
 def test_progress_without_a_terminal(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Lines on stderr whose numbers are those of the clock and of the chunks."""
+    """Lines on stderr whose numbers are those of the clock and of the parts."""
     seconds = iter(range(0, 1000, 20))
     monkeypatch.setattr(time, "monotonic", lambda: float(next(seconds)))
-    with sweep._lines() as show:
+    with progress("scenarios") as tell:
         for done in (100, 200, 300, 400):
-            show(done, 100, 500)
+            tell(done, 500)
     assert capsys.readouterr().err.splitlines() == [
-        # At 40 s and 80 s, with 30 s between two lines: (200 - 100) / 40 s; 300 / 80 s.
-        "nipper-pin: 200 of 500 scenarios after 40 s, 2.5/s, about 120 s left",
-        "nipper-pin: 400 of 500 scenarios after 80 s, 3.75/s, about 27 s left",
+        # With 30 s between two lines, by the rate since 100 were done at 20 s.
+        "nipper-pin: scenarios: 200 of 500 after 60 s, about 120 s left",
+        "nipper-pin: scenarios: 300 of 500 after 100 s, about 80 s left",
+        "nipper-pin: scenarios: 400 of 500 after 140 s, about 40 s left",
     ]
 
 
