@@ -214,12 +214,25 @@ def test_elements_changed_lost_doubled_and_moved(
         (("events", 0, "number"), [[1, 2], [3]]), (("segments", 0, "t_end"), {}),
         (("shaft", "start_angle_rad"), {}), (("shaft", "speed_rad_s"), ""),
         (("case", "speed_rpm"), 10**400), (("case", "cycles"), True),
+        *((path, GONE) for path in (
+            ("events",), ("format",), ("events", -1), ("case", "cycles"),
+            ("segments", 0, "panels", 0, -1), ("segments", 0, "panels", 0, 2, -1),
+        )),
+        (("outcome",), "GOOD"), (("events", 0, "kind"), "bang"), (("case", "speed_rpm"), -1.0),
+        (("case", "colour"), "red"), (("mechanism", "urdf"), "<robot/>"),
+        (("mechanism", "urdf"), "no xml"), (("segments",), None), (("segments", 0, "source"), 1),
+        (("mechanism", "description", "stops", "jaw", "restitution"), -1),
+        (("events", 0, "source"), 2), (("events", 0, "closed_after"), ["nowhere"]),
+        (("events", 0, "P_g"), [0.0]), (("case", "resolution", "integrator"), "radau"),
     ],
 )  # fmt: skip
-def test_wrong_types_are_refused_when_they_are_read(
+def test_wrong_values_are_refused_when_they_are_read(
     run: tuple[Any, dict[str, np.ndarray]], tmp_path: Path, path: Path_, value: object
 ) -> None:
-    """Such runs were read, and failed with a traceback when asked."""
+    """Missing keys, unknown names, impossible values.
+
+    Runs with wrong types were read, and failed with a traceback when asked.
+    """
     file = tmp_path / "wrong.npz"
     file.write_bytes(packed(changed(run[0], path, value), run[1]))
     with pytest.raises(InputError):

@@ -205,41 +205,6 @@ def test_every_bit_of_the_begin_of_an_array(stored: Path) -> None:
     assert not wrong
 
 
-@pytest.mark.parametrize(
-    "change",
-    [
-        lambda document: document.pop("events"),
-        lambda document: document.pop("format"),
-        lambda document: document.update(outcome="GOOD"),
-        lambda document: document["events"].pop(),
-        lambda document: document["events"][0].update(kind="bang"),
-        lambda document: document["case"].update(speed_rpm=-1.0),
-        lambda document: document["case"].update(colour="red"),
-        lambda document: document["mechanism"].update(urdf="<robot/>"),
-        lambda document: document["mechanism"].update(urdf="no xml"),
-        lambda document: document["mechanism"]["description"]["stops"]["jaw"].update(
-            restitution=-1
-        ),
-        lambda document: document["segments"][0]["panels"][0].pop(),
-        lambda document: document.update(segments=None),
-        lambda document: document["segments"][0].update(source=1),
-        lambda document: document["events"][0].update(source=2),
-        lambda document: document["events"][0].update(closed_after=["nowhere"]),
-        lambda document: document["events"][0]["P_g"].append(0.0),
-        lambda document: document["segments"][0]["panels"][0][2].pop(),
-        lambda document: document["case"].pop("cycles"),
-        lambda document: document["case"]["resolution"].update(integrator="radau"),
-    ],
-)
-def test_an_edited_file_is_an_input_error(
-    stored: Path, change: Callable[[Document], object]
-) -> None:
-    """Missing keys, unknown names and impossible values."""
-    _edit(stored, change)
-    with pytest.raises(nip.InputError):
-        nip.load_solution(stored)
-
-
 @pytest.mark.parametrize("name", ["panel0", "events"])
 def test_an_array_of_other_numbers_is_an_input_error(stored: Path, name: str) -> None:
     """NaN, numbers whose squares overflow, other shapes, and other kinds of numbers."""

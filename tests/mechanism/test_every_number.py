@@ -11,7 +11,6 @@ from xml.etree import ElementTree
 
 import msgspec
 import numpy as np
-import pinocchio as pin
 import pytest
 
 from nipper_pin import (
@@ -30,9 +29,8 @@ from nipper_pin.mechanism.drives import Table
 from nipper_pin.mechanism.edit import apply_overrides, number_at, read_dimension, read_layout
 from nipper_pin.mechanism.edit.overrides import by_path, with_tables
 from nipper_pin.mechanism.edit.toml_paths import number_from, replace_value
-from nipper_pin.mechanism.files import parse_xml, rotation_from_rpy
+from nipper_pin.mechanism.files import parse_xml
 from nipper_pin.mechanism.files.describe import describe
-from nipper_pin.mechanism.files.urdf_values import placed
 from nipper_pin.written_units import unit_of_key
 from tests.refusals.bases import model, right
 
@@ -430,14 +428,3 @@ def test_shortcuts_and_paths_name_a_number_once() -> None:
     assert "k = 3 gives the same one" in caught.value.evidence["allowed"]
     with pytest.raises(UnknownNameError, match="'q'; known: gravity_m_s2, k, links, points"):
         by_path({"q": 3}, data, "f")
-
-
-def test_rotations() -> None:
-    """Any three angles by Pinocchio, as a matrix and as a placement."""
-    for angles in np.random.default_rng(5).uniform(-3.0, 3.0, (20, 3)):
-        np.testing.assert_allclose(
-            rotation_from_rpy(angles), pin.rpy.rpyToMatrix(*angles), rtol=0.0, atol=1e-14
-        )
-        np.testing.assert_allclose(
-            placed(np.ones(3), angles).rotation, pin.rpy.rpyToMatrix(*angles), rtol=0.0, atol=1e-14
-        )

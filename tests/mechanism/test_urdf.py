@@ -17,9 +17,8 @@ from nipper_pin.mechanism import (
     changed,
     collision_model,
     find_model,
-    joint_placements,
 )
-from nipper_pin.mechanism.build.touch_checks import closure_jacobian, dependent_rows
+from nipper_pin.mechanism.build.touch_checks import dependent_rows
 from nipper_pin.mechanism.files import parse_xml, urdf_parts
 from nipper_pin.mechanism.files.urdf import check_urdf
 from tests.refusals.bases import model
@@ -192,34 +191,6 @@ def test_it_adds_to_the_dampers_of_the_file_and_has_a_path() -> None:
     assert sorted(item.damping for item in other.dampers) == [0.5, 0.9]
     parts = [link("ram"), with_dynamics(slide("ram", "frame", "ram"), 'damping="3.0"')]
     assert [item.damping for item in machine(parts, 1).dampers] == [3.0]
-
-
-def test_jacobian_of_the_closures_agrees_with_differences(tmp_path: Path) -> None:
-    """Gaps at any configuration by Pinocchio's own kinematics."""
-    mechanism = load()
-    model, data = mechanism.model, mechanism.model.createData()
-
-    def gaps_at(q: np.ndarray) -> np.ndarray:
-        pin.framesForwardKinematics(model, data, q)
-        place = {item.name: data.oMf[number].translation[[0, 2]].copy()
-                 for number, item in enumerate(model.frames)}  # fmt: skip
-        return np.concatenate(
-            [place[item.frame_b] - place[item.frame_a] for item in mechanism.closures]
-        )
-
-    urdf = check_urdf(parse_xml(mechanism.urdf, "urdf"), "urdf", tmp_path)
-    jacobian = closure_jacobian(
-        mechanism.closures,
-        mechanism.joints,
-        urdf,
-        mechanism.model,
-        joint_placements(mechanism.model),
-    )
-    step = 1e-5
-    for column in range(7):
-        shift = step * np.eye(7)[column]
-        difference = (gaps_at(shift) - gaps_at(-shift)) / (2.0 * step)
-        np.testing.assert_allclose(jacobian[:, column], difference, rtol=0.0, atol=1e-9)
 
 
 def test_dependent_rows() -> None:

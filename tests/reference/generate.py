@@ -1,4 +1,4 @@
-"""Write the reference data of the planar nipper: ``e62_transition.json`` and ``e62_cycle.json``.
+"""Write the reference of the planar nipper: ``e62_transition``, ``_cycle`` and ``_flights.json``.
 
 Run from anywhere: ``python tests/reference/generate.py``. Every case is solved twice, with two
 working precisions, two Taylor orders (hence other step sizes) and two ends of the bounce series;
@@ -23,6 +23,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 from events import JAW, STEEVE, Phase, Settings, Trace, cycle, glued_stop_force, transition
 from planar import PARAMETERS, Machine
+from taylor import horner, safe_step, slope
 
 COARSE = (40, Settings(order=38, tolerance="1e-32", shortest="1e-19"))
 FINE = (60, Settings(order=58, tolerance="1e-50", shortest="1e-22"))
@@ -32,6 +33,9 @@ DIGITS = 25
 COMPARED_DIGITS = 38
 RECORDED = 12
 """Collisions written of each bounce series."""
+
+FLIGHTS, POINTS = 5, 33
+"""Flights of the jaw that are written densely, and places of each."""
 
 NEGLIGIBLE = 1e-24
 """A multiplier at its own zero and the gap of a closed stop are written as zero below this."""
@@ -138,6 +142,39 @@ def transition_case(machine: Machine, settings: Settings) -> dict[str, Any]:
         "energy_lost_total_J": text(sum(c.energy_lost for c in trace.collisions)),
         "collisions": collisions(machine, trace),
     }
+
+
+def fractions() -> list[Any]:
+    """Places within a flight: Chebyshev points of the second kind on [0, 1]."""
+    return [(1 - mpmath.cospi(mpmath.mpf(k) / (POINTS - 1))) / 2 for k in range(POINTS)]
+
+
+def first_flights(machine: Machine, settings: Settings) -> dict[str, Any]:
+    """Gaps and rates of the jaw at the fractions of its first flights, as plain data.
+
+    A comparison at equal fractions is not disturbed by shifted event times.
+    """
+    ctx, rows = machine.ctx, []
+    tolerance = ctx.mpf(settings.tolerance)
+    for hit in transition(machine, settings).collisions[:FLIGHTS]:
+        length, th, rate, done = hit.rebound_time, ctx.zero, hit.separation_rate, ctx.zero
+        places, gaps, rates = [length * sigma for sigma in fractions()], [th], [rate]
+        while len(gaps) < POINTS:
+            angle = machine.psi_touch - machine.speed * (hit.time + done)
+            c = machine.flight(machine.frame(angle), th, rate).th.upto(settings.order)
+            step = min(safe_step(c, tolerance, ctx), length - done)
+            last = done + step >= length
+            while len(gaps) < POINTS and (places[len(gaps)] <= done + step or last):
+                tau = places[len(gaps)] - done
+                gaps.append(horner(c, tau))
+                rates.append(horner(slope(c), tau))
+            th, rate, done = horner(c, step), horner(slope(c), step), done + step
+        # The last point is a collision: its gap is zero, what is left is round-off.
+        gaps[-1] = ctx.zero
+        row: dict[str, Any] = {"stop": JAW, "start_s": text(hit.time), "duration_s": text(length)}
+        row |= {"gap_rad": [text(x) for x in gaps], "rate_rad_s": [text(x) for x in rates]}
+        rows.append(row)
+    return {"flights": rows}
 
 
 def samples(machine: Machine, phase: Phase) -> list[dict[str, Any]]:
@@ -318,7 +355,7 @@ def run(
 
 
 def main() -> None:
-    """Solve everything and write the two files."""
+    """Solve everything and write the files."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, default=Path(__file__).resolve().parent)
     out = parser.parse_args().out
@@ -339,6 +376,16 @@ def main() -> None:
     data["speed_where_stop_force_reaches_zero_rpm"] = shorten(text(fine))
     data["speed_where_stop_force_reaches_zero_error"] = mpmath.nstr(error, 2)
     (out / "e62_cycle.json").write_text(json.dumps(data, indent=1) + "\n")
+    flights, error = solve_twice(first_flights, {"speed_rpm": "650"})
+    data = {
+        "title": "E62 transition, dense motion of the first flights",
+        "generator": "tests/reference/generate.py",
+        "case": "650",
+        "certified_error": f"{error:.1e}",
+        "fractions": [shorten(text(x)) for x in fractions()],
+        **flights,
+    }
+    (out / "e62_flights.json").write_text(json.dumps(data, indent=1) + "\n")
     print(f"worst {max(worst_transition, worst_cycle):.1e}, {time.perf_counter() - start:.0f} s")
 
 

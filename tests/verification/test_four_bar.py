@@ -70,21 +70,6 @@ def test_rocker_follows_freudensteins_equation(turn: Solution) -> None:
     assert np.abs(forces.a[:, place] / speed**2 - second).max() <= TOLERANCE
 
 
-def test_closed_derivatives_are_derivatives() -> None:
-    """The closed rates are derivatives of the closed angle (so the comparison is with the truth).
-
-    Central differences with d = 1e-3, extrapolated: O(d^4) of harmonics of order one, 1e-11.
-    """
-    f, d = np.linspace(0.0, 2.0 * np.pi, 50), 1e-3
-
-    def slope(k: float, order: int) -> np.ndarray:
-        return (rocker(f + k * d)[order] - rocker(f - k * d)[order]) / (2.0 * k * d)
-
-    for order in (0, 1):
-        extrapolated = (4.0 * slope(0.5, order) - slope(1.0, order)) / 3.0
-        assert np.abs(extrapolated - rocker(f)[order + 1]).max() <= 1e-11
-
-
 def test_crank_torque_does_the_work_of_the_turn(turn: Solution) -> None:
     """Over a whole turn at constant speed the crank's torque does no work.
 
