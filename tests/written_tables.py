@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,8 @@ from numpy.polynomial import chebyshev
 
 from nipper_pin.arrays import FloatArray
 from nipper_pin.reduced.kernels import layout, turn_charts
-from nipper_pin.reduced.kernels.layout import Case, Charts, Turn, Work
+from nipper_pin.reduced.kernels.layout import Case, Charts, Work
+from nipper_pin.reduced.tables.arrival import Arrival
 
 # Places of functions in x'' = F0 w^2 + F1 w x' + F2 x'^2 + Fg g + k (F4 p + F5).
 BY_SPEED, BY_BOTH, BY_RATE, WEIGHT, UNIT, MOVED = range(6)
@@ -51,6 +53,7 @@ def tables_of(
     stops[:2] = 0
     charts = Charts(
         equation=equation[None],
+        along=along_of(equation, low, high)[None],
         gaps=np.concatenate([gaps, np.zeros((2 * len(gaps), *equation.shape[1:]))])[None],
         inertia=inertia[None],
         bounds=np.zeros((1, layout.SIZES, functions)),
@@ -61,6 +64,39 @@ def tables_of(
         lever=np.full(1 + len(gaps), lever),
     )
     return with_bounds(charts, **bounds)
+
+
+def along_of(equation: FloatArray, low: float, high: float) -> FloatArray:
+    """The same functions along x = 0, shape (functions, cells, Nu)."""
+    place = -(low + high) / (high - low)
+    return np.asarray(equation @ chebyshev.chebvander([place], equation.shape[3] - 1)[0])
+
+
+def joined(first: Charts, second: Charts) -> Charts:
+    """Two charts of one shape that follow one another; the second begins where the first ends."""
+    numbers = np.concatenate([first.numbers, second.numbers])
+    numbers[1, layout.BEGIN] = numbers[0, layout.TRAVEL_MOST]
+    stops = np.array([[0, 1, 1], [1, 0, 0]])
+    both = zip(first, second, strict=True)
+    found = Charts(*(np.concatenate(pair) for pair in both))
+    return found._replace(numbers=numbers, stops=stops, lever=first.lever)
+
+
+def one_of(charts: Charts, place: int) -> Charts:
+    """One chart of a machine, without the cells that pad it."""
+    one = Charts(*(array[place : place + 1] for array in charts[:-1]), charts.lever)
+    travel, span = one.numbers[0, [layout.TRAVEL_MOST, layout.SPAN]]
+    cells = round(one.equation.shape[2] * travel / span)
+    equation, gaps = one.equation[:, :, :cells], one.gaps[:, :, :cells]
+    return one._replace(equation=equation, gaps=gaps)
+
+
+def lowered(arrival: Arrival) -> Arrival:
+    """The same with tables of the waiting stop that end just above it."""
+    assert arrival.charts is not None
+    numbers = arrival.charts.numbers.copy()
+    numbers[1, layout.HIGH] = 1e-6
+    return replace(arrival, charts=arrival.charts._replace(numbers=numbers))
 
 
 BOUNDS = {
@@ -151,10 +187,3 @@ def work_of(charts: Charts, one: Case, *, most: int = 8) -> Work:
         array.fill(np.nan)
     turn_charts.visit(charts, work, 0, one)
     return work
-
-
-def turn_of(**values: Any) -> Turn:
-    """The rest of a turn, of which all is known that is given."""
-    none = np.zeros((6, 1, 2))
-    written = Turn(0.0, 0.0, none, none, np.zeros(6), np.zeros((3, 2)), np.zeros(3))
-    return written._replace(**values)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..mechanism import Mechanism, Stop, rad_s_from_rpm
-from .kernels.layout import ARRIVE, ARRIVE_ERROR, HIGH, LOW, TRAVEL_MOST, Charts
+from .kernels.layout import ARRIVE, ARRIVE_ERROR, HIGH, LOW, OWN, TRAVEL_MOST, Charts
 from .tables.arrival import Arrival
 
 # Places of the functions of the equation of motion in a table; two for each spring follow:
@@ -64,8 +64,7 @@ class ReducedModel:
         touch_angle_rad: Cylinder angle psi at u = 0 [rad].
         sense: Sign of the rate of psi.
         charts: The functions, one chart. Its stop arrives at the touch in the initial phase.
-        lever: Rate of the normal gap by that of x [m/rad or 1].
-        restitution: e_N of the mechanism's file, used where a case gives none.
+        restitutions: e_N of all stops in the mechanism's file, shape (K,).
         stiffness: Spring rates likewise, shape (springs,) [N/m or N m/rad].
         preload: Deflections in the springs at zero likewise, shape (springs,) [m or rad].
         gravity_m_s2: Gravity likewise.
@@ -77,6 +76,8 @@ class ReducedModel:
         gap_max: Largest x [rad or m].
         approach_rate: dx/du just before the first collision, negative [1 or m/rad].
         approach_residual: Bound on its round-off.
+        lever: Rate of the normal gap by that of x [m/rad or 1].
+        restitution: e_N of the transition stop, used where a case gives none.
     """
 
     name: str
@@ -86,8 +87,7 @@ class ReducedModel:
     touch_angle_rad: float
     sense: int
     charts: Charts = field(repr=False, compare=False)
-    lever: float
-    restitution: float
+    restitutions: FloatArray = field(repr=False, compare=False)
     stiffness: FloatArray = field(repr=False, compare=False)
     preload: FloatArray = field(repr=False, compare=False)
     gravity_m_s2: float
@@ -100,11 +100,16 @@ class ReducedModel:
     gap_max: float = field(init=False)
     approach_rate: float = field(init=False)
     approach_residual: float = field(init=False)
+    lever: float = field(init=False)
+    restitution: float = field(init=False)
 
     def __post_init__(self) -> None:
         """Read what the chart tells of itself."""
         for name, place in _OF_CHART.items():
             object.__setattr__(self, name, float(self.charts.numbers[0, place]))
+        own = self.charts.stops[0, OWN]
+        object.__setattr__(self, "lever", float(self.charts.lever[own]))
+        object.__setattr__(self, "restitution", float(self.restitutions[own]))
 
     @property
     def equation(self) -> FloatArray:
@@ -135,8 +140,7 @@ def numbers_of(mechanism: Mechanism, stop: Stop, others: tuple[Stop, ...]) -> di
         "other_stops": tuple(item.name for item in others),
         "touch_angle_rad": mechanism.cylinder.angle_at_touch_rad,
         "sense": mechanism.cylinder.sense,
-        "lever": stop.lever,
-        "restitution": stop.restitution,
+        "restitutions": np.array([item.restitution for item in mechanism.stops]),
         "stiffness": np.array([spring.stiffness for spring in mechanism.springs]),
         "preload": np.array([spring.preload for spring in mechanism.springs]),
         "gravity_m_s2": mechanism.gravity_m_s2,

@@ -30,7 +30,7 @@ from .model import (
 )
 from .tables.arrival import NOT_SAMPLED, Arrival, Opening, Waiting, arrival, found_opening, unknown
 from .tables.functions import Sampler
-from .tables.tables import Domain, checks, levers, resolved, stacked, trimmed
+from .tables.tables import Chart, Domain, checks, levers, resolved, stacked, trimmed
 
 # Least assumed share of a spring's preload in x''.
 _LEAST_SHARE = 0.01
@@ -138,7 +138,9 @@ def build(
         charts=stacked([chart], [0], levers(mechanism)),
         tolerance=tolerance,
         samples=samples,
-        arrival=_arrival(system, sampler, opening, gap_max, tolerance) if turn else NOT_SAMPLED,
+        arrival=_arrival(system, sampler, opening, chart, weights, tolerance)
+        if turn
+        else NOT_SAMPLED,
     )
 
 
@@ -197,9 +199,15 @@ def _pressed(mechanism: Mechanism, gap_max: float) -> float:
 
 
 def _arrival(
-    system: System, sampler: Sampler, opening: Opening | None, gap_max: float, tolerance: float
-) -> Arrival:
-    """Sample a turn between its opening and the touch, with the gap of the flights after it."""
+    system: System, sampler: Sampler, opening: Opening | None, chart: Chart, weights: FloatArray,
+    tolerance: float,
+) -> Arrival:  # fmt: skip
+    """Sample a turn between its opening and the touch, with the gap of the flights after it.
+
+    Args:
+        chart: The domain of the transition.
+        weights: Weights of its functions.
+    """
     mechanism = system.mechanism
     if not comes_back(system):
         return unknown("the drives do not come back with the cylinder", asked=False)
@@ -207,19 +215,23 @@ def _arrival(
     stop, transition = mechanism.stop(name), mechanism.stop(mechanism.transition_stop)
     if opening is None:
         return unknown(f"stop {name!r} does not come back to its place within a turn")
-    # The transition stop stays open as long as this one does not close beyond its place.
-    between = (name, transition.name)
-    others = tuple(item for item in mechanism.stops if item.name not in between)
+    others = tuple(item for item in mechanism.stops if item.name != name)
     n, _ = sampler.rates(np.zeros(1), np.zeros((1, sampler.size)))
     throw = float(n[0, stop.index])
-    tolerance = max(tolerance, ARRIVAL_TABLES)
+    rough = max(tolerance, ARRIVAL_TABLES)
     try:
         of_stop = Sampler(system, _split(system, stop.index, name), stop, others)
-        closed = frozenset({name})
-        rate, _ = _approach_rate(system, closed, transition.index, transition.name)
+        rate, wrong = _approach_rate(system, frozenset({name}), transition.index, transition.name)
+        # The transition stop is stretched to its opening where its domain ends elsewhere.
+        if chart.domain.travel != opening.travel:
+            domain = replace(chart.domain, travel=opening.travel)
+            tables, _ = resolved(sampler, domain, weights, rough)
+            points = checks(sampler, domain, tables)
+            chart = replace(trimmed(points, domain, tables, weights, rough), stop=chart.stop)
         weights, _ = _nominal(mechanism, of_stop, throw * rate)
-        waiting = Waiting(stop, of_stop, weights, throw * gap_max)
-        return arrival(system, sampler, opening, waiting, tolerance)
+        meets = rate, wrong, throw, 0.0
+        waiting = Waiting(stop, of_stop, weights, throw * chart.domain.high, meets)
+        return arrival(system, sampler, opening, chart, waiting, rough)
     except NipperError as error:
         return unknown(error.message)
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from functools import cache, partial
-from types import ModuleType
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,7 +16,17 @@ from ..extras import require
 from ..given import LARGEST, column, number
 from ..units import S_PER_MIN
 from .inputs import check_run, of_all_cases, one_row, speed_of, speeds_of, spring_rows
-from .kernels.layout import Cases, Settings
+from .kernels.layout import (
+    BESIDE,
+    COLUMNS,
+    GOES_ON,
+    HOLDS,
+    NOT_ASKED,
+    OWN,
+    UNKNOWN,
+    Cases,
+    Settings,
+)
 from .model import ReducedModel
 from .results import REASONS, ReducedTransition, Status, TransitionBatch
 
@@ -64,7 +74,7 @@ def transition(
     e_N = model.restitution if restitution is None else restitution
     cases = Cases(
         np.array([speed_of(speed_rpm) * (math.tau / S_PER_MIN)]),
-        np.full((1, _stops(model)), number("restitution", e_N, 0.0, 1.0)),
+        _restitutions(model, np.array([number("restitution", e_N, 0.0, 1.0)])),
         one_row("stiffness", stiffness, model.stiffness, 0.0),
         one_row("preload", preload, model.preload, -LARGEST),
         _ALL if gravity is None else _weight(model, gravity)[:1],
@@ -73,9 +83,9 @@ def transition(
     status, count = found.told[0].tolist()
     if status != _AT_REST:
         raise _refusal(model, Status(status), count, speed_rpm, max_collisions)
-    duration, error, share, bound = found.rest[0].tolist()
-    table = found.table[0, :count].T.copy()
-    return ReducedTransition(model.name, count, duration, error, share, bound, table, tell)
+    duration, error, share, bound = found.rest[0, :4].tolist()
+    rows = found.table[0, :count].T.copy()
+    return ReducedTransition(model.name, count, duration, error, share, bound, rows, tell)
 
 
 def transitions(
@@ -115,33 +125,88 @@ def transitions(
     check_run(rest_rate, tolerance, max_collisions)
     found, tell = _solved(model, cases, rest_rate, tolerance, assumed, max_collisions)
     status, counts = found.told.T.copy()
-    table = found.table[:, :max_collisions].swapaxes(1, 2)
-    return TransitionBatch(model.name, status, counts, found.rest, table, tell)
+    rows = found.table[:, :max_collisions].swapaxes(1, 2)
+    return TransitionBatch(model.name, status, counts, found.rest, rows, tell)
 
 
-def _stops(model: ReducedModel) -> int:
-    return 1 + len(model.other_stops)
+def _restitutions(model: ReducedModel, transition_stop: FloatArray) -> FloatArray:
+    """Those of all stops in n cases, from those of the transition stop, shape (n, K)."""
+    found = np.empty((len(transition_stop), len(model.restitutions)))
+    found[:] = model.restitutions
+    found[:, model.charts.stops[0, OWN]] = transition_stop
+    return found
+
+
+class _Found(NamedTuple):
+    """What is told of n cases.
+
+    Attributes:
+        table: Collisions, shape (n, most + BESIDE, COLUMNS).
+        state: Of machines in flight over the touch gap and rate, and their errors, shape (n, 4).
+        told: Status and collisions, shape (n, 2).
+        rest: Duration, its error, share, worst relative error, and travel, shape (n, 5).
+        premise: Whether machines arrive in their initial phase, shape (n, 1).
+    """
+
+    table: FloatArray
+    state: FloatArray
+    told: NDArray[np.int64]
+    rest: FloatArray
+    premise: NDArray[np.int64]
+
+
+@cache
+def _kernel() -> tuple[Callable[..., None], FloatArray]:
+    """The compiled function and its grids; numba is loaded here."""
+    require("study", "numba", what=_ENGINE)
+    from .kernels.kernel import run_transitions
+    from .kernels.panel import grids
+
+    return run_transitions, grids()
+
+
+def _run(model: ReducedModel, cases: Cases, settings: Settings, ask: bool, found: _Found) -> None:
+    """Solve cases, or find their premise where it is not known yet."""
+    run_transitions, grids = _kernel()
+    charts = model.arrival.charts if ask else model.charts
+    if charts is None:
+        found.premise.fill(UNKNOWN)
+        return
+    angle = model.touch_angle_rad, float(model.sense)
+    run_transitions(grids, charts, cases, settings, ask, angle, *found)
 
 
 def _solved(
     model: ReducedModel, cases: Cases, rest_rate: float | None, tolerance: float, assumed: bool,
     most: int,
-) -> tuple[Any, partial[NDArray[np.int64]]]:  # fmt: skip
+) -> tuple[_Found, partial[NDArray[np.int64]]]:  # fmt: skip
     """Transitions of checked cases, and what tells their premise."""
-    kernel, arrival = _kernel(), model.arrival
-    settings = Settings(0.0 if rest_rate is None else float(rest_rate), float(tolerance))
-    angle = model.touch_angle_rad, float(model.sense)
-    machine = kernel.Machine(model.charts, arrival.charts, arrival.turn, angle)
-    found = kernel.solve(machine, cases, settings, most, assumed)
-    return found, partial(_premise, machine, cases, settings, found)
+    n, settings = len(cases.speed), Settings(float(rest_rate or 0.0), float(tolerance))
+    found = _Found(
+        np.empty((n, most + BESIDE, COLUMNS)), np.empty((n, 4)), np.full((n, 2), GOES_ON),
+        np.empty((n, 5)), np.full((n, 1), HOLDS if assumed else NOT_ASKED),
+    )  # fmt: skip
+    if not assumed:
+        _run(model, cases, settings, True, found)
+    _run(model, cases, settings, False, found)
+    if assumed:
+        return found, partial(_premise, model, cases, settings, found.told, found.rest)
+    _run(model, cases, settings, True, found)
+    lost = (found.premise[:, 0] == UNKNOWN) & (found.told[:, 0] == _AT_REST)
+    found.told[lost] = int(Status.UNTOLD), 0
+    found.table[lost], found.rest[lost] = math.nan, math.nan
+    return found, partial(found.premise.ravel)
 
 
-def _premise(machine: Any, cases: Cases, settings: Settings, found: Any) -> NDArray[np.int64]:
-    """Whether machines arrive in their initial phase."""
-    if found.premise is None:
-        rests = cases.speed * found.rest[:, 0]
-        return np.asarray(_kernel().premise_of(machine, cases, settings, found.told, rests))
-    return np.asarray(found.premise)
+def _premise(
+    model: ReducedModel, cases: Cases, settings: Settings, told: NDArray[np.int64],
+    rest: FloatArray,
+) -> NDArray[np.int64]:  # fmt: skip
+    """Whether machines arrive in their initial phase, of transitions that are known."""
+    n = len(told)
+    table, premise = np.empty((n, BESIDE, COLUMNS)), np.full((n, 1), NOT_ASKED)
+    _run(model, cases, settings, True, _Found(table, np.empty((n, 4)), told, rest, premise))
+    return premise[:, 0]
 
 
 def _cases(
@@ -165,17 +230,8 @@ def _cases(
         "preload", model.preload if preload is None else preload, springs, -LARGEST
     )
     speed, e_N, weight, rates, lengths = of_all_cases(speed, e_N, weight, rates, lengths)
-    e_N = np.repeat(e_N[:, None], _stops(model), axis=1)
-    return Cases(speed * (math.tau / S_PER_MIN), e_N, rates, lengths, weight)
-
-
-@cache
-def _kernel() -> ModuleType:
-    """The compiled functions; numba is loaded here."""
-    require("study", "numba", what=_ENGINE)
-    from .kernels import kernel
-
-    return kernel
+    restitutions = _restitutions(model, e_N)
+    return Cases(speed * (math.tau / S_PER_MIN), restitutions, rates, lengths, weight)
 
 
 def _refusal(

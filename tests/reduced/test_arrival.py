@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from written_tables import with_numbers
+from written_tables import lowered
 
 from nipper_pin import Case, Mechanism, Resolution, SimulationError, load, transition_table
 from nipper_pin.mechanism import retuned
@@ -109,6 +109,22 @@ def test_assumed_or_not(model: ReducedModel) -> None:
     assert (true.approach_rate[fails, 0] != assumed.approach_rate[fails, 0]).all()
 
 
+def test_a_stop_that_is_let_go_before_its_opening(model: ReducedModel) -> None:
+    """Its transition is as assumed, but not known to be that of the turn, which is not told."""
+    charts = model.arrival.charts
+    assert charts is not None
+    along = charts.along.copy()
+    along[0] *= -1.0
+    pulled = replace(model, arrival=replace(model.arrival, charts=charts._replace(along=along)))
+    assumed, true = (transitions(pulled, speed_rpm=[450.0, 650.0], assumed=how)
+                     for how in (True, False))  # fmt: skip
+    assert assumed.premise.tolist() == true.premise.tolist() == [-1, -1]
+    assert (assumed.status == Status.AT_REST).all()
+    assert (true.status == Status.UNTOLD).all()
+    assert (true.collisions == 0).all()
+    assert np.isnan(true.table).all()
+
+
 def test_a_table_keeps_them(e62: Mechanism) -> None:
     """A table of many cases has the transition of the turn where the premise fails."""
     cases = risky(80, 11)
@@ -133,7 +149,7 @@ def test_long_bounces_are_not_called_true(e62: Mechanism) -> None:
 @pytest.mark.slow
 def test_without_tables_nothing_is_told(e62: Mechanism, model: ReducedModel) -> None:
     """Where the turn is unknown no verdict is given, and a table asks the direct engine."""
-    dark = replace(model.arrival, turn=None)
+    dark = replace(model.arrival, charts=None)
     blind = replace(model, arrival=dark)
     assert transition(blind, speed_rpm=650.0).premise_holds is None
     assert transitions(blind, speed_rpm=[450.0, 650.0]).premise.tolist() == [-1, -1]
@@ -153,10 +169,7 @@ def test_the_transition_of_the_turn_is_refused_where_the_tables_cannot_tell_it(
     told = transitions(model, assumed=False, **cases)
     flying = told.premise == 0
     assert flying.any()
-    assert model.arrival.charts is not None
-    low = replace(
-        model, arrival=replace(model.arrival, charts=with_numbers(model.arrival.charts, high=1e-6))
-    )
+    low = replace(model, arrival=lowered(model.arrival))
     for narrow, why in (
         (build(e62, turn=False), "was not sampled"),
         (low, "leaves them"),

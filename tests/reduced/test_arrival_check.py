@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.polynomial import chebyshev
-from written_tables import case, level, tables_of, turn_of, work_of
+from written_tables import BOUNDS, case, joined, level, linear, tables_of
 
-from nipper_pin.reduced.kernels import arrival_check, flight_errors
-from nipper_pin.reduced.kernels.layout import FAILS, HOLDS, UNKNOWN
+from nipper_pin.reduced.kernels import flight_errors, kernel, layout, release, turn_charts
+from nipper_pin.reduced.kernels import turn_events as events
+from nipper_pin.reduced.kernels.layout import FAILS, HOLDS, UNKNOWN, Cases, Charts, Settings
 from nipper_pin.reduced.kernels.panel import grids
 from nipper_pin.tolerances.mechanics import EPS
 
@@ -24,38 +25,48 @@ THROWN = E_N * 1.0 * SPEED
 # Travel of the first flight, and of all bounces.
 FIRST = SPEED * 2.0 * THROWN / A
 ALL = FIRST / (1.0 - E_N)
+LOW = -0.5
+# The other stop's gap is x = y / 2 + 0.01, and grows with the travel by its slope.
+HALF, ABOVE, BY_TRAVEL = 0.5, 0.01, -0.07
 
 
-def machine(
-    travel: float,
-    line: Any = None,
-    *,
-    high: float = 2.0,
-    a: Any = None,
-    e: float = E_N,
-    **more: Any,
-) -> Any:
-    """Tables, turn and scratch; the line is y'' at rest, by the travel."""
-    equation = level(-A / SPEED**2) if a is None else a
-    y = tables_of(equation, low=-0.5, high=high, travel=travel, approach=-1.0, **more)
-    cells, count = 4, 8
-    nodes = np.cos(np.pi * (np.arange(count) + 0.5) / count)
-    width = travel / cells
-    push = line or (lambda u: -A + 0.0 * u)
-    waiting = np.zeros((6, cells, count))
-    for cell in range(cells):
-        values = push(width * (cell + 0.5 + 0.5 * nodes)) / SPEED**2
-        waiting[0, cell] = chebyshev.chebfit(nodes, values, count - 1)
-    turn = turn_of(restitution=e, waiting=waiting, touch=np.zeros((3, 4)))
-    one = case(SPEED, 0.0, [], [])
-    work = work_of(y, one, most=1)._replace(line=np.empty((1, cells, count)))
-    arrival_check.line(waiting, one, work.line[0])
-    return y, turn, work
+def turning(
+    travel: float, push: Any = None, *, high: float = 2.0, degree: int = 3, **more: Any
+) -> Charts:
+    """The rest of a turn whose waiting chart is that long; y'' is pushed by the travel alone."""
+    equation = level(-A / SPEED**2, count=degree)
+    if push is not None:
+        place = np.cos(np.pi * (np.arange(degree) + 0.5) / degree)
+        values = push(0.5 * travel * (1.0 + place)) / SPEED**2
+        equation[0, 0, :, 0] = chebyshev.chebfit(place, values, degree - 1)
+    x = np.zeros((1, 1, degree, degree))
+    x[0, 0, 0, :3] = linear(HALF, LOW, high)
+    x[0, 0, 0, 0] += ABOVE
+    y = tables_of(equation, low=LOW, high=high, travel=travel, gaps=x, **more)
+    slopes = y.gaps.copy()
+    slopes[0, 1:, 0, 0, 0] = HALF, BY_TRAVEL
+    closed = tables_of(
+        level(-A, count=degree), low=LOW, high=high, travel=math.tau - travel, gaps=x,
+        approach_residual=more.get("approach_residual", 0.0),
+    )  # fmt: skip
+    return joined(closed, y._replace(gaps=slopes))
 
 
-def arrival(*given: Any, rest_rate: float = 0.0, **more: Any) -> Any:
-    y, turn, work = machine(*given, **more)
-    return arrival_check.arrives(grids(), y, turn, work, SPEED, rest_rate)
+def arrival(
+    travel: float, push: Any = None, *, rest_rate: float = 0.0, e: float = E_N,
+    tolerance: float = 1e-10, turn: Charts | None = None, **more: Any,
+) -> Any:  # fmt: skip
+    """The premise, and x, x' and their errors at the touch."""
+    turn = turning(travel, push, **more) if turn is None else turn
+    cases = Cases(np.array([SPEED]), np.array([[0.3, e]]), np.empty((1, 0)), np.empty((1, 0)),
+                  np.ones(1))  # fmt: skip
+    state, premise = np.full((1, 4), np.nan), np.full((1, 1), layout.NOT_ASKED)
+    kernel.run_transitions(
+        grids(), turn, cases, Settings(rest_rate, tolerance), True, (0.0, 1.0),
+        np.empty((1, layout.BESIDE, layout.COLUMNS)), state, np.full((1, 2), layout.GOES_ON),
+        np.full((1, 5), np.nan), premise,
+    )  # fmt: skip
+    return int(premise[0, 0]), *state[0]
 
 
 def test_a_line_of_a_case() -> None:
@@ -63,13 +74,13 @@ def test_a_line_of_a_case() -> None:
     functions = np.random.default_rng(3).normal(size=(8, 2, 5))
     found = np.full((2, 5), np.nan)
     k, p = np.array([20.0, 7.0]), np.array([0.3, -0.2])
-    arrival_check.line(functions, case(SPEED, 1.7, k, p), found)
+    turn_charts.line(functions, case(SPEED, 1.7, k, p), found)
     f = functions
     expected = SPEED**2 * f[0] + 1.7 * f[3] + 20.0 * (0.3 * f[4] + f[5])
     np.testing.assert_allclose(found, expected + 7.0 * (-0.2 * f[6] + f[7]), rtol=1e-13)
     u, place = 1.2, 2.0 * (1.2 - 0.8) / 0.8 - 1.0
     expected = chebyshev.chebval(place, found[1])
-    assert arrival_check.within(found, 1, 0.8, u) == pytest.approx(expected, rel=1e-13)
+    assert release.within(found, 1, 0.8, u) == pytest.approx(expected, rel=1e-13)
 
 
 @pytest.mark.parametrize(
@@ -89,11 +100,7 @@ def test_a_line_of_a_case() -> None:
 )
 def test_bounces_after_the_opening(travel: float, rest_rate: float, expected: int) -> None:
     """Over before the touch, in flight there, or too close to it; by their limit or by a rate."""
-    premise, u, w = arrival(travel, rest_rate=rest_rate)
-    assert premise == expected
-    if premise == FAILS:
-        # Nothing of the past is in the throw itself.
-        assert (u, w) == (0.0, pytest.approx(THROWN))
+    assert arrival(travel, rest_rate=rest_rate)[0] == expected
 
 
 def test_all_bounces_may_end_before_twice_their_time() -> None:
@@ -113,14 +120,13 @@ def test_all_bounces_may_end_before_twice_their_time() -> None:
     ],
 )
 def test_releases_after_a_rest(line: Any, expected: int, left: float | None) -> None:
-    """The flight at the touch begins where nothing presses any more, from rest."""
-    steep = level(0.0, count=8)
-    place = np.cos(np.pi * (np.arange(8) + 0.5) / 8)
-    steep[0, 0, :, 0] = chebyshev.chebfit(place, line(5.0 + 5.0 * place) / SPEED**2, 7)
-    premise, u, w = arrival(10.0, line, a=steep, e=0.0)
+    """The flight at the touch begins where nothing presses any more, from rest: y'' = 4 t."""
+    premise, x, v, *_ = arrival(10.0, line, high=4.0, degree=8, e=0.0)
     assert premise == expected
     if left is not None:
-        assert (u, w) == (pytest.approx(left, abs=1e-9), 0.0)
+        t = (10.0 - left) / SPEED
+        assert x == pytest.approx(HALF * 2.0 / 3.0 * t**3 + ABOVE, rel=1e-9)
+        assert v == pytest.approx(HALF * 2.0 * t**2 + BY_TRAVEL * SPEED, rel=1e-9)
 
 
 def test_a_stop_that_is_left_and_reached_again_rests_again() -> None:
@@ -129,14 +135,12 @@ def test_a_stop_that_is_left_and_reached_again_rests_again() -> None:
     def push(u: Any) -> Any:
         return 0.4 * (u - 3.0) * (4.0 - u)
 
-    steep = level(0.0, count=4)
-    place = np.cos(np.pi * (np.arange(4) + 0.5) / 4)
-    steep[0, 0, :, 0] = chebyshev.chebfit(place, push(6.0 + 6.0 * place) / SPEED**2, 3)
-    assert arrival(12.0, push, a=steep, e=0.0)[0] == HOLDS
-    short = level(0.0, count=4)
-    short[0, 0, :, 0] = chebyshev.chebfit(place, push(2.25 + 2.25 * place) / SPEED**2, 3)
-    premise, u, w = arrival(4.5, push, a=short, e=0.0)
-    assert (premise, u, w) == (FAILS, pytest.approx(3.0, abs=1e-9), 0.0)
+    assert arrival(12.0, push, degree=4, e=0.0)[0] == HOLDS
+    premise, x, *_ = arrival(4.5, push, degree=4, e=0.0)
+    assert premise == FAILS
+    # y'' = 0.4 (2 t) (1 - 2 t) since 3: y = 0.4 (t^3 / 3 - t^4 / 3).
+    t = 1.5 / SPEED
+    assert x == pytest.approx(HALF * 0.4 * (t**3 - t**4) / 3.0 + ABOVE, rel=1e-9)
 
 
 def test_what_the_tables_do_not_hold_is_unknown() -> None:
@@ -154,97 +158,93 @@ def test_a_series_under_a_changing_force_is_followed() -> None:
     shaken = arrival(2.2 * ALL, **slopes)
     assert (calm[0], shaken[0]) == (HOLDS, HOLDS)
     # A release before the bounces are over comes while the body is in the air.
-    lifted = arrival(2.2 * ALL, lambda u: 3.0 * (u - 1.5 * ALL))
+    lifted = arrival(2.2 * ALL, lambda u: 3.0 * (u - 1.5 * ALL), high=40.0)
     assert lifted[0] != HOLDS
 
 
-TOUCH = np.array([[0.3, 0.4, 0.02, 0.0], [0.5, 0.03, 0.0, 0.0], [-0.07, 0.01, 0.0, 0.0]])
-TOUCH_ERRORS = np.array([2e-6, 3e-6, 5e-6])
+GAP_ERRORS = np.array([2e-6, 3e-6, 5e-6])
 
 
 @pytest.mark.parametrize("part", [0.7, 1.3])
-@pytest.mark.parametrize("wrong", [0.0, 1e-6])
-@pytest.mark.parametrize("sense", [1.0, -1.0])
-def test_motion_at_the_touch(part: float, wrong: float, sense: float) -> None:
-    """y and y' of the flight there, taken to x and x' by the series; errors by their formulas."""
+@pytest.mark.parametrize("wrong", [1e-9, 1e-6])
+def test_motion_at_the_touch(part: float, wrong: float) -> None:
+    """y and y' of the flight there are taken to x and x'; their errors grow as the motion does."""
     travel = part * FIRST
     residual = np.array([wrong, 0.0, 0.0, 0.0, 0.0, 0.0])
-    y, turn, work = machine(travel, residual=residual, approach_residual=wrong)
-    turn = turn._replace(touch=sense * TOUCH, touch_errors=TOUCH_ERRORS)
-    known, x, v, dx, dv = arrival_check.in_flight(
-        grids(), y, turn, work, SPEED, 0.0, THROWN, 0.0, 1e-12
-    )
-    assert known
+    turn = turning(travel, residual=residual, approach_residual=wrong)
+    turn.gap_bounds[1] = GAP_ERRORS
+    known, x, v, dx, dv = arrival(travel, turn=turn)
+    assert known == FAILS
     t, w, dt, dw = travel / SPEED, THROWN, 0.0, E_N * wrong * SPEED
     r = wrong * SPEED**2
     if part > 1.0:
         T = 2.0 * w / A
+        sizes = np.zeros((4, 3))
+        flight_errors.sizes_of(turn.bounds[1], sizes, case(SPEED, 1.0, [], []))
         dt, rate, _ = flight_errors.flight_errors(
-            work.sizes[0], SPEED, T, -w, -A, 0.5 * T, w, 0.0, 0.0, 0.0, dw
+            sizes, SPEED, T, -w, -A, 0.5 * T, w, 0.0, 0.0, 0.0, dw
         )
         t, w, dw = t - T, E_N * w, E_N * rate
     height, slope = w * t - 0.5 * A * t**2, w - A * t
-    place = (2.0 * height - 1.5) / 2.5
-    value, by_y, by_u = (sense * chebyshev.chebval(place, row) for row in TOUCH)
-    assert x == pytest.approx(value, rel=1e-10)
-    assert v == pytest.approx(by_y * slope + by_u * SPEED, rel=1e-10)
+    assert x == pytest.approx(HALF * height + ABOVE, rel=1e-10)
+    assert v == pytest.approx(HALF * slope + BY_TRAVEL * SPEED, rel=1e-10)
+    # Twice what the linearised equation says, and what the time of its start does.
     fastest = max(abs(w), abs(slope))
-    dy = dw * t + 0.5 * r * t**2 + fastest * dt
-    dy_t = dw + r * t + A * dt
+    dy = 2.0 * (dw * t + 0.5 * r * t**2) + fastest * dt
+    dy_t = 2.0 * (dw + r * t) + A * dt
     bent = dy / 2.5
-    assert dx == pytest.approx(abs(by_y) * dy + 2e-6, rel=1e-4)
-    expected = abs(by_y) * dy_t + abs(slope) * (3e-6 + abs(by_y) * bent)
-    expected += SPEED * (5e-6 + abs(by_u) * bent)
+    assert dx == pytest.approx(HALF * dy + 2e-6, rel=1e-4)
+    expected = HALF * dy_t + abs(slope) * (3e-6 + HALF * bent)
+    expected += SPEED * (5e-6 + abs(BY_TRAVEL) * bent)
     assert dv == pytest.approx(expected, rel=1e-4)
 
 
 @pytest.mark.parametrize(
-    ("part", "change"),
+    ("change", "expected"),
     [
-        # The last bounce ends before the touch, by a rate or by loss of all; errors are too large.
-        (1.3, {"rest_rate": 0.6 * THROWN}),
-        (1.3, {"e": 0.0}),
-        (1.3, {"residual": np.array([0.1, 0.0, 0.0, 0.0, 0.0, 0.0])}),
-        (1.3, {"high": 1e-3}),
+        # The last bounce ends before the touch, by a rate or by loss of all.
+        ({"rest_rate": 0.6 * THROWN}, HOLDS),
+        ({"e": 0.0}, HOLDS),
+        # Errors are too large, for the verdict or for the motion; or it leaves the tables.
+        ({"residual": np.array([0.1, 0.0, 0.0, 0.0, 0.0, 0.0])}, UNKNOWN),
+        ({"residual": np.array([3e-3, 0.0, 0.0, 0.0, 0.0, 0.0])}, UNKNOWN),
+        ({"high": 1e-3}, UNKNOWN),
     ],
 )
-def test_no_motion_at_the_touch(part: float, change: dict[str, Any]) -> None:
+def test_no_motion_at_the_touch(change: dict[str, Any], expected: int) -> None:
     """Where the machine is not in flight there, or where it is not known well, nothing is told."""
-    rate = change.pop("rest_rate", 0.0)
-    y, turn, work = machine(part * FIRST, **change)
-    found = arrival_check.in_flight(grids(), y, turn, work, SPEED, 0.0, THROWN, rate, 1e-12)
-    assert found == (False, 0.0, 0.0, 0.0, 0.0)
-    change["rest_rate"] = rate
+    premise, *state = arrival(1.3 * FIRST, **change)
+    assert premise == expected
+    assert expected != HOLDS or np.isnan(state).all()
 
 
 @pytest.mark.parametrize("given", [(0.0, 0.0), (1e-5, 0.0), (0.0, 1e-5), (1e-6, 1e-6)])
 @pytest.mark.parametrize("solver", [(0.0, 0.0), (1e-5, 0.0), (0.0, 1e-4)])
-def test_errors_of_a_flight_that_starts_above_its_stop(
-    given: tuple[float, float], solver: tuple[float, float]
+@pytest.mark.parametrize("late", [0.0, 1e-6])
+def test_errors_of_a_short_flight_that_starts_above_its_stop(
+    given: tuple[float, float], solver: tuple[float, float], late: float
 ) -> None:
-    """Gronwall's lemma for errors of place and rate at its start."""
+    """Gronwall's lemma for errors of place, rate and time at its start."""
     random = np.random.default_rng(9)
-    rows = {
-        name: random.uniform(0.1, 0.5, 6)
-        for name in ("residual", "steepest_x", "steepest_u", "largest")
-    }
-    sizes = np.zeros((4, 3))
-    tables = tables_of(level(-1.0), **rows)
-    flight_errors.sizes_of(tables.bounds[0], sizes, case(SPEED, 0.0, [], []))
+    bounds = random.uniform(0.1, 0.5, (4, 6))
+    sizes, one = np.zeros((4, 3)), case(SPEED, 0.0, [], [])
+    flight_errors.sizes_of(bounds, sizes, one)
     T, v, a, fastest = 0.3, -1.4, -9.0, 1.6
     (dx, dw), (changed, left) = given, solver
 
     def bound(name: str) -> float:
-        f = rows[name]
+        f = bounds[BOUNDS[name]]
         return float(SPEED**2 * f[0] + SPEED * f[1] * fastest + f[2] * fastest**2)
 
-    by_rate = SPEED * rows["largest"][1] + 2.0 * rows["largest"][2] * fastest
+    largest = bounds[BOUNDS["largest"]]
+    by_rate = SPEED * largest[1] + 2.0 * largest[2] * fastest
     F = by_rate * T + 0.5 * bound("steepest_x") * T**2
-    e = F * changed + bound("residual") + left
-    dt = math.exp(F) * (dx + dw * T + 0.5 * e * T**2) / 1.4 + 4.0 * EPS * T
-    rate = math.exp(F) * (dw + (e + bound("steepest_x") * dx) * T) + 9.0 * dt
-    found = arrival_check.landed(sizes, SPEED, T, v, a, fastest, changed, left, dx, dw)
-    assert found == pytest.approx((dt, rate + 4.0 * EPS * 1.4), rel=1e-12)
+    e = F * changed + bound("residual") + left + SPEED * bound("steepest_u") * late
+    off = math.exp(F) * (dx + dw * T + 0.5 * e * T**2)
+    rate = math.exp(F) * (dw + (e + bound("steepest_x") * dx) * T) + abs(a / v) * off
+    nodes = np.full((layout.SCRATCH_ROWS, 6), np.nan)
+    found = events.errors_after(nodes, sizes, SPEED, T, fastest, changed, left, late, dx, dw, a / v)
+    assert found == pytest.approx((off, rate + 4.0 * EPS * fastest), rel=1e-12)
 
 
 def first_cell(u: Any) -> Any:
@@ -296,4 +296,4 @@ def test_where_a_stop_lets_go(values: Any, begin: float, end: float, expected: f
             for cell in range(cells)
         ]
     )
-    assert arrival_check.released(line, 3.0, begin, end) == pytest.approx(expected, abs=1e-9)
+    assert release.released(line, 3.0, begin, end) == pytest.approx(expected, abs=1e-9)

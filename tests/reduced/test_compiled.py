@@ -19,7 +19,7 @@ from numba.core import config
 from nipper_pin import Mechanism, turn_table
 from nipper_pin.reduced import ReducedModel, transitions
 from nipper_pin.reduced.kernels import compiled as compiling
-from nipper_pin.reduced.kernels.kernel import run_batch
+from nipper_pin.reduced.kernels.kernel import run_transitions
 from nipper_pin.reduced.kernels.turn_quantities import run_turns
 
 SOURCE = """
@@ -152,7 +152,7 @@ def test_references_are_as_many_after_a_call_as_before(model: ReducedModel) -> N
     """Of arrays that compiled code reads, without counting them, and of those that it wrote."""
 
     def counted() -> list[int]:
-        read = (*model.charts, *model.arrival.charts, *model.arrival.turn)
+        read = (*model.charts, *model.arrival.charts)
         return [sys.getrefcount(item) for item in read if isinstance(item, np.ndarray)]
 
     before = counted()
@@ -187,7 +187,7 @@ def test_other_columns_of_a_table_compile_nothing(model: ReducedModel, e62: Mech
         {"speed_rpm": 650.0, "restitution": np.linspace(0.1, 0.3, 6)[::3]},
     ]
     for kernel, run in (
-        (run_batch, lambda given: transitions(model, **given)),
+        (run_transitions, lambda given: transitions(model, **given).premise),
         (run_turns, lambda given: turn_table(e62, engine="reduced", turns=1, **given)),
     ):
         run(cases[0])

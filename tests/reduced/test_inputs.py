@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from snapshots import Words
-from written_tables import with_numbers
+from written_tables import lowered
 
 import nipper_pin.reduced
 from nipper_pin import InputError, Mechanism, NipperError, SimulationError
@@ -47,7 +47,10 @@ def parallel(model: ReducedModel) -> ReducedModel:
     return replace(
         model, springs=("one", "two"), stiffness=model.stiffness[0] * SHARES, preload=PRELOADS,
         arrival=unknown("not of two springs"),
-        charts=charts._replace(equation=charts.equation[:, both], bounds=charts.bounds[..., both]),
+        charts=charts._replace(
+            equation=charts.equation[:, both], along=charts.along[:, both],
+            bounds=charts.bounds[..., both],
+        ),
     )  # fmt: skip
 
 
@@ -167,14 +170,13 @@ def test_every_result_comes_from_its_place(model: ReducedModel) -> None:
 
 def without_rest(e62: Mechanism, model: ReducedModel) -> list[tuple[Any, dict[str, Any], Status]]:
     """Models, cases, and how each ends."""
-    charts, waiting = model.charts, model.arrival.charts
+    charts = model.charts
     near, far, jump = charts.gaps.copy(), charts.gaps.copy(), charts.equation.copy()
     near[:, 0, :, 0, 0] -= 1e-3
     far[:, 0, :, 0, 0] += 1e-3
     # From one cell to the next, within a flight.
     jump[0, 0, 1:, 0, 0] -= 1e4
-    assert waiting is not None
-    low = replace(model.arrival, charts=with_numbers(waiting, high=1e-6))
+    low = lowered(model.arrival)
     flying = {"speed_rpm": 690.0, "restitution": 0.3, "stiffness": 7000.0, "preload": 0.0085,
               "assumed": False}  # fmt: skip
     return [

@@ -8,7 +8,15 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.polynomial import Polynomial, chebyshev
-from written_tables import case, level, tables_of, turn_of, with_bounds, with_numbers
+from written_tables import (
+    case,
+    joined,
+    level,
+    linear,
+    tables_of,
+    with_bounds,
+    with_numbers,
+)
 
 from nipper_pin.reduced.kernels import flight_errors, kernel, panel
 from nipper_pin.reduced.kernels import series as bounces
@@ -17,16 +25,20 @@ from nipper_pin.reduced.kernels.layout import (
     AMPLITUDE_ERROR,
     APPROACH,
     AT_REST,
+    BESIDE,
     COLLISION,
     COLUMNS,
     ENERGY,
     ENERGY_ERROR,
     FAILS,
+    GOES_ON,
+    HIGH,
     HOLDS,
     IMPULSE,
     IMPULSE_ERROR,
     KIND,
     LEFT_TRAVEL,
+    NOT_ASKED,
     NOT_PRESSED,
     OTHER_STOP,
     RATE_ERROR,
@@ -55,7 +67,20 @@ TABLES: dict[str, Any] = {
     "residual": np.array([1e-7, 0.0, 0.0, 0.0, 0.0, 0.0]), "approach_residual": 3e-8,
     "inertia_residual": 2e-7, "inertia": np.array([[0.7, 0.02, 0.003]]), "low": -0.1, "high": 1.0,
 }  # fmt: skip
-E_N, ANGLE = 0.45, (0.4, -1.0)
+E_N, WAITING_E_N, ANGLE = 0.45, 0.5, (0.4, -1.0)
+
+
+def solve(charts: Any, cases: Cases, settings: Settings, most: int, **given: Any) -> Any:
+    """What is written of cases, of transitions or of what is asked of a turn."""
+    n = len(cases.speed)
+    told = {
+        "table": np.empty((n, most + BESIDE, COLUMNS)), "state": np.full((n, 4), np.nan),
+        "told": np.full((n, 2), GOES_ON), "rest": np.empty((n, 5)),
+        "premise": np.full((n, 1), HOLDS),
+    } | given  # fmt: skip
+    ask = told.pop("ask", False)
+    kernel.run_transitions(panel.grids(), charts, cases, settings, ask, ANGLE, *told.values())
+    return told
 
 
 def run(
@@ -64,25 +89,27 @@ def run(
     e: float = E_N,
     rest_rate: float = 0.0,
     most: int = 24,
-    assumed: bool = True,
-    y: Any = None,
-    turn: Any = None,
     gravity: float = 1.0,
+    turn: Any = None,
+    assumed: bool = True,
 ) -> Any:
     """One transition: its status, its summary, its premise and its table."""
     if charts is None:
         charts = tables_of(EQUATION, **TABLES)
-    stops = len(charts.lever)
-    cases = Cases(np.array([SPEED]), np.full((1, stops), e), K[None], P[None], np.array([gravity]))
-    machine, settings = kernel.Machine(charts, y, turn, ANGLE), Settings(rest_rate, 1e-9)
-    found = kernel.solve(machine, cases, settings, most, assumed)
-    premise = found.premise
-    if premise is None:
-        rests = SPEED * found.rest[:, 0]
-        premise = kernel.premise_of(machine, cases, settings, found.told, rests)
-    status, count = found.told[0]
-    assert np.isnan(found.table[0, count:]).all()
-    return status, found.rest[0], premise[0], found.table[0, :count].T
+    stops = np.array([[e, WAITING_E_N]])
+    cases = Cases(np.array([SPEED]), stops, K[None], P[None], np.array([gravity]))
+    settings, asked = Settings(rest_rate, 1e-9), {"premise": np.full((1, 1), NOT_ASKED)}
+    if not assumed:
+        asked = solve(turn, cases, settings, 0, ask=True, **asked)
+        asked.pop("table")
+    found = solve(charts, cases, settings, most, **asked if not assumed else {})
+    premise = UNKNOWN
+    if turn is not None:
+        later = {**found, **asked} if assumed else found
+        premise = solve(turn, cases, settings, 0, ask=True, **later)["premise"][0, 0]
+    status, count = found["told"][0]
+    assert np.isnan(found["table"][0, count:]).all()
+    return status, found["rest"][0, :4], premise, found["table"][0, :count].T
 
 
 def expected(count: int) -> dict[int, Any]:
@@ -289,26 +316,30 @@ def test_inertia_along_the_travel(u: float) -> None:
     assert panel.along(tables.inertia[0], 3.6, u) == pytest.approx(value, rel=1e-13)
 
 
+def turning(opening: float, travel: float, push: float = -1.0, **more: Any) -> Any:
+    """The rest of a turn: x is pressed up to the opening; then y'' = -w^2, and x = y / 2 + 0.01."""
+    x = np.zeros((1, 1, 3, 3))
+    x[0, 0, 0] = linear(0.5, -0.5, 2.0)
+    x[0, 0, 0, 0] += 0.01
+    y = tables_of(level(-1.0), travel=travel, gaps=x, **more)
+    y.gaps[0, 1:, 0, 0, 0] = 0.5, -0.07
+    return joined(tables_of(level(push), travel=opening, gaps=x), y)
+
+
 @pytest.mark.parametrize(("opening", "push", "told"), [(4.0, -1.0, True), (4.0, 1.0, False),
                                                        (0.1, -1.0, False)])  # fmt: skip
 def test_the_premise_needs_a_stop_that_is_pressed_until_the_opening(
     opening: float, push: float, told: bool
 ) -> None:
-    """Else it is not known what the turn does, and its transition is not told; assumed it is."""
-    clamping = np.zeros((6, 2, 3))
-    clamping[0, :, 0] = push
-    waiting = np.zeros((6, 1, 2))
-    waiting[0, :, 0] = -1.0
-    turn = turn_of(opening=opening, restitution=0.0, clamping=clamping, waiting=waiting)
-    y = tables_of(level(-1.0), travel=3.0, approach=-0.2)
-    status, (rest, *_), premise, table = run(y=y, turn=turn)
+    """Else it is not known what the turn does; transitions are the same, assumed or not."""
+    turn = turning(opening, 2.0 * math.pi - opening, push)
+    status, (rest, *_), premise, table = run(turn=turn)
     assert status == AT_REST
     assert premise == (HOLDS if told else UNKNOWN)
-    again = run(y=y, turn=turn, assumed=False)
-    assert again[0] == (AT_REST if told else UNTOLD)
-    assert again[2] == premise
-    assert again[3].shape[1] == (table.shape[1] if told else 0)
-    assert again[1][0] == rest if told else math.isnan(again[1][0])
+    again = run(turn=turn, assumed=False)
+    assert (again[0], again[2]) == (AT_REST, premise)
+    assert again[1][0] == rest
+    np.testing.assert_array_equal(again[3], table)
 
 
 def test_a_machine_that_arrives_in_flight_falls_onto_its_stop_first() -> None:
@@ -316,18 +347,8 @@ def test_a_machine_that_arrives_in_flight_falls_onto_its_stop_first() -> None:
 
     Then x falls from there with x'' = -A: the first collision is late, by what a fall takes.
     """
-    waiting = np.zeros((6, 1, 2))
-    waiting[0, :, 0] = -1.0
-    touch = np.zeros((3, 3))
-    # Series on [low, high] = [-0.5, 2]: place = (2 y - 1.5) / 2.5.
-    touch[0, 0], touch[0, 1] = 0.01 + 0.5 * 0.75, 0.5 * 1.25
-    touch[1, 0], touch[2, 0] = 0.5, -0.07
-    turn = turn_of(
-        opening=4.0, restitution=0.5, clamping=np.where(np.arange(6)[:, None, None] == 0, -1.0, 0.0)
-        * np.array([1.0, 0.0]), waiting=waiting, touch=touch,
-    )  # fmt: skip
-    y = tables_of(level(-1.0), travel=0.5, approach=-1.0)
-    status, (rest, *_), premise, table = run(y=y, turn=turn, assumed=False)
+    turn = turning(2.0 * math.pi - 0.5, 0.5)
+    status, (rest, *_), premise, table = run(turn=turn, assumed=False)
     assert (status, premise) == (AT_REST, FAILS)
     t, w, a = 0.5 / SPEED, 0.5 * 1.0 * SPEED, SPEED**2
     x = 0.01 + 0.5 * (w * t - 0.5 * a * t**2)
@@ -340,13 +361,14 @@ def test_a_machine_that_arrives_in_flight_falls_onto_its_stop_first() -> None:
     assert table[TIME_ERROR, 0] > 0.0
     assert table[RATE_ERROR, 0] > 0.0
     # As assumed it starts at the touch, and the verdict is the same; beyond the tables nothing is.
-    assumed = run(y=y, turn=turn)
+    assumed = run(turn=turn)
     assert (assumed[0], assumed[2]) == (AT_REST, FAILS)
     assert assumed[3][APPROACH, 0] == pytest.approx(RATE * SPEED)
-    low = tables_of(EQUATION, **{**TABLES, "high": 0.9 * x})
-    assert run(low, y=y, turn=turn, assumed=False)[0] == UNTOLD
-    vague = with_bounds(y, residual=np.array([0.1, 0.0, 0.0, 0.0, 0.0, 0.0]))
-    told = run(y=vague, turn=turn, assumed=False)
+    high = turn.numbers.copy()
+    high[0, HIGH] = 0.9 * x
+    assert run(turn=turn._replace(numbers=high), assumed=False)[0] == UNTOLD
+    vague = turning(2.0 * math.pi - 0.5, 0.5, residual=np.array([0.1, *[0.0] * 5]))
+    told = run(turn=vague, assumed=False)
     assert (told[0], told[2]) == (UNTOLD, UNKNOWN)
 
 
@@ -358,11 +380,10 @@ def test_a_batch_is_its_cases() -> None:
         np.array([[300.0], [250.0], [310.0]]), np.array([[0.02], [0.03], [0.02]]),
         np.array([1.0, 0.5, 0.9]),
     )  # fmt: skip
-    machine = kernel.Machine(tables, None, None, ANGLE)
-    found = kernel.solve(machine, cases, Settings(0.3, 1e-9), 9, True)
+    settings = Settings(0.3, 1e-9)
+    found = solve(tables, cases, settings, 9)
     for i in range(3):
-        alone = Cases(*(given[i : i + 1] for given in cases))
-        one = kernel.solve(machine, alone, Settings(0.3, 1e-9), 9, True)
+        one = solve(tables, Cases(*(given[i : i + 1] for given in cases)), settings, 9)
         for name in ("told", "rest", "table"):
-            np.testing.assert_array_equal(getattr(found, name)[i], getattr(one, name)[0])
-    assert found.told[:, 0].tolist() == [AT_REST, AT_REST, LEFT_TRAVEL]
+            np.testing.assert_array_equal(found[name][i], one[name][0])
+    assert found["told"][:, 0].tolist() == [AT_REST, AT_REST, LEFT_TRAVEL]

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import chebyshev
 from snapshots import Words
-from written_tables import bounded
+from written_tables import bounded, one_of, value
 
 from nipper_pin import (
     Case,
@@ -94,8 +94,10 @@ def test_every_number_of_a_model(model: ReducedModel, e62: Mechanism, turn: Solu
 @pytest.mark.parametrize("waiting", [False, True])
 def test_bounds_of_values_and_slopes(model: ReducedModel, waiting: bool) -> None:
     """By another grid: neither of them holds the very worst points, edges are on both."""
-    charts = model.arrival.charts if waiting else model.charts
-    assert charts is not None
+    charts = model.charts
+    if waiting:
+        assert model.arrival.charts is not None
+        charts = one_of(model.arrival.charts, 1)
     assert charts.bounds.shape == (1, layout.SIZES, len(charts.equation[0]))
     residual, *found = charts.bounds[0]
     for row, true in zip(found, bounded(charts).bounds[0, 1:], strict=True):
@@ -111,16 +113,19 @@ def test_tables_between_opening_and_touch(
     """Where they begin, how far they reach, and the collision that throws the jaw open."""
     charts, steeve = model.arrival.charts, e62.stop("steeve")
     assert charts is not None
-    numbers, (own, *_) = charts.numbers[0], charts.stops[0]
+    (jaw_numbers, numbers), stops = charts.numbers, charts.stops
     opening = hits(turn, "steeve")
     at = travel_of(e62, opening.cylinder_angle)
     assert (model.arrival.why, model.arrival.asked) == ("", True)
-    assert model.arrival.turn.opening == pytest.approx(at, abs=1e-9)
+    assert jaw_numbers[layout.TRAVEL_MOST] == numbers[layout.BEGIN] == pytest.approx(at, abs=1e-9)
     assert numbers[layout.TRAVEL_MOST] == pytest.approx(math.tau - at, abs=1e-9)
-    assert numbers[layout.ARRIVE] * SPEED == pytest.approx(opening.approach_rate, rel=1e-8)
-    assert 0.0 < numbers[layout.ARRIVE_ERROR] < 1e-13
-    assert model.arrival.turn.restitution == steeve.restitution
-    assert e62.stops[own].name == "steeve"
+    rate = jaw_numbers[layout.ARRIVE] * SPEED
+    assert rate == pytest.approx(opening.approach_rate, rel=1e-8)
+    assert 0.0 < jaw_numbers[layout.ARRIVE_ERROR] < 1e-13
+    assert numbers[layout.ARRIVE] == model.approach_rate
+    assert numbers[layout.ARRIVE_ERROR] == model.approach_residual
+    assert [e62.stops[place].name for place in stops[:, layout.OWN]] == ["jaw", "steeve"]
+    assert stops[:, layout.AFTER].tolist() == [1, 0]
     assert charts.lever.tolist() == [stop.lever for stop in e62.stops]
     assert numbers[layout.LOW] == pytest.approx(-numbers[layout.HIGH] / 16.0)
     # As high as the steeve goes with the jaw in the touch configuration.
@@ -129,7 +134,7 @@ def test_tables_between_opening_and_touch(
     ).rates(np.zeros(1), np.zeros((1, len(e62.joints))))
     high = n[0, steeve.index] * model.gap_max
     assert numbers[layout.HIGH] == pytest.approx(high, rel=1e-12)
-    assert charts.gaps.shape[1] == 0
+    assert numbers[layout.THROW] == pytest.approx(n[0, steeve.index], rel=1e-12)
 
 
 @pytest.mark.parametrize("name", ["jaw", "steeve"])
@@ -138,12 +143,10 @@ def test_what_presses_the_stops(
     model: ReducedModel, e62: Mechanism, name: str, share: float
 ) -> None:
     """x'' at x = x' = 0 while the jaw clamps, y'' at y = y' = 0 while the steeve waits."""
-    known, speed = model.arrival.turn, 50.0
-    series, begin, length = (
-        (known.clamping, 0.0, known.opening)
-        if name == "jaw"
-        else (known.waiting, known.opening - math.tau, math.tau - known.opening)
-    )
+    charts, place, speed = model.arrival.charts, int(name == "steeve"), 50.0
+    assert charts is not None
+    length = float(charts.numbers[place, layout.TRAVEL_MOST])
+    begin = charts.numbers[place, layout.BEGIN] - math.tau * place
     fast = System(e62, ShaftMotion(e62, speed, e62.cylinder.angle_at_touch_rad))
     sampler = sampler_of(fast, name)
     u = begin + share * length
@@ -152,26 +155,26 @@ def test_what_presses_the_stops(
     a = fast.accelerations(
         fast.shaft.driven(np.array([u / speed])), q, m, fast.constraint_set(frozenset())
     )
-    cells = series.shape[1]
-    cell = int(share * cells)
-    f = chebyshev.chebval(2.0 * (share * cells - cell) - 1.0, series[:, cell].T)
+    series, residual = charts.along[place], charts.bounds[place, layout.RESIDUAL]
+    width = float(charts.numbers[place, layout.SPAN]) / series.shape[1]
+    cell = int(share * length / width)
+    f = chebyshev.chebval(2.0 * (share * length / width - cell) - 1.0, series[:, cell].T)
     found = f[0] * speed**2 + f[3] + 9000.0 * (0.011 * f[4] + f[5])
     assert found == pytest.approx(a[0, e62.stop(name).index], rel=1e-7)
-    assert ((known.residual > 0.0) & (known.residual < 1e-7 * np.abs(f).max())).all()
+    assert ((residual > 0.0) & (residual < 1e-7 * np.abs(f).max())).all()
 
 
 def test_the_jaw_at_the_touch_by_the_steeve(model: ReducedModel, system: System) -> None:
     """Its coordinate and both derivatives, by differences of closed configurations."""
-    charts, turn = model.arrival.charts, model.arrival.turn
-    assert charts is not None
-    low, high = charts.numbers[0, [layout.LOW, layout.HIGH]]
+    assert model.arrival.charts is not None
+    charts = one_of(model.arrival.charts, 1)
+    high, travel = charts.numbers[0, [layout.HIGH, layout.TRAVEL_MOST]]
     sampler, jaw = sampler_of(system, "steeve"), system.mechanism.stop("jaw").index
-    assert turn.touch.shape[0] == 3
-    assert (turn.touch_errors < 1e-9).all()
+    assert charts.gaps.shape[1] == 3
+    assert (charts.gap_bounds < 1e-9).all()
     step = 1e-4
     for y in (0.0, 0.3 * high, 0.9 * high):
-        place = (2.0 * y - low - high) / (high - low)
-        x, by_y, by_u = (chebyshev.chebval(place, row) for row in turn.touch)
+        x, by_y, by_u = (value(charts, table, travel, y) for table in charts.gaps[0])
         around = sampler.grid(np.zeros(1), np.array([y - step, y, y + step]))[0, :, jaw]
         assert x == pytest.approx(around[1], rel=1e-9, abs=1e-12)
         assert by_y == pytest.approx((around[2] - around[0]) / (2.0 * step), rel=1e-4)
@@ -278,11 +281,11 @@ def test_what_cannot_be_reduced(e62: Mechanism, words: Words) -> None:
         ("gap_max", (0.0, -0.1, math.inf)),
         ("tolerance", (0.9e-13, 1.1e-3, math.nan)),
     ):
-        for value in values:
+        for wrong in values:
             with pytest.raises(InputError) as caught:
-                build(e62, **{key: value})  # type: ignore[arg-type]
+                build(e62, **{key: wrong})  # type: ignore[arg-type]
             found = caught.value.evidence
-            assert (found["key"], repr(found["value"])) == (key, repr(value))
+            assert (found["key"], repr(found["value"])) == (key, repr(wrong))
         said.append(str(caught.value))
     words("\n".join(said) + "\n")
 
@@ -315,7 +318,7 @@ def test_the_coarsest_and_the_longest_domain_can_be(e62: Mechanism) -> None:
         "the rest of the turn was not sampled",
         True,
     )
-    assert model.arrival.turn is None
+    assert model.arrival.charts is None
 
 
 def test_a_machine_that_opens_at_its_touch_is_refused() -> None:

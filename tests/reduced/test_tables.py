@@ -31,12 +31,15 @@ def test_models_are_told_and_compared_without_their_tables(e62: Mechanism) -> No
     assert "array" not in repr(one)
     assert "arrival" not in repr(one)
     plain = {item.name: item.init for item in fields(ReducedModel)}
-    for name in plain.keys() - {*ARRAYS, "charts", "arrival"}:
+    for name in plain.keys() - {*ARRAYS, "restitutions", "charts", "arrival"}:
         assert f"{name}={getattr(one, name)!r}" in repr(one)
         assert not plain[name] or one != replace(one, **{name: "other"})
     other = replace(one, charts=with_numbers(one.charts, high=0.5))
     assert other != one
     assert other.gap_max == 0.5
+    livelier = replace(one, restitutions=2.0 * one.restitutions)
+    assert livelier != one
+    assert livelier.restitution == 2.0 * one.restitution
     for name in ARRAYS:
         assert f" {name}=" not in repr(one), name
         assert one == replace(one, **{name: 2.0 * getattr(one, name)})
@@ -49,51 +52,6 @@ def samples(equation: list[FloatArray], inertia: FloatArray | None = None) -> Sa
     """Functions at points, and nothing else of them."""
     none = np.empty(0)
     return Samples(none, np.array(equation), none, none, none if inertia is None else inertia)
-
-
-class Sampler:
-    """Functions of the travel alone, on a grid of travels and one gap."""
-
-    def __init__(self, *functions: Any) -> None:
-        self.functions = functions
-        self.travels: list[Any] = []
-
-    def grid(self, u: Any, x: Any) -> Any:
-        assert x.tolist() == [0.0]
-        return u[:, None, None] * np.ones((1, 1, 2))
-
-    def at(self, u: Any, x: Any, q: Any) -> Any:
-        assert (x == 0.0).all()
-        assert (q[:, 0] == u).all()
-        self.travels.append(u)
-        return samples([item(u) for item in self.functions])
-
-
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-@pytest.mark.parametrize("opening", [0.3, 2.5])
-def test_functions_along_the_closed_stop(sign: float, opening: float) -> None:
-    """Series that meet the functions within their bounds, which know no sign."""
-    functions = (
-        lambda u: sign * np.exp(6.0 * u), lambda u: sign * np.cos(40.0 * u), lambda u: 0.0 * u,
-    )  # fmt: skip
-    sampler: Any = Sampler(*functions)
-    series, bounds = arrival._clamping(sampler, opening)
-    cells = series.shape[1]
-    assert cells == max(1, int(np.ceil(opening / arrival.CELL_RAD)))
-    width = opening / cells
-    assert (np.concatenate(sampler.travels) > 0.0).all()
-    assert (np.concatenate(sampler.travels) < opening).all()
-    between = np.linspace(-0.99, 0.99, 41)
-    for row, function in enumerate(functions):
-        for cell in range(cells):
-            true = function(width * (cell + 0.5 * (between + 1.0)))
-            found = chebyshev.chebval(between, series[row, cell])
-            assert np.abs(found - true).max() <= bounds[row]
-        tail = max(np.abs(series[row, cell, -2:]).sum() for cell in range(cells))
-        values = np.abs(function(np.concatenate(sampler.travels))).max()
-        rounded = 4.0 * np.finfo(float).eps * values
-        assert bounds[row] == pytest.approx(2.0 * tail + rounded, rel=1e-9, abs=1e-300)
-    assert bounds[2] == 0.0
 
 
 def test_turns_that_the_waiting_stop_does_not_open(e62: Mechanism) -> None:
@@ -109,10 +67,11 @@ def test_turns_that_the_waiting_stop_does_not_open(e62: Mechanism) -> None:
             return thrown, approached
 
     sampler: Any = Rates()
+    chart: Any = None
     for throw, approach in ((0.0, -1.0), (-2.0, -1.0), (2.0, 0.0), (2.0, 1.0)):
-        waiting = arrival.Waiting(stop, sampler, np.zeros(4), 1.0)
+        waiting = arrival.Waiting(stop, sampler, np.zeros(4), 1.0, (0.0, 0.0, 0.0, 0.0))
         with pytest.raises(SimulationError, match="'steeve' does not open 'jaw' by its") as caught:
-            arrival.arrival(system, sampler, opening, waiting, 1e-9)
+            arrival.arrival(system, sampler, opening, chart, waiting, 1e-9)
         assert caught.value.evidence == {"throw": throw, "approach": approach}
 
 

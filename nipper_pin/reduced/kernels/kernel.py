@@ -1,65 +1,88 @@
-"""Transitions of many cases, compiled: their collisions and rests, and how machines arrive."""
+"""Transitions of many cases, compiled: how machines arrive, their collisions and rests."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from math import pi
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import FloatArray
-from ...tolerances.reduced import ARRIVAL_SHARE, FINEST_TOLERANCE
+from ...tolerances.reduced import (
+    ARRIVAL_SHARE,
+    BEFORE_TOUCH,
+    FINEST_TOLERANCE,
+    FLIGHT_UNRESOLVED,
+    PHASE_TOLERANCE,
+)
 from . import layout as rows
-from .arrival_check import arrives, in_flight, landed, line, released
 from .compiled import compiled, part
-from .flight import flight
-from .layout import Case, Cases, Charts, Motion, Records, Settings, Turn, Work
-from .panel import grids
-from .turn import STRIKING, follow
-from .turn_charts import case_of, scratch, visit
+from .layout import Case, Cases, Charts, Motion, Records, Settings, Work
+from .release import released
+from .turn import FLYING, STRIKING, follow
+from .turn_charts import case_of, press, scratch
 
-# Where no first collision is given it is at the touch.
-_AT_TOUCH, _NO_RESTS = np.empty((0, 4)), np.empty(0)
-# Rooms for events beyond the collisions: a rest, and the collision that is one too many.
-BESIDE = 2
+# Charts of the rest of a turn: of the clamping stop up to its opening, of the waiting one from
+# there to the touch.
+_CLAMPING, _WAITING = rows.numbered(2)
+_ONE_TURN: int = rows.numbered(1, 1)[0]
+# Bounces of the waiting stop that are followed.
+_MOST_BOUNCES = 64
 
 
 @part
-def _touch(charts: Charts, speed: float) -> Motion:
-    """The touch in the initial phase, just before the collision."""
-    number = charts.numbers[0]
+def _met(charts: Charts, c: int, to: int, speed: float) -> Motion:
+    """Just before the collision of the stop that takes over at the end of a chart."""
+    number = charts.numbers[c]
     rate, wrong = number[rows.ARRIVE] * speed, number[rows.ARRIVE_ERROR] * speed
-    return Motion(rows.ZERO, 0.0, 0.0, 0.0, rate, 0.0, 0.0, wrong)
+    return Motion(to, 0.0, 0.0, 0.0, rate, 0.0, 0.0, wrong)
 
 
 @part
-def _flown(grids: FloatArray, charts: Charts, y: Charts, turn: Turn, work: Work, waiting: Work,
-           one: Case, u: float, w: float, settings: Settings) -> tuple[bool, Motion]:  # fmt: skip
-    """First collision of a machine that arrives in flight."""
-    none = Motion(rows.ZERO, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    finer = max(ARRIVAL_SHARE * settings.tolerance, FINEST_TOLERANCE)
-    known, x, rate, dx, dv = in_flight(
-        grids, y, turn, waiting, one.speed, u, w, settings.rest_rate, finer
+def _arrival(grids: FloatArray, turn: Charts, work: Work, one: Case, settings: Settings,
+             vague: float, records: Records) -> tuple[int, Motion]:  # fmt: skip
+    """In which phase a machine arrives at the touch: HOLDS, FAILS or UNKNOWN, and its state.
+
+    Motion after a rest is independent of the motion before it.
+
+    Args:
+        turn: The charts of the rest of the turn.
+        settings: Of these flights.
+        vague: Error of the gap at the touch, by the gap, from which on a flight is not known.
+    """
+    opening = _met(turn, _CLAMPING, _WAITING, one.speed)
+    status, _ = follow(
+        grids, turn, work, one, settings, _ONE_TURN, STRIKING, opening, _CLAMPING, records
     )
-    if not known or not 0.0 < x < charts.numbers[0, rows.HIGH]:
-        return False, none
-    work.ready[:] = False
-    visit(charts, work, rows.ZERO, one)
-    ended, T, v, _, _, a, fastest, changed, left, _, _ = flight(
-        grids, work.case[0], work.mixed[0], work.poly, work.nodes, charts.equation.shape[4], 0.0, x,
-        rate, settings.tolerance, x < 0.0,
-    )  # fmt: skip
-    if int(ended) != rows.AT_REST or v >= 0.0:
-        return False, none
-    late, wrong = landed(work.sizes[0], one.speed, T, v, a, fastest, changed, left, dx, dv)
-    return True, Motion(rows.ZERO, one.speed * T, 0.0, 0.0, v, late, 0.0, wrong)
+    end, last = records.ends[1], records.events[records.counts[rows.EVENTS] - 1]
+    at = Motion(_CLAMPING, 0.0, 0.0, end[3], end[4], 0.0, end[5], end[6])
+    near = BEFORE_TOUCH + one.speed * last[rows.TIME_ERROR]
+    if status != rows.AT_REST or last[rows.TRAVEL] > 2.0 * pi - near:
+        return rows.UNKNOWN, at
+    if end[1] >= turn.numbers[_WAITING, rows.TRAVEL_MOST]:
+        return rows.HOLDS, at
+    known = at.x < turn.numbers[_CLAMPING, rows.HIGH] and at.dx < vague * at.x
+    return rows.FAILS if known else rows.UNKNOWN, at
 
 
 @part
-def _told(events: FloatArray, count: int, angle: tuple[float, float]) -> None:
-    """Tell angles in the place of travels, and the rebound of a collision without one."""
+def _clamps(turn: Charts, work: Work, one: Case, rest: float) -> bool:
+    """Whether the clamping stop is pressed shut from a travel up to its opening."""
+    opening = turn.numbers[_CLAMPING, rows.TRAVEL_MOST]
+    if not rest < opening:
+        return False
+    work.ready[_CLAMPING] = False
+    press(turn, work, _CLAMPING, one)
+    span = turn.numbers[_CLAMPING, rows.SPAN]
+    return bool(released(work.line[_CLAMPING], span, rest, opening) > opening)
+
+
+@part
+def _write(events: FloatArray, count: int, angle: tuple[float, float]) -> None:
+    """Tell times from the first collision, angles, and the rebound of a stop that has none."""
     touch, sense = angle
-    for n in range(count):
+    for n in range(count, -1, -1):
+        events[n, rows.TIME] -= events[0, rows.TIME]
         events[n, rows.ANGLE] = touch + sense * events[n, rows.TRAVEL]
     last = events[count - 1]
     if last[rows.SEPARATION] <= 0.0:
@@ -86,176 +109,92 @@ def summary(events: FloatArray, status: int, count: int, rest: FloatArray) -> No
 
 
 @part
-def _transition(grids: FloatArray, charts: Charts, work: Work, cases: Cases, i: int,
-                settings: Settings, starts: FloatArray, angle: tuple[float, float],
-                records: Records, told: NDArray[np.int64], rest: FloatArray) -> None:  # fmt: skip
-    """One transition of a batch."""
-    one, events, most = case_of(cases, i), records.events, len(records.events) - BESIDE
-    begin = _touch(charts, one.speed)
-    if len(starts) > 0:
-        u, late, rate, wrong = starts[i, 0], starts[i, 1], starts[i, 2], starts[i, 3]
-        begin = Motion(rows.ZERO, u, 0.0, 0.0, rate, late, 0.0, wrong)
+def _transition(grids: FloatArray, charts: Charts, work: Work, one: Case, settings: Settings,
+                angle: tuple[float, float], state: FloatArray, premise: int, records: Records,
+                told: NDArray[np.int64], rest: FloatArray) -> None:  # fmt: skip
+    """One transition: from the touch, from the flight over it, or from what is not known."""
+    events, most = records.events, len(records.events) - rows.BESIDE
+    phase, at = STRIKING, _met(charts, _CLAMPING, _CLAMPING, one.speed)
+    if premise == rows.FAILS:
+        phase, at = FLYING, Motion(_CLAMPING, 0.0, 0.0, state[0], state[1], 0.0, state[2], state[3])
     status, count = rows.UNTOLD, rows.ZERO
-    if begin.v < 0.0:
+    if premise != rows.UNKNOWN:
         status, _ = follow(
-            grids, charts, work, one, settings, rows.ZERO, STRIKING, begin, rows.ZERO, records
+            grids, charts, work, one, settings, rows.ZERO, phase, at, _CLAMPING, records
         )
         count = records.counts[rows.EVENTS]
+    rest[4] = np.nan
+    if count > 0:
         if events[count - 1, rows.KIND] == rows.REST:
             status, count = rows.AT_REST, count - 1
+            rest[4] = events[count, rows.TRAVEL]
         count = min(count, most)
-        _told(events, count, angle)
-    told[i, 0], told[i, 1] = status, count
-    summary(events, status, count, rest[i])
+        _write(events, count, angle)
+    told[0], told[1] = status, count
+    summary(events, status, count, rest[:4])
     events[count:] = np.nan
 
 
+@part
+def _premise(grids: FloatArray, turn: Charts, work: Work, one: Case, settings: Settings,
+             state: FloatArray, told: int, rest: float, premise: NDArray[np.int64],
+             records: Records) -> None:  # fmt: skip
+    """Find how one machine arrives, and how its transition begins, or whether that ends so."""
+    if premise[0] == rows.NOT_ASKED:
+        rough = Settings(settings.rest_rate, PHASE_TOLERANCE, True)
+        premise[0], _ = _arrival(grids, turn, work, one, rough, 1.0, records)
+        if told == rows.GOES_ON and premise[0] == rows.FAILS:
+            finer = max(ARRIVAL_SHARE * settings.tolerance, FINEST_TOLERANCE)
+            fine = Settings(settings.rest_rate, finer, False)
+            premise[0], at = _arrival(grids, turn, work, one, fine, FLIGHT_UNRESOLVED, records)
+            state[0], state[1], state[2], state[3] = at.x, at.v, at.dx, at.dv
+    known = told == rows.AT_REST and _clamps(turn, work, one, rest)
+    if told != rows.GOES_ON and not known:
+        premise[0] = rows.UNKNOWN
+
+
 @compiled
-def run_batch(grids: FloatArray, charts: Charts, cases: Cases, settings: Settings,
-              starts: FloatArray, angle: tuple[float, float], table: FloatArray,
-              told: NDArray[np.int64], rest: FloatArray) -> None:  # fmt: skip
-    """Transitions of a batch.
+def run_transitions(grids: FloatArray, charts: Charts, cases: Cases, settings: Settings,
+                    ask: bool, angle: tuple[float, float], table: FloatArray, state: FloatArray,
+                    told: NDArray[np.int64], rest: FloatArray,
+                    premise: NDArray[np.int64]) -> None:  # fmt: skip
+    """Transitions of a batch, or how machines arrive at the touch.
 
     Args:
-        charts: The domain of the reduced model.
-        starts: First collisions: travel, error of its time, rate, zero where that is not known, and
-            its error, shape (n, 4); none for first collisions at the touch.
+        charts: The domain of the reduced model; those of the rest of the turn where it is asked
+            for.
+        ask: Whether to find the premise, where it is NOT_ASKED, and the state at the touch. Where
+            transitions are known it becomes UNKNOWN for one that does not rest up to the opening.
         angle: Angle psi of the touch, and sign of its rate.
         table: Written: collisions, shape (n, most + BESIDE, COLUMNS); not beyond the last of a
             case.
-        told: Written: status and number of collisions, shape (n, 2).
-        rest: Written, shape (n, 4): time of rest and its error [s], share of the first two
-            rebounds in it, bound on the worst relative error.
+        state: Of machines in flight over the touch gap and rate, and their errors, shape (n, 4).
+        told: Written: status and number of collisions, shape (n, 2); GOES_ON before.
+        rest: Written, shape (n, 5): time of rest and its error [s], share of the first two
+            rebounds in it, bound on the worst relative error, and travel of the rest.
+        premise: HOLDS, where transitions begin at the touch, FAILS, where they begin from the
+            state, or UNKNOWN, shape (n, 1).
     """
-    work = scratch(charts, table.shape[1] - BESIDE, 0)
-    holds, ends = np.empty((1, rows.HOLD_COLUMNS)), np.empty((1, rows.END_COLUMNS))
+    most = table.shape[1] - rows.BESIDE
+    work = scratch(charts, _MOST_BOUNCES if ask else most, 0)
+    holds, ends = np.empty((2, rows.HOLD_COLUMNS)), np.empty((2, rows.END_COLUMNS))
     counts = np.zeros(rows.COUNTS, dtype=np.int64)
+    bounces = Records(np.empty((2 * _MOST_BOUNCES, rows.COLUMNS)), holds, ends, counts)
     for i in range(len(cases.speed)):
-        records = Records(table[i], holds, ends, counts)
-        _transition(grids, charts, work, cases, i, settings, starts, angle, records, told, rest)
-
-
-@compiled
-def run_arrivals(grids: FloatArray, charts: Charts, y: Charts, turn: Turn, cases: Cases,
-                 settings: Settings, premise: NDArray[np.int64], starts: FloatArray,
-                 told: NDArray[np.int64], rests: FloatArray) -> None:  # fmt: skip
-    """In which phase machines arrive at the touch, and where those in flight collide first.
-
-    Args:
-        charts: The domain of the reduced model.
-        y: Its functions between opening and touch.
-        turn: The rest of the turn.
-        premise: Written where it is NOT_ASKED: HOLDS, FAILS or UNKNOWN, shape (n,), integers.
-        starts: Written as ``run_batch`` reads it, if there is any.
-        told: Of the transitions, as ``run_batch`` writes it.
-        rests: Travels of their rests, shape (n,) [rad], if these are known: the premise becomes
-            UNKNOWN where a stop does not stay at rest until the opening.
-    """
-    work, waiting = scratch(charts, rows.ZERO, 0), scratch(y, rows.ZERO, 0)
-    clamping = np.zeros(turn.clamping.shape[1:])
-    for i in range(len(cases.speed)):
-        _arrive(grids, charts, y, turn, work, waiting, clamping, cases, i, settings, premise,
-                starts, told, rests)  # fmt: skip
+        records = bounces if ask else Records(table[i], holds, ends, counts)
+        _one(grids, charts, work, cases, i, settings, ask, angle, state[i], told[i], rest[i],
+             premise[i], records)  # fmt: skip
 
 
 @part
-def _arrive(grids: FloatArray, charts: Charts, y: Charts, turn: Turn, work: Work, waiting: Work,
-            clamping: FloatArray, cases: Cases, i: int, settings: Settings,
-            premise: NDArray[np.int64], starts: FloatArray, told: NDArray[np.int64],
-            rests: FloatArray) -> None:  # fmt: skip
-    """One of the cases of ``run_arrivals``."""
-    one, u, w = case_of(cases, i), 0.0, 0.0
-    if premise[i] == rows.NOT_ASKED:
-        waiting.ready[:] = False
-        visit(y, waiting, rows.ZERO, one)
-        line(turn.waiting, one, waiting.line[0])
-        premise[i], u, w = arrives(grids, y, turn, waiting, one.speed, settings.rest_rate)
-    if len(starts) > 0:
-        start = _touch(charts, one.speed)
-        if premise[i] == rows.FAILS:
-            found, start = _flown(grids, charts, y, turn, work, waiting, one, u, w, settings)
-            premise[i] = rows.FAILS if found else rows.UNKNOWN
-        known = premise[i] != rows.UNKNOWN
-        starts[i, 0], starts[i, 1] = start.u, start.dt
-        starts[i, 2], starts[i, 3] = start.v if known else 0.0, start.dv
-    if len(rests) > 0 and premise[i] != rows.UNKNOWN:
-        line(turn.clamping, one, clamping)
-        if not _clamps(turn, clamping, told[i, 0], rests[i]):
-            premise[i] = rows.UNKNOWN
-
-
-@part
-def _clamps(turn: Turn, line: FloatArray, status: int, rest: float) -> bool:
-    """True if the transition stop is at rest at a travel and pressed shut until the opening."""
-    if status != rows.AT_REST or not rest < turn.opening:
-        return False
-    return released(line, turn.opening, rest, turn.opening) > turn.opening
-
-
-class Machine(NamedTuple):
-    """What compiled code reads of a reduced model.
-
-    Attributes:
-        charts: The domain.
-        y: Its functions between opening and touch, or None.
-        turn: The rest of the turn, or None.
-        angle: Angle psi of the touch, and sign of its rate.
-    """
-
-    charts: Charts
-    y: Charts | None
-    turn: Turn | None
-    angle: tuple[float, float]
-
-
-def premise_of(machine: Machine, cases: Cases, settings: Settings, told: NDArray[np.int64],
-               rests: FloatArray) -> NDArray[np.int64]:  # fmt: skip
-    """Whether the machine arrives as a transition from the touch assumes: HOLDS, FAILS or UNKNOWN.
-
-    Args:
-        told: As ``run_batch`` writes it.
-        rests: Travels of the rests, shape (n,) [rad].
-    """
-    charts, y, turn, _ = machine
-    if y is None or turn is None:
-        return np.full(len(rests), rows.UNKNOWN)
-    premise = np.full(len(rests), rows.NOT_ASKED)
-    run_arrivals(grids(), charts, y, turn, cases, settings, premise, _AT_TOUCH, told, rests)
-    return premise
-
-
-class Solved(NamedTuple):
-    """What :func:`run_batch` writes, and the premise if that decided where transitions begin."""
-
-    table: FloatArray
-    told: NDArray[np.int64]
-    rest: FloatArray
-    premise: NDArray[np.int64] | None
-
-
-def solve(machine: Machine, cases: Cases, settings: Settings, most: int,
-          assumed: bool) -> Solved:  # fmt: skip
-    """Transitions from the touch, or as the turn brings the machine there where not ``assumed``.
-
-    Args:
-        most: Largest number of collisions.
-    """
-    n, (charts, y, turn, angle) = len(cases.speed), machine
-    table, rest = np.empty((n, most + BESIDE, rows.COLUMNS)), np.empty((n, 4))
-    told = np.empty((n, 2), dtype=np.int64)
-    premise, starts = None, _AT_TOUCH
-    if not assumed:
-        premise, starts = np.full(n, rows.UNKNOWN), np.zeros((n, 4))
-        if y is not None and turn is not None:
-            premise[:] = rows.NOT_ASKED
-            run_arrivals(
-                grids(), charts, y, turn, cases, settings, premise, starts, told, _NO_RESTS
-            )
-    run_batch(grids(), charts, cases, settings, starts, angle, table, told, rest)
-    if premise is not None:
-        if y is not None and turn is not None:
-            rests = starts[:, 0] + cases.speed * rest[:, 0]
-            run_arrivals(grids(), charts, y, turn, cases, settings, premise, _AT_TOUCH, told, rests)
-        lost = (premise == rows.UNKNOWN) & (told[:, 0] == rows.AT_REST)
-        told[lost], table[lost], rest[lost] = (rows.UNTOLD, 0), np.nan, np.nan
-    return Solved(table, told, rest, premise)
+def _one(grids: FloatArray, charts: Charts, work: Work, cases: Cases, i: int, settings: Settings,
+         ask: bool, angle: tuple[float, float], state: FloatArray, told: NDArray[np.int64],
+         rest: FloatArray, premise: NDArray[np.int64], records: Records) -> None:  # fmt: skip
+    """One of the cases."""
+    one = case_of(cases, i)
+    if ask:
+        _premise(grids, charts, work, one, settings, state, told[0], rest[4], premise, records)
+    else:
+        _transition(
+            grids, charts, work, one, settings, angle, state, premise[0], records, told, rest
+        )

@@ -61,6 +61,8 @@ COLLISION, REST, RELEASE = numbered(3)
 ) = numbered(16)  # fmt: skip
 ANGLE = TRAVEL
 COLUMNS = 16
+# Rooms for events of a transition beyond its collisions: a rest, and a collision too many.
+BESIDE = 2
 # Columns of the stretches on which the clamping stop is closed.
 HOLD_TURN, HOLD_CHART, HOLD_BEGIN, HOLD_END, ENDED_BY, HOLD_BEGIN_ERROR, HOLD_END_ERROR = range(7)
 HOLD_COLUMNS = 7
@@ -118,6 +120,7 @@ class Charts(NamedTuple):
 
     Attributes:
         equation: Functions in x'', shape (C, 4 + 2 springs, cells, Nu, Nx).
+        along: The same along the closed stop, x = 0, shape (C, functions, cells, Nu).
         gaps: Gaps of the other stops, then their derivatives by x, then those by u,
             shape (C, 3 S, cells, Nu, Nx).
         inertia: Effective inertia at x = 0, shape (C, cells, Nu).
@@ -133,6 +136,7 @@ class Charts(NamedTuple):
     """
 
     equation: FloatArray
+    along: FloatArray
     gaps: FloatArray
     inertia: FloatArray
     bounds: FloatArray
@@ -172,10 +176,17 @@ class Case(NamedTuple):
 
 
 class Settings(NamedTuple):
-    """What all cases of a call share: threshold of rest, 0 for the limit, and relative accuracy."""
+    """What all cases of a call share.
+
+    Attributes:
+        rest_rate: Threshold of rest, 0 for the limit.
+        tolerance: Relative accuracy.
+        rough: Whether a stop may rest later than it does, where that is sure to change nothing.
+    """
 
     rest_rate: float
     tolerance: float
+    rough: bool = False
 
 
 class Motion(NamedTuple):
@@ -202,32 +213,6 @@ class Motion(NamedTuple):
     dv: float
 
 
-class Turn(NamedTuple):
-    """What a turn does from its opening to the touch; y is the coordinate of the waiting stop.
-
-    The waiting stop is the one that is closed in the initial phase. It is reached where the
-    transition stop opens, bounces, rests, may be left again, and should be closed at the touch.
-
-    Attributes:
-        opening: Travel from the touch to the opening [rad].
-        restitution: e_N of the waiting stop.
-        clamping: Functions in x'' along x = 0 from the touch to the opening,
-            shape (functions, cells, N).
-        waiting: Functions in y'' along y = 0 from the opening to the touch, likewise.
-        residual: Bounds on the errors of the functions in ``clamping``, shape (functions,).
-        touch: Series in y at the touch of x and its derivatives by y and by u, shape (3, N).
-        touch_errors: Bounds on their errors, shape (3,).
-    """
-
-    opening: float
-    restitution: float
-    clamping: FloatArray
-    waiting: FloatArray
-    residual: FloatArray
-    touch: FloatArray
-    touch_errors: FloatArray
-
-
 class Records(NamedTuple):
     """What a run writes.
 
@@ -249,12 +234,12 @@ class Work(NamedTuple):
 
     Attributes:
         case: Numbers of the case, shape (C, CASE_NUMBERS).
-        mixed: Functions combined for the case when a chart is first visited, shape
+        mixed: Functions combined for the case when a flight first visits a chart, shape
             (C, cells, Nu, (3 + S) Nx): terms of x'' without x', with it, with its square, then the
             gaps.
         sizes: Bounds of the case as polynomials of the rate, shape (C, SIZES, 3).
         line: x'' along x = 0 at rest, shape (C, cells, Nu).
-        ready: Whether a chart was visited, shape (C,).
+        ready: Whether what presses the stop of a chart, and the chart, were combined, shape (C, 2).
         poly: A chart as polynomials in x at the nodes, shape (N + 1, (3 + S) Nx); the last row is
             for single points.
         nodes: Shape (SCRATCH_ROWS, N + 2), and the panels that are kept.

@@ -7,10 +7,12 @@ from math import pi
 import numpy as np
 
 from ...arrays import FloatArray
-from ...tolerances.reduced import LIMIT_CHANGE_SHARE
+from ...tolerances.reduced import LATE_REST_SAFETY, LIMIT_CHANGE_SHARE, STEADY_DECELERATION
+from . import layout as rows
 from .compiled import part
 from .flight_errors import drift
 from .panel import acceleration
+from .release import released
 
 _POINTS = 8
 
@@ -104,3 +106,26 @@ def settles(case: FloatArray, poly: FloatArray, degree: int, sizes: FloatArray, 
                 ahead = further
                 uncertain = max(uncertain, LIMIT_CHANGE_SHARE * still_changes(series, count))
     return found and still < 0.0, ahead, uncertain
+
+
+@part
+def surely_over(case: FloatArray, poly: FloatArray, degree: int, sizes: FloatArray,
+                line: FloatArray, u: float, w: float, restitution: float,
+                still: float) -> tuple[bool, float]:  # fmt: skip
+    """Whether a series surely ends while its stop is pressed, and how long it takes at the most.
+
+    Args:
+        line: x'' along x = 0 at rest.
+        u: Travel of the last collision [rad].
+
+    All others are those of ``settles``.
+    """
+    a = acceleration(case, poly, degree, 0.0, w)
+    if not (a < 0.0 and still < 0.0 and restitution < 1.0):
+        return False, 0.0
+    ahead = -2.0 * w / (a * (1.0 - restitution))
+    if drift(sizes, case[rows.SPEED], w, a, ahead) >= STEADY_DECELERATION:
+        return False, 0.0
+    ahead *= LATE_REST_SAFETY
+    over, travel = u + case[rows.SPEED] * ahead, case[rows.TRAVEL_MOST]
+    return over < travel and released(line, case[rows.SPAN], u, travel) > over, ahead

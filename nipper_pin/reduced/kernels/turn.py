@@ -11,16 +11,25 @@ from ...arrays import FloatArray
 from ...tolerances.mechanics import EPS
 from ...tolerances.reduced import LIMIT_ERROR_SAFETY
 from . import layout as rows
-from .arrival_check import released
 from .compiled import part
 from .flight import describe, flight, full, keep_rest, kept
 from .flight_errors import flight_errors
 from .layout import Case, Charts, Motion, Records, Settings, Work, numbered
 from .panel import acceleration, contract
+from .release import release_error, released
 from .repeats import mark, repeats
-from .series import settles
-from .turn_charts import chart_at, off_rows, off_rows_at, other_of, seen_by, surface, visit
-from .turn_events import TURN, errors_after, note, rebounded, release_error, strike
+from .series import settles, surely_over
+from .turn_charts import (
+    chart_at,
+    off_rows,
+    off_rows_at,
+    other_of,
+    press,
+    seen_by,
+    surface,
+    visit,
+)
+from .turn_events import TURN, errors_after, note, rebounded, strike
 
 # What a machine does next: its stop is closed, is about to be struck, has just been struck, is
 # open; or its chart has ended, with the stop closed or open.
@@ -54,7 +63,7 @@ def follow(grids: FloatArray, charts: Charts, work: Work, one: Case, settings: S
     while status == rows.GOES_ON:
         if _no_room(work, records):
             return rows.TOO_MANY, rows.ZERO
-        visit(charts, work, at.chart, one)
+        press(charts, work, at.chart, one)
         if phase == RESTING:
             status, phase, at = _rest(charts, work, one, clamp, records, at)
         elif phase == STRIKING:
@@ -62,8 +71,10 @@ def follow(grids: FloatArray, charts: Charts, work: Work, one: Case, settings: S
                 return rows.AT_REST, rows.ZERO
             phase, at = STRUCK, strike(charts, work, one, records, at)
         elif phase == STRUCK:
+            visit(charts, work, at.chart, one)
             status, phase, at = _bounce(charts, work, one, settings, turns == 0, records, at)
         elif phase == FLYING:
+            visit(charts, work, at.chart, one)
             status, phase, at = _fly(grids, charts, work, one, settings, records, at)
         elif turns == 0:
             return rows.LEFT_TRAVEL, rows.ZERO
@@ -160,6 +171,12 @@ def _bounce(charts: Charts, work: Work, one: Case, settings: Settings, to_rest: 
             case, work.poly, degree, sizes, work.series, bounces + 1, late, at.v, one.speed,
             one.restitution[stop], settings.rest_rate, settings.tolerance, still,
         )  # fmt: skip
+        if settings.rough and settings.rest_rate == 0.0 and not found:
+            found, ahead = surely_over(
+                case, work.poly, degree, sizes, work.line[c], at.u, at.v, one.restitution[stop],
+                still,
+            )  # fmt: skip
+            uncertain = 0.0
     elif to_rest and not found:
         return rows.NOT_PRESSED, STRUCK, at
     u, travel = at.u + one.speed * ahead, case[rows.TRAVEL_MOST]

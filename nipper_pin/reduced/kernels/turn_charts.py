@@ -26,7 +26,7 @@ def scratch(charts: Charts, most: int, panels: int) -> Work:
     return Work(
         np.zeros((count, rows.CASE_NUMBERS)), np.zeros((count, cells, count_u, size)),
         np.zeros((count, rows.SIZES, 3)), np.zeros((count, cells, count_u)),
-        np.zeros(count, dtype=np.bool_), np.zeros((finest + 1, size)),
+        np.zeros((count, 2), dtype=np.bool_), np.zeros((finest + 1, size)),
         np.zeros((rows.SCRATCH_ROWS * (1 + panels), finest + 2)), np.zeros((3, most)),
         np.zeros(rows.MEMORY),
     )  # fmt: skip
@@ -42,27 +42,42 @@ def case_of(cases: Cases, i: int) -> Case:
 
 
 @part
-def visit(charts: Charts, work: Work, c: int, one: Case) -> None:
-    """Combine a chart for the case when it is first visited."""
-    if work.ready[c]:
+def press(charts: Charts, work: Work, c: int, one: Case) -> None:
+    """Combine what presses the stop of a chart for the case, where that is first asked for."""
+    if work.ready[c, 0]:
         return
-    mixed, case = work.mixed[c], work.case[c]
+    case = work.case[c]
     for number in range(rows.CASE_NUMBERS):
         case[number] = charts.numbers[c, number]
     case[rows.SPEED] = one.speed
-    mix(charts.equation[c], charts.gaps[c], mixed, one)
     sizes_of(charts.bounds[c], work.sizes[c], one)
-    cells, count_u, count_x = charts.equation.shape[2:]
-    zero = case[rows.SCALE] * -case[rows.LOW] - 1.0
-    for cell in range(cells):
-        for i in range(count_u):
-            older, old = 1.0, zero
-            value = mixed[cell, i, 0] + zero * mixed[cell, i, 1]
-            for m in range(2, count_x):
-                older, old = old, 2.0 * zero * old - older
-                value += old * mixed[cell, i, m]
-            work.line[c, cell, i] = value
-    work.ready[c] = True
+    line(charts.along[c], one, work.line[c])
+    work.ready[c, 0] = True
+
+
+@part
+def visit(charts: Charts, work: Work, c: int, one: Case) -> None:
+    """Combine a chart for the case when a flight first visits it."""
+    press(charts, work, c, one)
+    if not work.ready[c, 1]:
+        mix(charts.equation[c], charts.gaps[c], work.mixed[c], one)
+        work.ready[c, 1] = True
+
+
+@part
+def line(functions: FloatArray, one: Case, found: FloatArray) -> None:
+    """Combine functions along a stop for a case, one row a cell."""
+    speed, stiffness, preload = one.speed, one.stiffness, one.preload
+    first = 4 + 2 * len(stiffness)
+    for cell in range(functions.shape[1]):
+        for i in range(functions.shape[2]):
+            value = speed * speed * functions[0, cell, i] + one.gravity * functions[3, cell, i]
+            for k in range(len(stiffness)):
+                unit = preload[k] * functions[4 + 2 * k, cell, i] + functions[5 + 2 * k, cell, i]
+                value += stiffness[k] * unit
+            if functions.shape[0] == first + 3:
+                value += functions[first, cell, i] + speed * functions[first + 1, cell, i]
+            found[cell, i] = value
 
 
 @part

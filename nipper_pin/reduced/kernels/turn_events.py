@@ -10,11 +10,10 @@ from ...arrays import FloatArray
 from ...tolerances.mechanics import EPS
 from ...tolerances.reduced import GROWTH_SAFETY
 from . import layout as rows
-from .arrival_check import within
 from .compiled import part
 from .flight_errors import exponent, size
 from .layout import Case, Charts, Motion, Records, Work
-from .panel import along, cell_at
+from .panel import along
 
 TURN = 2.0 * pi
 
@@ -94,14 +93,3 @@ def note(records: Records, kind: int, stop: int, t: float, travel: float, dt: fl
     row[rows.TIME], row[rows.TRAVEL] = t, travel
     row[rows.TIME_ERROR] = dt + 4.0 * EPS * t
     records.counts[rows.EVENTS] += 1
-
-
-@part
-def release_error(line: FloatArray, sizes: FloatArray, span: float, u: float) -> float:
-    """Bound on the error of the travel at which the force of a stop has fallen to zero."""
-    width = span / line.shape[0]
-    cell, _ = cell_at(span, line.shape[0], u)
-    step = 1e-3 * width
-    later, before = within(line, cell, width, u + step), within(line, cell, width, u - step)
-    slope = (later - before) / (2.0 * step)
-    return float(size(sizes, rows.RESIDUAL, 0.0) / max(abs(slope), 1e-300))

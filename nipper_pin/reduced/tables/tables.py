@@ -15,7 +15,7 @@ from ...arrays import FloatArray
 from ...errors import ConvergenceError
 from ...mechanism import Mechanism
 from ...tolerances.mechanics import EPS
-from ...tolerances.reduced import REFINEMENT_GAIN, TABLE_ERROR_SAFETY, TRIMMED_SHARE
+from ...tolerances.reduced import GAP_SHARE, REFINEMENT_GAIN, TABLE_ERROR_SAFETY, TRIMMED_SHARE
 from ..kernels.layout import Charts
 from . import series2d
 from .functions import Samples
@@ -320,6 +320,18 @@ def trimmed(
     )
 
 
+def orders_of_gaps(tables: Tables) -> tuple[int, int]:
+    """Orders that resolve the gaps and their slopes to round-off."""
+    found = [(2, 2)]
+    for series in (tables.gaps, tables.slopes):
+        size = np.abs(series).sum(axis=(2, 3)).max(axis=1, initial=0.0)
+        weights = np.where(size > 0.0, 1.0 / np.where(size > 0.0, size, 1.0), 0.0)
+        if len(series):
+            found.append(series2d.needed(series, weights, GAP_SHARE))
+    by_u, by_x = zip(*found, strict=True)
+    return max(by_u), max(by_x)
+
+
 def stacked(charts: list[Chart], after: list[int], lever: FloatArray) -> Charts:
     """All charts as arrays of one shape, padded by zeros.
 
@@ -353,8 +365,12 @@ def stacked(charts: list[Chart], after: list[int], lever: FloatArray) -> Charts:
         ))  # fmt: skip
         others = [place for place in range(len(lever)) if place != chart.stop]
         stops.append((chart.stop, to, *others))
+    equation = padded([chart.equation for chart in charts])
+    closed = np.array([chart.domain.places(np.zeros(1))[0] for chart in charts])
+    at_zero = np.polynomial.chebyshev.chebvander(closed, count_x - 1)
     return Charts(
-        equation=padded([chart.equation for chart in charts]),
+        equation=equation,
+        along=np.ascontiguousarray(np.einsum("cfnij,cj->cfni", equation, at_zero)),
         gaps=padded([chart.gaps for chart in charts]),
         inertia=np.ascontiguousarray(inertia),
         bounds=np.array([chart.bounds for chart in charts]),

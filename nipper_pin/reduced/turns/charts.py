@@ -11,10 +11,9 @@ from ...arrays import FloatArray
 from ...errors import SimulationError
 from ...hybrid.error_estimate.local_error import of_rates
 from ...mechanism import Mechanism
-from ...tolerances.reduced import CORNER_ROUND_OFF, GAP_SHARE
+from ...tolerances.reduced import CORNER_ROUND_OFF
 from ..model import MARGIN, factors
-from ..tables.series2d import needed
-from ..tables.tables import Chart, Domain, Tables, checks, resolved, trimmed
+from ..tables.tables import Chart, Domain, checks, orders_of_gaps, resolved, trimmed
 from .arcs import TURN, Arc, sampler_at, system_at
 from .rows import on_rows
 
@@ -130,18 +129,6 @@ def _sampled(around: Surroundings, gap: float, w: float, tolerance: float) -> Ch
     weights = around.weights(w)
     tables, samples = resolved(sampler, domain, weights, tolerance)
     points = checks(sampler, domain, tables)
-    kept = trimmed(points, domain, tables, weights, tolerance, _least(tables))
+    kept = trimmed(points, domain, tables, weights, tolerance, orders_of_gaps(tables))
     on = on_rows(around.mechanism, domain, tables)
     return replace(around.placed(kept), on_rows=on, samples=samples)
-
-
-def _least(tables: Tables) -> tuple[int, int]:
-    """Orders that resolve the gaps and their slopes to round-off."""
-    found = [(2, 2)]
-    for series in (tables.gaps, tables.slopes):
-        size = np.abs(series).sum(axis=(2, 3)).max(axis=1, initial=0.0)
-        weights = np.where(size > 0.0, 1.0 / np.where(size > 0.0, size, 1.0), 0.0)
-        if len(series):
-            found.append(needed(series, weights, GAP_SHARE))
-    by_u, by_x = zip(*found, strict=True)
-    return max(by_u), max(by_x)
