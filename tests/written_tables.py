@@ -10,7 +10,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from nipper_pin.arrays import FloatArray
-from nipper_pin.reduced.kernels import layout, turn_charts
+from nipper_pin.reduced.kernels import layout, panel, turn_charts
 from nipper_pin.reduced.kernels.layout import Case, Charts, Work
 from nipper_pin.reduced.tables.arrival import Arrival
 
@@ -180,10 +180,13 @@ def case(speed: float, gravity: float, stiffness: Any, preload: Any, e_N: float 
     return Case(speed, np.full(4, e_N), np.array(stiffness), np.array(preload), gravity)
 
 
-def work_of(charts: Charts, one: Case, *, most: int = 8) -> Work:
+def work_of(charts: Charts, one: Case, *, most: int = 8) -> tuple[Work, panel.Source]:
     """Scratch arrays, filled with what no result may contain, and the chart combined for a case."""
     work = turn_charts.scratch(charts, most, 0)
     for array in (work.case, work.mixed, work.line, work.poly, work.nodes, work.series):
         array.fill(np.nan)
-    turn_charts.visit(charts, work, 0, one)
-    return work
+    work.pressed.fill(False)
+    turn_charts.press(charts, work, 0, one)
+    source, span = turn_charts.source_of(charts, work, 0, one), work.case[0, layout.SPAN]
+    panel.reach(source, span, 0.0, span)
+    return work, source

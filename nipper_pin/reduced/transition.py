@@ -31,6 +31,8 @@ from .model import ReducedModel
 from .results import REASONS, ReducedTransition, Status, TransitionBatch
 
 _AT_REST = int(Status.AT_REST)
+# Collisions that nearly all transitions have less of.
+_USUAL = 32
 _ENGINE = "the reduced engine"
 # Gravity of one case by that of the model.
 _ALL = np.ones(1)
@@ -79,8 +81,12 @@ def transition(
         one_row("preload", preload, model.preload, -LARGEST),
         _ALL if gravity is None else _weight(model, gravity)[:1],
     )
-    found, tell = _solved(model, cases, rest_rate, tolerance, assumed, max_collisions)
-    status, count = found.told[0].tolist()
+    # Few transitions need the room for all collisions, which takes time to clear.
+    for most in sorted({min(_USUAL, max_collisions), max_collisions}):
+        found, tell = _solved(model, cases, rest_rate, tolerance, assumed, most)
+        status, count = found.told[0].tolist()
+        if status != Status.TOO_MANY_COLLISIONS:
+            break
     if status != _AT_REST:
         raise _refusal(model, Status(status), count, speed_rpm, max_collisions)
     duration, error, share, bound = found.rest[0, :4].tolist()

@@ -104,9 +104,9 @@ def solved(tables: Charts, u: float, x: float, v: float) -> Any:
 
 def flown(tables: Charts, u: float, x: float, v: float, tolerance: float = 1e-10) -> Any:
     k, p = np.array(SPRINGS).T
-    work = work_of(tables, case(SPEED, GRAVITY, k, p))
+    work, source = work_of(tables, case(SPEED, GRAVITY, k, p))
     found = flight.flight(
-        grids(), work.case[0], work.mixed[0], work.poly, work.nodes, tables.equation.shape[4], u, x,
+        grids(), work.case[0], source, work.poly, work.nodes, tables.equation.shape[4], u, x,
         v, tolerance, x == 0.0,
     )  # fmt: skip
     return found, work
@@ -258,12 +258,12 @@ def test_the_fastest_rate_of_a_flight_is_its_largest(e62: Mechanism, model: Redu
     the rate of the end, relatively.
     """
     speed = 650.0 * math.tau / 60.0
-    work = work_of(model.charts, case(speed, 1.0, model.stiffness, model.preload))
+    work, source = work_of(model.charts, case(speed, 1.0, model.stiffness, model.preload))
     first, second = simulate(
         e62, Case(speed_rpm=650.0, resolution=Resolution(tolerance=1e-13))
     ).collisions[:2]
     status, duration, rate, _, _, acceleration, fastest, _, _, _, _ = flight.flight(
-        grids(), work.case[0], work.mixed[0], work.poly, work.nodes, model.degrees[1], 0.0, 0.0,
+        grids(), work.case[0], source, work.poly, work.nodes, model.degrees[1], 0.0, 0.0,
         first.separation_rate, 1e-10, True,
     )  # fmt: skip
     assert int(status) == AT_REST

@@ -13,7 +13,7 @@ import pytest
 from numpy.polynomial import Polynomial, chebyshev
 from written_tables import case, tables_of, value, work_of, x_dd
 
-from nipper_pin.reduced.kernels import panel
+from nipper_pin.reduced.kernels import panel, turn_charts
 from nipper_pin.reduced.kernels.layout import (
     DOUBLE,
     INTEGRAL,
@@ -47,7 +47,7 @@ def prepared(count_u: int, count_x: int, cells: int = 3, springs: Any = SPRINGS)
     gaps = random.normal(size=(2, *shape[1:]))
     tables = tables_of(random.normal(size=shape), gaps=gaps, low=-0.3, high=1.7, travel=2.4)
     k, p = np.array(springs).reshape(-1, 2).T
-    return tables, work_of(tables, case(SPEED, GRAVITY, k, p))
+    return tables, work_of(tables, case(SPEED, GRAVITY, k, p))[0]
 
 
 @pytest.mark.parametrize("count_u", [2, 3, 4, 5, 6])
@@ -66,6 +66,23 @@ def test_functions_of_a_case(count_u: int, u: float) -> None:
             found = panel.chebyshev(work.poly, row, (3 + stop) * 4, 4, place)
             expected = value(tables, tables.gaps[0, stop], u, x)
             assert found == pytest.approx(expected, rel=1e-11, abs=1e-12)
+
+
+def test_cells_are_combined_where_a_motion_goes() -> None:
+    """Those between two travels, once; the others stay as they are."""
+    tables, work = prepared(4, 4, cells=5)
+    one, whole = case(SPEED, GRAVITY, *np.array(SPRINGS).T), work.mixed[0].copy()
+    source = turn_charts.source_of(tables, work, 0, one)
+    source.ready[:], source.mixed[:] = False, np.nan
+    width = 2.4 / 5.0
+    panel.reach(source, 2.4, 1.5 * width, 3.5 * width)
+    assert source.ready.tolist() == [False, True, True, True, False]
+    np.testing.assert_array_equal(source.mixed[1:4], whole[1:4])
+    assert np.isnan(source.mixed[[0, 4]]).all()
+    source.mixed[2] = 7.0
+    panel.reach(source, 2.4, 2.5 * width, 9.0)
+    assert (source.mixed[2] == 7.0).all()
+    np.testing.assert_array_equal(source.mixed[4], whole[4])
 
 
 def test_a_case_without_springs_or_other_stops() -> None:
@@ -209,23 +226,11 @@ def test_a_panel_is_as_accurate_as_it_says(
     No grid can be as fine as the least tolerance; what is at round-off counts as resolved.
     """
     tables, motion = oscillator(1.5, 0.2, -0.5, 2.0)
-    work = work_of(tables, case(SPEED, GRAVITY, [], []))
+    work, source = work_of(tables, case(SPEED, GRAVITY, [], []))
     nodes = work.nodes
     a0 = -(SPEED**2) * (1.5 * x0 + 1.0) - 0.4 * SPEED * v0
     level, length, change, left = panel.solve_panel(
-        grids(),
-        work.case[0],
-        work.mixed[0],
-        work.poly,
-        nodes,
-        3,
-        0.0,
-        h,
-        x0,
-        v0,
-        a0,
-        False,
-        tolerance,
+        grids(), work.case[0], source, work.poly, nodes, 3, 0.0, h, x0, v0, a0, False, tolerance
     )
     assert length == h
     count = LEVELS[level]
@@ -252,9 +257,9 @@ def test_a_panel_is_as_accurate_as_it_says(
 def test_the_length_of_a_panel_meets_the_next_zero(guess: float, left_over: float) -> None:
     """From a guess that is too long or too short, but never beyond the travel."""
     tables, motion = oscillator(1.5, 0.2, -0.5, 2.0)
-    work = work_of(tables, case(SPEED, GRAVITY, [], []))
+    work, source = work_of(tables, case(SPEED, GRAVITY, [], []))
     level, length, _, _ = panel.solve_panel(
-        grids(), work.case[0], work.mixed[0], work.poly, work.nodes, 3, 30.0 - left_over, guess,
+        grids(), work.case[0], source, work.poly, work.nodes, 3, 30.0 - left_over, guess,
         0.0, 4.0, -(SPEED**2) - 0.4 * SPEED * 4.0, True, 1e-10,
     )  # fmt: skip
     assert level >= 0
@@ -271,9 +276,9 @@ def test_the_length_of_a_panel_meets_the_next_zero(guess: float, left_over: floa
 def test_what_cannot_be_resolved_is_said() -> None:
     """A rate of change that no grid follows: no level."""
     tables, _ = oscillator(4e4, 0.2, -0.5, 2.0)
-    work = work_of(tables, case(SPEED, GRAVITY, [], []))
+    work, source = work_of(tables, case(SPEED, GRAVITY, [], []))
     level, _, change, left = panel.solve_panel(
-        grids(), work.case[0], work.mixed[0], work.poly, work.nodes, 3, 0.0, 0.3, 0.0, 4.0, -100.0,
+        grids(), work.case[0], source, work.poly, work.nodes, 3, 0.0, 0.3, 0.0, 4.0, -100.0,
         False, 1e-10,
     )  # fmt: skip
     assert level == -1

@@ -22,12 +22,14 @@ from .flight_errors import begin_growth, grow, size
 from .hits import Held, first_hit
 from .panel import (
     OVERSHOOT,
+    Source,
     acceleration,
     chebyshev,
     coefficients,
     contract,
     position,
     rate_at,
+    reach,
     solve_panel,
 )
 
@@ -209,19 +211,21 @@ def _highest(grids: FloatArray, nodes: FloatArray, level: int, h: float, x0: flo
 
 
 @part
-def _ballistic(case: FloatArray, mixed: FloatArray, poly: FloatArray, degree: int, u: float,
+def _ballistic(case: FloatArray, source: Source, poly: FloatArray, degree: int, u: float,
                x: float, v: float, a0: float) -> float:  # fmt: skip
     """Time to the next zero of x, for an acceleration a0 < 0 that changes linearly with time."""
     h = (v + sqrt(max(v * v - 2.0 * a0 * x, 0.0))) / -a0
     if x > 0.0 or u + h * case[rows.SPEED] > case[rows.TRAVEL_MOST]:
         return h
-    contract(mixed, poly, poly.shape[0] - 1, case[rows.SPAN], u + h * case[rows.SPEED])
+    until = u + h * case[rows.SPEED]
+    reach(source, case[rows.SPAN], until, until)
+    contract(source.mixed, poly, poly.shape[0] - 1, case[rows.SPAN], until)
     mean = (2.0 * a0 + acceleration(case, poly, degree, 0.0, -v)) / 3.0
     return 2.0 * v / -mean if mean < 0.5 * a0 else h
 
 
 @part
-def flight(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatArray,
+def flight(grids: FloatArray, case: FloatArray, source: Source, poly: FloatArray,
             nodes: FloatArray, degree: int, u0: float, x0: float, w: float, tolerance: float,
             touching: bool) -> tuple[float, ...]:  # fmt: skip
     """Flight from x0 with rate w to the next zero of x; from x0 = 0 with w > 0, or at a release.
@@ -232,7 +236,7 @@ def flight(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatAr
         acceleration at the end, fastest rate, of all panels the largest last change and steady
         error of x'', x at the end, and the number of the other stop.
     """
-    speed, travel = case[rows.SPEED], case[rows.TRAVEL_MOST]
+    speed, travel, mixed = case[rows.SPEED], case[rows.TRAVEL_MOST], source.mixed
     t, x, v = 0.0, x0, w
     a = 0.0
     amplitude = peak_time = fastest = changed = left = 0.0
@@ -243,17 +247,18 @@ def flight(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatAr
         longest = (travel - u) / speed
         if longest <= TRAVEL_END * travel / speed:
             return rows.LEFT_TRAVEL, t, v, amplitude, peak_time, a, fastest, changed, left, x, -1.0
+        reach(source, case[rows.SPAN], u, u)
         contract(mixed, poly, poly.shape[0] - 1, case[rows.SPAN], u)
         a0 = acceleration(case, poly, degree, x, v)
         h = longest
         # At a release a0 is round-off.
         if a0 < 0.0 and (x > 0.0 or v > 0.0):
-            h = OVERSHOOT * _ballistic(case, mixed, poly, degree, u, x, v, a0)
+            h = OVERSHOOT * _ballistic(case, source, poly, degree, u, x, v, a0)
         level = -1
         change = missing = 0.0
         for halving in range(_MOST_HALVINGS):
             level, h, change, missing = solve_panel(
-                grids, case, mixed, poly, nodes, degree, u, h, x, v, a0, halving == 0, tolerance
+                grids, case, source, poly, nodes, degree, u, h, x, v, a0, halving == 0, tolerance
             )
             if level >= 0:
                 break

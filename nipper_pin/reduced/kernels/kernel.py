@@ -71,7 +71,7 @@ def _clamps(turn: Charts, work: Work, one: Case, rest: float) -> bool:
     opening = turn.numbers[_CLAMPING, rows.TRAVEL_MOST]
     if not rest < opening:
         return False
-    work.ready[_CLAMPING] = False
+    work.pressed[_CLAMPING] = False
     press(turn, work, _CLAMPING, one)
     span = turn.numbers[_CLAMPING, rows.SPAN]
     return bool(released(work.line[_CLAMPING], span, rest, opening) > opening)
@@ -166,7 +166,7 @@ def run_transitions(grids: FloatArray, charts: Charts, cases: Cases, settings: S
         ask: Whether to find the premise, where it is NOT_ASKED, and the state at the touch. Where
             transitions are known it becomes UNKNOWN for one that does not rest up to the opening.
         angle: Angle psi of the touch, and sign of its rate.
-        table: Written: collisions, shape (n, most + BESIDE, COLUMNS); not beyond the last of a
+        table: Written: collisions, shape (n, most + BESIDE, COLUMNS), NaN beyond the last of a
             case.
         state: Of machines in flight over the touch gap and rate, and their errors, shape (n, 4).
         told: Written: status and number of collisions, shape (n, 2); GOES_ON before.

@@ -234,12 +234,12 @@ class Work(NamedTuple):
 
     Attributes:
         case: Numbers of the case, shape (C, CASE_NUMBERS).
-        mixed: Functions combined for the case when a flight first visits a chart, shape
-            (C, cells, Nu, (3 + S) Nx): terms of x'' without x', with it, with its square, then the
-            gaps.
+        mixed: Functions combined for the case, shape (C, cells, Nu, (3 + S) Nx): terms of x''
+            without x', with it, with its square, then the gaps.
         sizes: Bounds of the case as polynomials of the rate, shape (C, SIZES, 3).
         line: x'' along x = 0 at rest, shape (C, cells, Nu).
-        ready: Whether what presses the stop of a chart, and the chart, were combined, shape (C, 2).
+        pressed: Whether what presses the stop of a chart was combined, shape (C,).
+        ready: Whether its cells were, shape (C, cells).
         poly: A chart as polynomials in x at the nodes, shape (N + 1, (3 + S) Nx); the last row is
             for single points.
         nodes: Shape (SCRATCH_ROWS, N + 2), and the panels that are kept.
@@ -251,6 +251,7 @@ class Work(NamedTuple):
     mixed: FloatArray
     sizes: FloatArray
     line: FloatArray
+    pressed: NDArray[np.bool_]
     ready: NDArray[np.bool_]
     poly: FloatArray
     nodes: FloatArray

@@ -7,8 +7,10 @@ once a node; a sweep then costs three short polynomials in x for each node.
 from __future__ import annotations
 
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...arrays import FloatArray
 from ...chebyshev import evaluate, nodes, prolonged
@@ -23,36 +25,59 @@ from .layout import Case
 OVERSHOOT = 1.01
 
 
-@part
-def mix(f: FloatArray, gaps: FloatArray, mixed: FloatArray, one: Case) -> None:
-    """Combine the functions of a chart for the parameters of a case.
+class Source(NamedTuple):
+    """Functions of a chart that are combined for a case cell by cell, where a motion goes.
 
-    Args:
-        f: Functions in x'', shape (functions, cells, Nu, Nx).
+    Attributes:
+        equation: Functions in x'', shape (functions, cells, Nu, Nx).
         gaps: Gaps of the other stops and their derivatives, shape (3 S, cells, Nu, Nx).
-        mixed: Written, shape (cells, Nu, (3 + S) Nx).
+        one: The case.
+        mixed: Shape (cells, Nu, (3 + S) Nx).
+        ready: Whether a cell is combined, shape (cells,).
     """
+
+    equation: FloatArray
+    gaps: FloatArray
+    one: Case
+    mixed: FloatArray
+    ready: NDArray[np.bool_]
+
+
+@part
+def reach(source: Source, span: float, u: float, until: float) -> None:
+    """Combine the cells between two travels."""
+    cells = len(source.ready)
+    first, last = cell_at(span, cells, u)[0], cell_at(span, cells, until)[0]
+    for cell in range(first, last + 1):
+        if not source.ready[cell]:
+            _mix(source, cell)
+            source.ready[cell] = True
+
+
+@part
+def _mix(source: Source, cell: int) -> None:
+    """Combine the functions of a cell for the parameters of the case."""
+    f, gaps, one = source.equation, source.gaps, source.one
     speed, stiffness, preload = one.speed, one.stiffness, one.preload
-    cells, count_u, count_x = f.shape[1], f.shape[2], f.shape[3]
-    for cell in range(cells):
-        for i in range(count_u):
-            row = mixed[cell, i]
+    count_u, count_x = f.shape[2], f.shape[3]
+    for i in range(count_u):
+        row = source.mixed[cell, i]
+        for m in range(count_x):
+            row[m] = speed * speed * f[0, cell, i, m] + one.gravity * f[3, cell, i, m]
+            row[count_x + m] = speed * f[1, cell, i, m]
+            row[2 * count_x + m] = f[2, cell, i, m]
+        for k in range(len(stiffness)):
+            rate, unit = stiffness[k], stiffness[k] * preload[k]
             for m in range(count_x):
-                row[m] = speed * speed * f[0, cell, i, m] + one.gravity * f[3, cell, i, m]
-                row[count_x + m] = speed * f[1, cell, i, m]
-                row[2 * count_x + m] = f[2, cell, i, m]
-            for k in range(len(stiffness)):
-                rate, unit = stiffness[k], stiffness[k] * preload[k]
-                for m in range(count_x):
-                    row[m] += unit * f[4 + 2 * k, cell, i, m] + rate * f[5 + 2 * k, cell, i, m]
-            if f.shape[0] == 7 + 2 * len(stiffness):
-                first = 4 + 2 * len(stiffness)
-                for m in range(count_x):
-                    row[m] += f[first, cell, i, m] + speed * f[first + 1, cell, i, m]
-                    row[count_x + m] += f[first + 2, cell, i, m]
-            for stop in range(len(gaps) // 3):
-                for m in range(count_x):
-                    row[(3 + stop) * count_x + m] = gaps[stop, cell, i, m]
+                row[m] += unit * f[4 + 2 * k, cell, i, m] + rate * f[5 + 2 * k, cell, i, m]
+        if f.shape[0] == 7 + 2 * len(stiffness):
+            first = 4 + 2 * len(stiffness)
+            for m in range(count_x):
+                row[m] += f[first, cell, i, m] + speed * f[first + 1, cell, i, m]
+                row[count_x + m] += f[first + 2, cell, i, m]
+        for stop in range(len(gaps) // 3):
+            for m in range(count_x):
+                row[(3 + stop) * count_x + m] = gaps[stop, cell, i, m]
 
 
 @part
@@ -192,7 +217,7 @@ def _defect(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatA
 
 
 @part
-def solve_panel(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatArray,
+def solve_panel(grids: FloatArray, case: FloatArray, source: Source, poly: FloatArray,
                 nodes: FloatArray, degree: int, u: float, h: float, x0: float, v0: float,
                 a0: float, estimate: bool,
                 tolerance: float) -> tuple[int, float, float, float]:  # fmt: skip
@@ -202,12 +227,13 @@ def solve_panel(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: Fl
         Level of the grid (-1: not resolved), length, the last change of x'', and the steady error
         of x'' that does what the coefficients missing from the series and round-off do.
     """
-    speed, span = case[rows.SPEED], case[rows.SPAN]
+    speed, span, mixed = case[rows.SPEED], case[rows.SPAN], source.mixed
     longest = (case[rows.TRAVEL_MOST] - u) / speed
     for j in range(rows.LEVELS[0]):
         nodes[rows.NODE_A, j] = a0
     for _ in range(4 if estimate else 1):
         h = min(h, longest)
+        reach(source, span, u, u + h * speed)
         for j in range(rows.LEVELS[0]):
             contract(mixed, poly, j, span, u + h * speed * grids[rows.SIGMA, 0, 0, j])
         if not estimate:
@@ -226,8 +252,9 @@ def solve_panel(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: Fl
             break
         h *= OVERSHOOT * min(max(root, 0.3), 3.0)
     else:
+        h = min(h, longest)
+        reach(source, span, u, u + h * speed)
         for j in range(rows.LEVELS[0]):
-            h = min(h, longest)
             contract(mixed, poly, j, span, u + h * speed * grids[rows.SIGMA, 0, 0, j])
     for level in range(len(rows.LEVELS)):
         count = rows.LEVELS[level]

@@ -15,7 +15,7 @@ from .compiled import part
 from .flight import describe, flight, full, keep_rest, kept
 from .flight_errors import flight_errors
 from .layout import Case, Charts, Motion, Records, Settings, Work, numbered
-from .panel import acceleration, contract
+from .panel import acceleration, contract, reach
 from .release import release_error, released
 from .repeats import mark, repeats
 from .series import settles, surely_over
@@ -26,8 +26,8 @@ from .turn_charts import (
     other_of,
     press,
     seen_by,
+    source_of,
     surface,
-    visit,
 )
 from .turn_events import TURN, errors_after, note, rebounded, strike
 
@@ -53,7 +53,7 @@ def follow(grids: FloatArray, charts: Charts, work: Work, one: Case, settings: S
         Status, and the number of turns after which the last one repeats an earlier one; 0 if it
         does not.
     """
-    work.ready[:] = False
+    work.pressed[:] = False
     records.counts[:] = 0
     work.memory[:] = 0.0
     work.memory[rows.LAST] = work.memory[rows.REST_CHART] = -1.0
@@ -71,10 +71,8 @@ def follow(grids: FloatArray, charts: Charts, work: Work, one: Case, settings: S
                 return rows.AT_REST, rows.ZERO
             phase, at = STRUCK, strike(charts, work, one, records, at)
         elif phase == STRUCK:
-            visit(charts, work, at.chart, one)
             status, phase, at = _bounce(charts, work, one, settings, turns == 0, records, at)
         elif phase == FLYING:
-            visit(charts, work, at.chart, one)
             status, phase, at = _fly(grids, charts, work, one, settings, records, at)
         elif turns == 0:
             return rows.LEFT_TRAVEL, rows.ZERO
@@ -154,7 +152,9 @@ def _bounce(charts: Charts, work: Work, one: Case, settings: Settings, to_rest: 
     """Count a bounce, and come to rest where what is left of its series is known."""
     c, memory, case, sizes = at.chart, work.memory, work.case[at.chart], work.sizes[at.chart]
     degree, most, stop = charts.equation.shape[4], work.series.shape[1], charts.stops[c, rows.OWN]
-    contract(work.mixed[c], work.poly, work.poly.shape[0] - 1, case[rows.SPAN], at.u)
+    source, span = source_of(charts, work, c, one), case[rows.SPAN]
+    reach(source, span, at.u, at.u)
+    contract(source.mixed, work.poly, work.poly.shape[0] - 1, span, at.u)
     still = acceleration(case, work.poly, degree, 0.0, 0.0)
     found, ahead, uncertain = at.v <= 0.0 and still < 0.0, 0.0, 0.0
     if at.v > 0.0:
@@ -166,7 +166,7 @@ def _bounce(charts: Charts, work: Work, one: Case, settings: Settings, to_rest: 
         fastest = max(memory[rows.FASTEST], at.v)
         work.series[0, bounces], work.series[1, bounces] = at.t - memory[rows.ORIGIN], at.v
         memory[rows.BOUNCES], memory[rows.FASTEST] = bounces + 1.0, fastest
-        late = at.v <= settings.tolerance ** (1.0 / 3.0) * fastest
+        late = at.v**3 <= settings.tolerance * fastest**3
         found, ahead, uncertain = settles(
             case, work.poly, degree, sizes, work.series, bounces + 1, late, at.v, one.speed,
             one.restitution[stop], settings.rest_rate, settings.tolerance, still,
@@ -203,8 +203,8 @@ def _fly(grids: FloatArray, charts: Charts, work: Work, one: Case, settings: Set
     c, speed, memory, before = at.chart, one.speed, work.memory, kept(work.nodes)
     case, sizes, nodes = work.case[c], work.sizes[c], work.nodes
     end, T, rate, top, peak, a, fastest, changed, left, gap, hit = flight(
-        grids, case, work.mixed[c], work.poly, nodes, charts.equation.shape[4], at.u, at.x, at.v,
-        settings.tolerance, at.u == 0.0 and at.x == 0.0,
+        grids, case, source_of(charts, work, c, one), work.poly, nodes, charts.equation.shape[4],
+        at.u, at.x, at.v, settings.tolerance, at.u == 0.0 and at.x == 0.0,
     )  # fmt: skip
     status, u, t = int(end), at.u + speed * T, at.t + T
     if off_rows(charts, c, at.u, u, (at.x, gap), top, fastest / speed):

@@ -9,7 +9,7 @@ from . import layout as rows
 from .compiled import compiled, part
 from .flight_errors import sizes_of
 from .layout import Case, Cases, Charts, Work
-from .panel import cell_at, mix
+from .panel import Source, cell_at
 
 
 @compiled
@@ -24,11 +24,11 @@ def scratch(charts: Charts, most: int, panels: int) -> Work:
     size = (3 + charts.gaps.shape[1] // 3) * count_x
     finest = rows.LEVELS[-1]
     return Work(
-        np.zeros((count, rows.CASE_NUMBERS)), np.zeros((count, cells, count_u, size)),
-        np.zeros((count, rows.SIZES, 3)), np.zeros((count, cells, count_u)),
-        np.zeros((count, 2), dtype=np.bool_), np.zeros((finest + 1, size)),
-        np.zeros((rows.SCRATCH_ROWS * (1 + panels), finest + 2)), np.zeros((3, most)),
-        np.zeros(rows.MEMORY),
+        np.empty((count, rows.CASE_NUMBERS)), np.empty((count, cells, count_u, size)),
+        np.zeros((count, rows.SIZES, 3)), np.empty((count, cells, count_u)),
+        np.empty(count, dtype=np.bool_), np.empty((count, cells), dtype=np.bool_),
+        np.empty((finest + 1, size)), np.zeros((rows.SCRATCH_ROWS * (1 + panels), finest + 2)),
+        np.empty((3, most)), np.empty(rows.MEMORY),
     )  # fmt: skip
 
 
@@ -44,7 +44,7 @@ def case_of(cases: Cases, i: int) -> Case:
 @part
 def press(charts: Charts, work: Work, c: int, one: Case) -> None:
     """Combine what presses the stop of a chart for the case, where that is first asked for."""
-    if work.ready[c, 0]:
+    if work.pressed[c]:
         return
     case = work.case[c]
     for number in range(rows.CASE_NUMBERS):
@@ -52,16 +52,14 @@ def press(charts: Charts, work: Work, c: int, one: Case) -> None:
     case[rows.SPEED] = one.speed
     sizes_of(charts.bounds[c], work.sizes[c], one)
     line(charts.along[c], one, work.line[c])
-    work.ready[c, 0] = True
+    work.ready[c] = False
+    work.pressed[c] = True
 
 
 @part
-def visit(charts: Charts, work: Work, c: int, one: Case) -> None:
-    """Combine a chart for the case when a flight first visits it."""
-    press(charts, work, c, one)
-    if not work.ready[c, 1]:
-        mix(charts.equation[c], charts.gaps[c], work.mixed[c], one)
-        work.ready[c, 1] = True
+def source_of(charts: Charts, work: Work, c: int, one: Case) -> Source:
+    """The functions of a chart, combined cell by cell."""
+    return Source(charts.equation[c], charts.gaps[c], one, work.mixed[c], work.ready[c])
 
 
 @part

@@ -13,10 +13,10 @@ from .compiled import compiled, part
 from .flight import kept
 from .flight_errors import size
 from .layout import Case, Cases, Charts, Records, Settings, Work
-from .panel import along, chebyshev, contract, position, rate_at
+from .panel import along, chebyshev, contract, position, rate_at, reach
 from .repeats import begin_at
 from .turn import FLYING, RESTING, follow
-from .turn_charts import case_of, scratch, visit
+from .turn_charts import case_of, press, scratch, source_of
 from .turn_quantities import begun
 
 # Places of a panel by its nodes, and of a rest by cells of its chart.
@@ -169,7 +169,7 @@ def largest_torques(charts: Charts, work: Work, torques: Charts, mixed: Work, on
         wrong: Written: bounds on the errors, shape (drives,).
     """
     speed = one.speed
-    mixed.ready[:] = False
+    mixed.pressed[:] = False
     drives = len(most)
     most[:] = wrong[:] = 0.0
     for number in range(kept(work.nodes)):
@@ -178,7 +178,9 @@ def largest_torques(charts: Charts, work: Work, torques: Charts, mixed: Work, on
         c = int(block[rows.KEPT, panels.CHART])
         for d in range(drives):
             i = c * drives + d
-            visit(torques, mixed, i, one)
+            press(torques, mixed, i, one)
+            span = mixed.case[i, rows.SPAN]
+            reach(source_of(torques, mixed, i, one), span, 0.0, span)
             value, late = _panel(torques, mixed, i, block, speed, most[d])
             late += _wrong(torques, mixed, i, block, speed)
             if block[rows.KEPT, panels.BOUNCED] > 0.0:

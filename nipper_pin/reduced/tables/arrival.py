@@ -19,6 +19,7 @@ from ...dynamics import System
 from ...errors import SimulationError
 from ...hybrid.error_estimate.local_error import at_start
 from ...mechanism import Mechanism, Stop
+from ...tolerances.reduced import TRIMMED_SHARE
 from ..kernels.layout import Charts
 from .functions import Sampler
 from .tables import Chart, Domain, checks, levers, orders_of_gaps, resolved, stacked, trimmed
@@ -114,7 +115,14 @@ def arrival(
     tables, _ = resolved(waiting.sampler, domain, waiting.weights, tolerance)
     _check_open(mechanism, tables)
     points = checks(waiting.sampler, domain, tables)
-    kept = trimmed(points, domain, tables, waiting.weights, tolerance, orders_of_gaps(tables))
+    kept = trimmed(
+        points,
+        domain,
+        tables,
+        waiting.weights,
+        tolerance,
+        orders_of_gaps(tables, TRIMMED_SHARE * tolerance),
+    )
     wrong = rounded.size(sampler.size + stop.index)
     first = replace(clamping, meets=(approach, wrong, 1.0 / throw, 0.0))
     place = [item.name for item in mechanism.stops].index(stop.name)

@@ -15,7 +15,7 @@ from ...arrays import FloatArray
 from ...errors import ConvergenceError
 from ...mechanism import Mechanism
 from ...tolerances.mechanics import EPS
-from ...tolerances.reduced import GAP_SHARE, REFINEMENT_GAIN, TABLE_ERROR_SAFETY, TRIMMED_SHARE
+from ...tolerances.reduced import REFINEMENT_GAIN, TABLE_ERROR_SAFETY, TRIMMED_SHARE
 from ..kernels.layout import Charts
 from . import series2d
 from .functions import Samples
@@ -320,14 +320,14 @@ def trimmed(
     )
 
 
-def orders_of_gaps(tables: Tables) -> tuple[int, int]:
-    """Orders that resolve the gaps and their slopes to round-off."""
+def orders_of_gaps(tables: Tables, share: float) -> tuple[int, int]:
+    """Orders that resolve the gaps and their slopes to a share of their sizes."""
     found = [(2, 2)]
     for series in (tables.gaps, tables.slopes):
         size = np.abs(series).sum(axis=(2, 3)).max(axis=1, initial=0.0)
         weights = np.where(size > 0.0, 1.0 / np.where(size > 0.0, size, 1.0), 0.0)
         if len(series):
-            found.append(series2d.needed(series, weights, GAP_SHARE))
+            found.append(series2d.needed(series, weights, share))
     by_u, by_x = zip(*found, strict=True)
     return max(by_u), max(by_x)
 

@@ -11,7 +11,7 @@ from ...arrays import FloatArray
 from ...errors import SimulationError
 from ...hybrid.error_estimate.local_error import of_rates
 from ...mechanism import Mechanism
-from ...tolerances.reduced import CORNER_ROUND_OFF
+from ...tolerances.reduced import CORNER_ROUND_OFF, GAP_SHARE
 from ..model import MARGIN, factors
 from ..tables.tables import Chart, Domain, checks, orders_of_gaps, resolved, trimmed
 from .arcs import TURN, Arc, sampler_at, system_at
@@ -129,6 +129,6 @@ def _sampled(around: Surroundings, gap: float, w: float, tolerance: float) -> Ch
     weights = around.weights(w)
     tables, samples = resolved(sampler, domain, weights, tolerance)
     points = checks(sampler, domain, tables)
-    kept = trimmed(points, domain, tables, weights, tolerance, orders_of_gaps(tables))
+    kept = trimmed(points, domain, tables, weights, tolerance, orders_of_gaps(tables, GAP_SHARE))
     on = on_rows(around.mechanism, domain, tables)
     return replace(around.placed(kept), on_rows=on, samples=samples)
