@@ -9,12 +9,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from side_by_side import copies, differences, pair
 from small_machines import link, machine, slide
 
-from nipper_pin import Case, EventKind, Mechanism, Solution, Window, load, simulate
+from nipper_pin import Case, EventKind, Mechanism, Window, load, simulate
 from nipper_pin.mechanism.gallery import GALLERY, drawn
 
 SETTINGS = (("held", 1.0), ("inertial", 1.0), ("held", 2.0))
@@ -47,40 +46,6 @@ def test_a_machine_beside_its_mirror_image(name: str, drive: str, share: float) 
     # At twice its speed the clapper of the bell is thrown past both stops.
     assert alone.events or (name, share) == ("bell", 2.0)
     assert differences(alone, both, "") == differences(alone, both, "_mirrored") == []
-
-
-@pytest.mark.parametrize("name", ["slider_crank", "needle_bar", "bell", "e62"])
-def test_rows_of_each_half_are_those_of_the_machine_alone(name: str) -> None:
-    """Losses and rebounds too: each half has its own, as it has its own rows.
-
-    A loss and a height go with the square of a rate, to twice its relative error.
-    """
-    single = load(name) if name == "e62" else drawn(name).mechanism()
-    together = copies(single, 2) if name == "e62" else pair(single)
-    suffix = "_1" if name == "e62" else "_mirrored"
-    alone, both = simulate(single, turn(single)), simulate(together, turn(single))
-    for stop in single.stops:
-        one = rows(alone, stop.name)
-        for other in (rows(both, stop.name), rows(both, stop.name + suffix)):
-            # The last bounces of a series are left out of either run.
-            count = min(len(one), len(other))
-            assert count or not one
-            for (wanted, error), (found, also) in zip(one[:count], other[:count], strict=True):
-                allowed = 4.0 * (error + also) + 1e-12
-                assert found == pytest.approx(wanted, rel=allowed, nan_ok=True)
-
-
-def rows(run: Solution, stop: str) -> list[tuple[list[float], float]]:
-    """Loss, height and time of every collision of a stop, and its relative error."""
-    found = []
-    for hit in (item for item in run.collisions if item.stop == stop and item.impulse > 0.0):
-        lever = run.mechanism.stop(stop).lever
-        error = run.errors[hit.event.number - 1].impulses[stop] / lever / hit.impulse
-        height, lasts = hit.rebound_amplitude, hit.rebound_time
-        unknown = height is None or lasts is None
-        numbers = [np.nan, np.nan] if unknown else [height, lasts]
-        found.append(([hit.impulse, hit.energy_lost, *numbers], error))
-    return found  # type: ignore[return-value]
 
 
 def ball(restitution: float) -> Mechanism:

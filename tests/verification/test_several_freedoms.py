@@ -71,59 +71,6 @@ def test_the_machines_show_what_they_are_meant_to() -> None:
     assert sum(solution.outcome is Outcome.COMPLETED for solution in runs) >= 8
 
 
-def test_impacts_without_losses_keep_the_energy() -> None:
-    """Two carts, one on the other, between walls on both sides.
-
-    A spring swings the first one, which carries the second; with restitution one nothing is lost.
-    """
-    parts = [
-        link("a", 1.0), slide("a_x", "frame", "a"),
-        link("b", 1.0), slide("b_x", "a", "b"),
-    ]  # fmt: skip
-    both = {
-        f"{name} {side}": {
-            "joint": f"{name}_x", "restitution": 1.0, "side": side, "at_mm": sign * room
-        }
-        for name, room in (("a", 20.0), ("b", 15.0))
-        for side, sign in (("lower", -1.0), ("upper", 1.0))
-    }  # fmt: skip
-    spring = {"joint": "a_x", "stiffness_N_per_m": 40.0, "preload_length_mm": -18.0}
-    mechanism = machine(parts, 2, springs={"coil": spring}, stops=both)
-    case = Case(speed_rpm=60.0, window=Window.CYCLE, cycles=3, start_index=0.0)
-    solution = simulate(mechanism, case)
-    energy = solution.energy
-    assert len(solution.collisions) > 5
-    assert {hit.stop[2:] for hit in solution.collisions} == {"lower", "upper"}
-    assert energy.impact_losses == pytest.approx(0.0, abs=1e-13 * energy.kinetic_peak)
-    assert solution.checks.energy_balance <= 1e-12
-
-
-def test_stops_that_depend_on_one_another_share_what_one_can_bear() -> None:
-    """Two stops on slides that a pin ties together close together, each with half of the force.
-
-    The mass falls 50 mm in sqrt(2 h / g) and then lies still.
-    """
-    parts = [
-        link("mass", 0.7), slide("height", "frame", "mass", (0.0, 1.0)),
-        link("shelf", 0.2), slide("shelf_z", "frame", "shelf", (0.0, 1.0)),
-        link("carriage", 0.1), slide("shelf_x", "shelf", "carriage"),
-    ]  # fmt: skip
-    stops = {
-        "one": {"joint": "height", "restitution": 0.0, "at_mm": -50.0},
-        "two": {"joint": "shelf_z", "restitution": 0.0, "at_mm": -50.0},
-    }
-    mechanism = machine(
-        parts, 1, gravity=9.81, stops=stops,
-        closures={"tie": {"frame_a": "carriage", "frame_b": "mass"}},
-    )  # fmt: skip
-    solution = simulate(mechanism, Case(speed_rpm=60.0, window=Window.CYCLE, start_index=0.0))
-    assert solution.collisions[0].t == pytest.approx((0.1 / 9.81) ** 0.5, rel=1e-12)
-    end = solution.trajectory.reactions(solution.trajectory.span[1], left=True)
-    forces = [force[0] for force in end.stops.values()]
-    assert forces == pytest.approx([0.5 * 9.81, 0.5 * 9.81], rel=1e-9)
-    assert solution.events[-1].closed_after == {"one", "two"}
-
-
 # A body falls 0.1 m on a floor and bounces; its series of e = 0.5 ends at FALL + SERIES.
 FALL = (0.2 / 9.81) ** 0.5
 SERIES = 2.0 * 0.5 * FALL / (1.0 - 0.5)

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 import sprung
-from scipy.optimize import brentq
 
 from nipper_pin import (
     Case,
@@ -164,44 +163,6 @@ def test_damper_on_a_driven_joint_loads_its_drive_alone() -> None:
     elastic = simulate(damped, Case(speed_rpm=450.0, drive=DriveMode.INERTIAL))
     assert elastic.energy.dissipated > 0.1
     assert elastic.checks.energy_balance <= 1e-9
-
-
-PROGRESSIVE = """
-[springs.coil]
-joint = "x"
-coordinate_mm = [-40.0, -10.0, 0.0, 5.0, 30.0, 60.0]
-force_N = [-6.0, -3.0, -2.0, -1.2, 1.5, 25.0]
-"""
-
-
-def test_progressive_table_keeps_its_energy_and_goes_back_as_it_came() -> None:
-    """A swing across four rows: energy to 1e-10, and places before and after its end to 1e-10.
-
-    Energy is an integral of the table of its own, and nothing of the integration is symmetric in
-    time. With a force that jumped at a row, or another beyond it, one of the two would not hold.
-    A panel adds at most its tolerance of 1e-13, and there are fewer than a thousand.
-    """
-    mechanism = sprung.machine([sprung.SLIDE_X], PROGRESSIVE)
-    solution = sprung.swing(mechanism, 1.5, resolution=Resolution(tolerance=1e-13))
-    assert sum(len(segment.panels) for segment in solution.segments) < 1000
-    assert abs(solution.energy.residual) <= 1e-10 * solution.energy.kinetic_peak
-
-    def rate(t: float) -> float:
-        return float(sprung.moved(solution, np.array([t]), "x")[1][0])
-
-    # By bisection from a grid of times: the first at which the mass goes back.
-    times = np.linspace(0.01, 1.5, 150)
-    place = int(np.argmax(sprung.moved(solution, times, "x")[1] < 0.0))
-    turning = brentq(rate, times[place - 1], times[place], xtol=1e-15)
-    after = np.linspace(0.0, turning, 200)
-    x, v = sprung.moved(solution, turning + after, "x")
-    back, forth = sprung.moved(solution, turning - after, "x")
-    assert x.max() > 0.03
-    assert np.abs(x - back).max() <= 1e-10 * np.ptp(x)
-    assert np.abs(v + forth).max() <= 1e-10 * np.ptp(v)
-    table = mechanism.tabulated_springs[0].characteristic
-    energy = table.energies(x) + 0.5 * sprung.MASS * v**2
-    assert np.ptp(energy) <= 1e-10 * np.ptp(table.energies(x))
 
 
 def test_stated_errors_hold_across_the_rows_of_a_table() -> None:
