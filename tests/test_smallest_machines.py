@@ -8,62 +8,19 @@ from __future__ import annotations
 import json
 import shutil
 from pathlib import Path
-from typing import Any
 
 import pytest
-from small_machines import hinge, link, slide, sources
 from snapshots import Words
 from waiting import notes
 
 from nipper_pin.cli import main
-from nipper_pin.mechanism.files import toml
 
-BALL = [link("ball", 1.0, 1e-3), slide("height", "frame", "ball", axis=(0.0, 1.0))]
-ARM = [link("arm", 1.0, 1e-3, centre=(0.1, 0.0)), hinge("turn", "frame", "arm")]
-FALLS: dict[str, Any] = {"gravity": 9.81, "initial": {"height": {"at_mm": 100.0}}}
-# Contact points need shapes; the machines of a few lines have none.
-FACES = {
-    '<link name="frame"/>': '<link name="frame"><collision name="below"><origin xyz="0 0 -0.1"/>'
-    '<geometry><box size="1 0.2 0.2"/></geometry></collision></link>',
-    '<link name="ball">': '<link name="ball"><collision name="above"><origin xyz="0 0 0.05"/>'
-    '<geometry><sphere radius="0.05"/></geometry></collision>',
-}
-CAM = {
-    "joint": "height", "law": "cam", "motion": "cycloidal", "lift_mm": 20.0, "start_deg": 20.0,
-    "rise_deg": 60.0, "dwell_deg": 60.0, "return_deg": 60.0,
-}  # fmt: skip
-
-
-def floor(e_N: float, **more: Any) -> dict[str, Any]:
-    return {"floor": {"joint": "height", "restitution": e_N, **more}}
-
-
-def with_faces(urdf: str, description: dict[str, Any]) -> tuple[str, dict[str, Any]]:
-    for bare, shaped in FACES.items():
-        urdf = urdf.replace(bare, shaped)
-    return urdf, description
-
-
-MACHINES: dict[str, tuple[str, dict[str, Any]]] = {
-    "ball": sources(BALL, 1, stops=floor(0.5), **FALLS),
-    "ball_without_rebound": sources(BALL, 1, stops=floor(0.0), **FALLS),
-    "ball_that_lies": sources(
-        BALL, 1, gravity=9.81, stops=floor(0.5),
-        phases=[{"number": 1, "name": "lies", "closed": ["floor"]}],
-    ),
-    "ball_with_faces": with_faces(
-        *sources(BALL, 1, stops=floor(0.5, contact={"lower": "below", "upper": "above"}), **FALLS)
-    ),
-    "arm_on_a_peg": sources(
-        ARM, 1, gravity=9.81, stops={"peg": {"joint": "turn", "restitution": 0.3}},
-        initial={"turn": {"at_deg": 60.0}},
-    ),
-    "slide": sources(BALL, 1, gravity=9.81),
-    "hinge": sources(ARM, 1, gravity=9.81),
-    "driven": sources(BALL, 1, drives={"cam": CAM}),
-    "no_transition_stop": sources(BALL, 1, stops=floor(0.5), transition_stop="", **FALLS),
-    "nothing": sources([], 1),
-}  # fmt: skip
+MODELS = Path(__file__).parent / "studies" / "smallest"
+# A ball with a floor, an arm on a peg; a slide, a hinge and a drive alone; and less.
+MACHINES = (
+    "ball", "ball_without_rebound", "ball_that_lies", "ball_with_faces", "arm_on_a_peg", "slide",
+    "hinge", "driven", "no_transition_stop", "nothing",
+)  # fmt: skip
 COMMANDS = {
     "check": "check {m}",
     "check as JSON": "check {m} --json document.json",
@@ -85,32 +42,21 @@ COMMANDS = {
 FIGURES = ("curves", "kept run")
 
 
-@pytest.fixture(scope="module")
-def models(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with a folder for each machine."""
-    root = tmp_path_factory.mktemp("models")
-    for name, (urdf, description) in MACHINES.items():
-        (root / name).mkdir()
-        (root / name / f"{name}.urdf").write_text(urdf, encoding="utf-8")
-        (root / name / f"{name}.toml").write_text(toml(description), encoding="utf-8")
-    return root
-
-
 @pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     "command",
     [pytest.param(of, marks=[pytest.mark.slow] * (of in FIGURES)) for of in COMMANDS],
 )
 def test_every_command(
-    command: str, models: Path, here: Path, words: Words, capsys: pytest.CaptureFixture[str]
+    command: str, here: Path, words: Words, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Status 0, no note and the files that were asked for; or status 2 and one sentence."""
     text = ""
     for machine in MACHINES:
-        line = COMMANDS[command].format(m=models / machine).split()
+        line = COMMANDS[command].format(m=MODELS / machine).split()
         status, told = main(line), capsys.readouterr()
         err = notes(told.err)
-        said = err.removeprefix("nipper-pin: ").replace(str(models), "MODELS") or "runs\n"
+        said = err.removeprefix("nipper-pin: ").replace(str(MODELS), "MODELS") or "runs\n"
         text += f"{machine}: {said}"
         files = [Path(word) for word in line if word.endswith((".json", ".svg", ".html", ".gif"))]
         if status:
@@ -181,7 +127,7 @@ STUDIES = {
 @pytest.mark.campaign
 @pytest.mark.parametrize("study", STUDIES)
 def test_every_study(
-    study: str, models: Path, here: Path, words: Words, capsys: pytest.CaptureFixture[str]
+    study: str, here: Path, words: Words, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """A sweep, which is drawn and verified, an optimum, an identification; or one sentence."""
     command, written, quantity, window = STUDIES[study]
@@ -189,12 +135,12 @@ def test_every_study(
     (here / "measured.csv").write_text(MEASURED, encoding="utf-8")
     for machine, (number, high) in NUMBERS.items():
         filled = written.format(
-            m=models / machine, quantity=quantity, window=window, number=number, high=high
+            m=MODELS / machine, quantity=quantity, window=window, number=number, high=high
         )
         (here / "study.toml").write_text(filled, encoding="utf-8")
         status, told = main(command.split()), capsys.readouterr()
         err = notes(told.err)
-        said = err.removeprefix("nipper-pin: ").replace(str(models), "MODELS") or "runs\n"
+        said = err.removeprefix("nipper-pin: ").replace(str(MODELS), "MODELS") or "runs\n"
         text += f"{machine}: {said}"
         assert (len(err.splitlines()), status in (1, 2)) in {(0, False), (1, True)}
         if command == SWEEP_IT and not status:

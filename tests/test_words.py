@@ -14,17 +14,13 @@ from pathlib import Path
 
 import pytest
 from rich.console import Console
-from small_machines import SHAFT, frame, hinge, link, machine, slide
 from snapshots import Words
 
 from benchmarks.stress import Campaign, Verdict
 from benchmarks.views.stress_report import print_campaign
-from nipper_pin import Case, Mechanism, Window, check, load, save, simulate
+from nipper_pin import Case, load, save, simulate
 from nipper_pin.cli import main
-from nipper_pin.study.next_steps import next_steps
 from nipper_pin.view.console import Terminal, paste, say, show_table, unbroken_console
-from nipper_pin.view.run import print_solution
-from nipper_pin.view.studies.check_report import print_report
 
 BALL = Path(__file__).parent / "verification" / "models" / "bouncing_mass"
 
@@ -46,6 +42,12 @@ COMMANDS = {
     "check_of_a_change": ((80,), "check e62 --set preload=9 --start-index 21.5 --speed 500"),
     "check_of_a_press": ((80,), "check press"),
     "check_of_a_ball": ((80,), "check ball --start-index 0"),
+    # Two stops at once; a ball without loss, whose names look like markup; masses in grams.
+    "check_twins": ((60,), "check twins"),
+    "twins": ((60,), "simulate twins --window cycle --start-index 0 --forces"),
+    "check_between_two_stops": ((60,), "check between"),
+    "between_two_stops": ((60,), "simulate between --window cycle --start-index 0 --forces"),
+    "check_masses": ((60,), "check grams"),
     "provenance": ((60,), "check e62 --provenance"),
     "compare": (ALL, "compare e62 --set-b stiffness=11000"),
     "compare_turns_and_drives": ((80,), "compare e62 --cycles 2 --drive inertial"),
@@ -101,63 +103,6 @@ def test_words_of_a_command(
     # This one finds something wrong.
     assert main(shlex.split(COMMANDS[name][1])) == (name == "fit_beyond_a_limit")
     words(capsys.readouterr().out.replace(f"{tmp_path}/", "FOLDER/"))
-
-
-# Machines that no command knows: what `check` and then `simulate` say of a turn.
-
-
-def twins() -> Mechanism:
-    """Two equal blocks on parallel slides of a crank: both let go where it no longer lifts them."""
-    stop = {"restitution": 0.3, "side": "lower", "at_mm": 0.0}
-    parts = [
-        link("crank", 2.0, 0.01, (0.01, 0.0)), hinge("shaft", "frame", "crank"),
-        link("one", 0.5), slide("one_x", "crank", "one", at=(0.05, 0.1)),
-        link("two", 0.5), slide("two_x", "crank", "two", at=(0.05, -0.1)),
-    ]  # fmt: skip
-    return machine(
-        parts, 3, gravity=9.81,
-        drives={"shaft": {"joint": "shaft", "law": "constant_speed", "ratio": 1.0, **SHAFT}},
-        stops={"one": {"joint": "one_x", **stop}, "two": {"joint": "two_x", **stop}},
-        phases=[{"number": 1, "name": "held", "closed": ["one", "two"]}],
-    )  # fmt: skip
-
-
-def between_two_stops() -> Mechanism:
-    """Without loss a ball between two stops bounces on and on; its names look like markup."""
-    parts = [link("[red]sled"), slide("sled", "frame", "[red]sled"),
-             link(":smile:"), slide("ball", "[red]sled", ":smile:")]  # fmt: skip
-    return machine(
-        parts, 2, title="[bold]a ball[/bold] [A]",
-        stops={"left": {"joint": "ball", "restitution": 1.0, "at_mm": -1.0},
-               "right": {"joint": "ball", "restitution": 1.0, "at_mm": 1.0, "side": "upper"}},
-        drives={"sled": {"joint": "sled", "law": "screw", "lead_mm_per_turn": 5.0}},
-        springs={"pull": {"joint": "ball", "stiffness_N_per_m": 100.0, "preload_length_mm": 5.0}},
-    )  # fmt: skip
-
-
-def in_grams() -> Mechanism:
-    """700 kg in a box of 0.1 l, and 1,200 kg without a shape; 7.8 kg/l with its pin is steel."""
-    box = "<collision><geometry><box size='0.1 0.1 0.01'/></geometry></collision></link>"
-    steel = (
-        "<collision><geometry><cylinder radius='0.05' length='0.1'/></geometry></collision></link>"
-    )
-    parts = [
-        link("ram", mass=700.0).replace("</link>", box), slide("ram", "frame", "ram"),
-        link("rod", mass=1200.0), hinge("rod", "ram", "rod"), frame("foot", "rod", (0.1, 0.0)),
-        link("pin", mass=6.1).replace("</link>", steel), hinge("pin", "rod", "pin"),
-    ]  # fmt: skip
-    return machine(parts, 3)
-
-
-@pytest.mark.parametrize("make", [twins, between_two_stops, in_grams])
-def test_words_of_a_machine(make: Callable[[], Mechanism], words: Words) -> None:
-    made = make()
-    report = check(made, 60.0)
-    text = printed(lambda to: print_report(report, next_steps(report, "machine"), to), 60)
-    if made.stops:
-        run = simulate(made, Case(speed_rpm=60.0, window=Window.CYCLE, start_index=0.0))
-        text += "\n" + printed(lambda to: print_solution(run, to, with_forces=True), 60)
-    words(text)
 
 
 @pytest.mark.parametrize("width", [60, 80])
