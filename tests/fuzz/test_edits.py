@@ -309,35 +309,6 @@ _words = st.one_of(
         ["e62", "jaw", "-", "--", "../e62", "/", ".", "~", "stops.jaw.restitution=0.1"]
     ),
 )
-_paths = st.sampled_from(
-    ["stops.jaw.restitution", "links.top_nipper.mass_kg", "springs.steeve", "cylinder.direction",
-     "phases", "initial_phase", "drives.tension.ratio", "links.top_nipper", "urdf", "points.x",
-     "gravity_m_s2", "provenance", ""]
-)  # fmt: skip
-# What decides how long a run takes stays small: a fuzzer has no use for a million turns.
-_OPTIONS = {
-    "--speed": st.one_of(_wrong, st.floats(-1e3, 1e5).map(repr), st.floats(200.0, 900.0).map(repr)),
-    "--restitution": st.one_of(_numbers, st.floats(0.0, 0.6).map(repr)),
-    "--stiffness": st.one_of(_numbers, st.floats(1e3, 1e5).map(repr)),
-    "--set": st.one_of(_words, st.tuples(_paths, _words).map("=".join)),
-    "--window": st.sampled_from(["transition", "cycle", "week"]),
-    "--start-index": _numbers,
-    "--drive": st.sampled_from(["held", "inertial", ""]),
-    "--rest-rate": _numbers,
-    "--tolerance": _numbers,
-    "--cycles": st.sampled_from(["0", "1", "2", "-1", "1.5", "two"]),
-}
-
-
-@pytest.mark.campaign
-@given(st.lists(
-    st.sampled_from(sorted(_OPTIONS)).flatmap(
-        lambda name: _OPTIONS[name].map(lambda value: f"{name}={value}")
-    ),
-    max_size=3,
-))  # fmt: skip
-def test_any_arguments_of_simulate(options: list[str]) -> None:
-    assert_clear(["simulate", "e62", *options, "--json", "-"])
 
 
 @pytest.mark.campaign
