@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from programs import main
-from test_cli_options import CALLS, STUDIES
+from programs import STUDIES, main
+from test_cli_options import CALLS
 from waiting import notes
 
 from benchmarks.stress import Campaign, Verdict

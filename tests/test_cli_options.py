@@ -23,7 +23,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from programs import PARSERS, main
+from programs import PARSERS, STUDIES, main
 from snapshots import Block, Words, blocks
 
 from nipper_pin import Case, Mechanism, Solution, load, save, save_case, simulate
@@ -65,7 +65,6 @@ ELSEWHERE = {
     "speed-limit --plot", "--version", "--print-completion", "check --watch", "sweep --csv",
     "sweep --units",
 }  # fmt: skip
-STUDIES = Path(__file__).with_name("studies")
 
 
 def options(

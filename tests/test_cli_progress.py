@@ -15,8 +15,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from programs import main
-from test_cli_options import STUDIES
+from programs import STUDIES, main
 
 from benchmarks.commands import tell
 

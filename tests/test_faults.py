@@ -13,6 +13,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from programs import study_text
 
 import nipper_pin as nip
 
@@ -30,14 +31,7 @@ if limit >= 0:
     resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
 sys.exit(main())
 """
-SWEEP = """
-format = 1
-model = "e62"
-chunk = 4
-quantities = ["duration_s", "rebound_amplitude_1"]
-parameters.speed_rpm = { low = 420.0, high = 680.0, points = 6 }
-parameters.restitution.values = [0.1, 0.2]
-"""
+SWEEP = study_text("sweep_on_a_full_disk.toml")
 # What is written, and what was there before.
 COMMANDS = {
     "simulate --out": (

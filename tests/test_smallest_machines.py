@@ -10,12 +10,13 @@ import shutil
 from pathlib import Path
 
 import pytest
+from programs import STUDIES, study_text
 from snapshots import Words
 from waiting import notes
 
 from nipper_pin.cli import main
 
-MODELS = Path(__file__).parent / "studies" / "smallest"
+MODELS = STUDIES / "smallest"
 # A ball with a floor, an arm on a peg; a slide, a hinge and a drive alone; and less.
 MACHINES = (
     "ball", "ball_without_rebound", "ball_that_lies", "ball_with_faces", "arm_on_a_peg", "slide",
@@ -77,35 +78,10 @@ def test_every_command(
     words(text)
 
 
-SWEEP = """format = 1
-model = "{m}"
-quantities = ["{quantity}"]
-[case]
-window = "{window}"
-[parameters.speed_rpm]
-values = [50.0, 70.0]
-"""
-OPTIMISE = """format = 1
-title = "a small machine"
-model = "{m}"
-minimise = ["{quantity}"]
-case = {{ speed_rpm = 60.0 }}
-[parameters."{number}"]
-low = 0.01
-high = {high}
-"""
-IDENTIFY = """format = 1
-title = "a small machine"
-model = "{m}"
-measured = "measured.csv"
-[parameters."{number}"]
-low = 0.01
-high = {high}
-why = "no reason"
-"""
-MEASURED = """quantity,value,sigma,speed_rpm
-rebound_amplitude_1,0.02,0.001,60
-"""
+SWEEP = study_text("smallest/sweep.toml")
+OPTIMISE = study_text("smallest/optimise.toml")
+IDENTIFY = study_text("smallest/identify.toml")
+MEASURED = study_text("smallest/measured.csv")
 NUMBERS = {
     "ball": ("stops.floor.restitution", 0.9), "arm_on_a_peg": ("stops.peg.restitution", 0.9),
     "slide": ("links.ball.mass_kg", 2.0),

@@ -13,6 +13,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from programs import STUDIES
 from rich.console import Console
 from snapshots import Words
 
@@ -79,7 +80,7 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> Path:
         assert main(["new", "sieve", "--from", "sieve"]) == 0
     (folder / "ball").symlink_to(BALL)
     # Of a ball with a restitution of 0.465 on a table of 1,510 mm a turn, and what was misread.
-    shutil.copytree(Path(__file__).with_name("studies") / "words", folder, dirs_exist_ok=True)
+    shutil.copytree(STUDIES / "words", folder, dirs_exist_ok=True)
     save(simulate(load("e62"), Case(speed_rpm=600.0)), folder / "saved.npz")
     return folder
 

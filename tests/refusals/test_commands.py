@@ -10,9 +10,8 @@ import shutil
 from pathlib import Path
 
 import pytest
-from programs import main
+from programs import STUDIES, main
 from snapshots import Words, blocks, without_the_machine
-from test_cli_options import STUDIES
 
 from nipper_pin import Case, Mechanism, save, save_case, simulate
 from tests.refusals.bases import model

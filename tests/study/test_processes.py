@@ -13,6 +13,7 @@ from multiprocessing import active_children, get_context
 from pathlib import Path
 
 import pytest
+from programs import study_text
 
 from nipper_pin.study.processes import WorkerError, Workers, fresh_processes
 from tests.study.sweep.sweep_studies import COMMAND
@@ -120,13 +121,7 @@ def test_nothing_runs_after_a_failure() -> None:
 
 
 FILMED = Path(__file__).resolve().parents[2] / "scripts" / "identify_camera.toml"
-DESIGN = """
-format = 1
-model = "e62"
-minimise = "rebound_amplitude_1"
-case.speed_rpm = 650.0
-parameters."drives.tension.ratio" = { low = 2.15, high = 2.25 }
-"""
+DESIGN = study_text("design_in_threads.toml")
 OPTIMUM = """
 from pathlib import Path
 from nipper_pin.study.optimise import optimise, read_problem

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from programs import study_text
 from sweep_studies import stored
 
 from nipper_pin import Case, DriveMode, Mechanism, transition_table, turn_table
@@ -19,15 +20,7 @@ from nipper_pin.study.sweep import read_plan
 Settings = dict[str, Any]
 # Drives that are another machine for every design; tables would need one each.
 RATIO = '[parameters."drives.tension.ratio"]\nlow = 2.1\nhigh = 2.3\n'
-FIT = """[parameters]
-preload = { low = 9.0, high = 13.0 }
-[[targets]]
-name = "one"
-quantity = "duration_s"
-at = { speed_rpm = 500.0 }
-value = 0.05
-sigma = 0.01
-"""
+FIT = study_text("fit_of_settings.toml")
 SWEPT = "[parameters.restitution]\nvalues = [0.1, 0.2]\n"
 TURNS = {"window": "cycle", "turns": 2}
 

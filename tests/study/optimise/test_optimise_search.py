@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from designs import MASS, parameter, problem, study
+from programs import study_text
 from scipy.stats import qmc
 
 from nipper_pin import InfeasibleError, Mechanism, SimulationError, load
@@ -31,13 +32,7 @@ case = {{ speed_rpm = 60.0 }}
 "stops.table.restitution" = {{ low = 0.05, high = 0.5 }}
 """
 LEAD = '"drives.table.lead_mm_per_turn" = { low = -100.0, high = 100.0 }\n'
-E62 = """
-model = "e62"
-minimise = "rebound_amplitude_1"
-case = { speed_rpm = 650.0 }
-[parameters]
-preload = { low = 9.0, high = 14.0 }
-"""
+E62 = study_text("calm_nipper.toml")
 AIM, TIME = "rebound_amplitude_1", "duration_s"
 
 

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 from designs import BALL, design, parameter, problem, study
+from programs import study_text
 from snapshots import Words
 
 from nipper_pin import Case, Mechanism, Solution, Window, load, simulate
@@ -29,18 +30,7 @@ from nipper_pin.study.optimise.search.descend import Descent
 from nipper_pin.study.optimise.search.samples import Found
 from tests.refusals.bases import right
 
-STATED = """
-model = "e62"
-minimise = "rebound_amplitude_1"
-case = { speed_rpm = 700.0 }
-[parameters]
-"springs.steeve.preload_length_mm" = { low = 3.0, high = 14.0 }
-"points.eccentric_pin.angle_deg" = { low = 100.0, high = 260.0 }
-"drives.tension.ratio" = { low = 1.2, high = 4.0 }
-[limits]
-clamping_force_N = { low = 40.0, high = 60.0 }
-jaw_opening_deg = { low = 25.0 }
-"""
+STATED = study_text("stated_design.toml")
 # What a search led to that took transitions as they are assumed: its steeve is off its stop at the
 # touch, where the transition starts on it.
 MISLED = (5.8072267226383145, 260.0, 2.094944510736112)
@@ -329,17 +319,7 @@ def test_a_search_for_the_longest_clamping(tmp_path: Path) -> None:
 
 AIM, TIME = "rebound_amplitude_1", "duration_s"
 PRELOAD, RATIO = "springs.steeve.preload_length_mm", "drives.tension.ratio"
-PROBLEM = f"""
-title = "mine"
-model = "e62"
-minimise = "{AIM}"
-maximise = "{TIME}"
-case = {{ speed_rpm = 600.0 }}
-limits = {{ {TIME} = {{ high = 3.0 }} }}
-set = {{ "stops.jaw.restitution" = 0.25 }}
-parameters = {{ "{PRELOAD}" = {{ low = 10.0, high = 14.0 }}, \
-"{RATIO}" = {{ low = 2.0, high = 3.0 }} }}
-"""
+PROBLEM = study_text("told_design.toml")
 
 
 def told_design(value: float, engine: str = "direct") -> Design:

@@ -9,6 +9,8 @@ import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from programs import study_text
+
 from nipper_pin.mechanism import find_model
 from nipper_pin.study.sweep import Plan, read_plan
 from nipper_pin.study.sweep.chunks import run_chunk
@@ -16,24 +18,8 @@ from nipper_pin.study.sweep.results import Store
 from tests.refusals.bases import right
 
 COMMAND = [sys.executable, "-c", "import sys; from nipper_pin.cli import main; sys.exit(main())"]
-TABLE = """
-[samples]
-method = "sobol"
-count = 600
-seed = 7
-[parameters]
-speed_rpm = { low = 420.0, high = 680.0 }
-restitution = { low = 0.05, high = 0.25 }
-stiffness = { low = 7000.0, high = 11000.0, scale = "log" }
-preload = { low = 9.0, high = 13.0 }
-"""
-GEOMETRY = """
-chunk = 4
-[parameters]
-"points.eccentric_pin.radius_mm" = { low = 4.0, high = 6.0, points = 5 }
-"drives.tension.ratio" = { values = [2.0, 2.2, 2.4] }
-speed_rpm = { values = [450.0, 650.0] }
-"""
+TABLE = study_text("sampled_sweep.toml")
+GEOMETRY = study_text("sweep_of_machines.toml")
 # Every key, below those of the head.
 FULL = right("sweep.toml").split("\n", 2)[2]
 

@@ -10,20 +10,14 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
+from programs import study_text
 from sweep_studies import chunk_files, plan, stored
 
 from nipper_pin import InputError, load, read_sweep
 from nipper_pin.cli import main
 from nipper_pin.study.sweep import read_plan, run_sweep
 
-SMALL = """
-chunk = 2
-quantities = ["duration_s", "rebound_amplitude_1", "impulse_N_s_1", "first_two_share"]
-[parameters]
-restitution = { values = [0.1, 0.2] }
-preload = { values = [10.0, 10.5, 11.0, 11.5, 12.0, 12.5] }
-"urdf.link.top_nipper.inertial.mass.value" = { values = [1.0] }
-"""
+SMALL = study_text("sweep_of_files.toml")
 
 
 @pytest.fixture(scope="module")
@@ -209,17 +203,7 @@ def test_a_comment_in_the_study_changes_no_results(copy: Path) -> None:
 
 # --- more points -------------------------------------------------------------------------------
 
-POINTS = """
-chunk = 3
-quantities = ["duration_s"]
-[samples]
-method = "sobol"
-count = 5
-seed = 3
-[parameters]
-restitution = { low = 0.1, high = 0.2 }
-"links.top_nipper.mass_kg" = { values = [1.0, 1.2] }
-"""
+POINTS = study_text("sweep_of_points.toml")
 
 
 @pytest.mark.slow

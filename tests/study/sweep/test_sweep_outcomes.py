@@ -12,6 +12,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 from msgspec.structs import replace
+from programs import study_text
 from snapshots import Words
 from sweep_studies import GEOMETRY, TABLE, plan, stored, study
 
@@ -21,14 +22,7 @@ from nipper_pin.study.sweep import chunks, run_sweep
 from nipper_pin.study.sweep.estimate import Estimate, estimate
 from nipper_pin.study.sweep.results.extremes import Extremes
 
-GRID = """
-chunk = 36
-quantities = ["duration_s", "rebound_amplitude_2"]
-[parameters]
-speed_rpm = { values = [450.0, 550.0, 650.0] }
-preload = { values = [10.0, 11.0, 12.0] }
-restitution = { values = [0.1, 0.15, 0.2, 0.25] }
-"""
+GRID = study_text("sweep_of_a_grid.toml")
 RADII = '[parameters."drives.pendulum.crank_radius_mm"]\nvalues = [{}]\n'
 
 
