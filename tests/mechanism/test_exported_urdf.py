@@ -160,6 +160,47 @@ def test_a_loop_too_many_is_told(tmp_path: Path) -> None:
         load(tmp_path / "mine")
 
 
+YOKE = """drawing = 1
+title = "Scotch yoke"
+speed_rpm = 60.0
+touch_deg = 0.0
+start_deg = 90.0
+joints = [
+  { pin = "O", parent = "frame", child = "crank" },
+  { slide = "x", parent = "frame", child = "yoke", at = "A", along = [1, 0] },
+  { slot = "slot", parent = "yoke", child = "crank", at = "A", along = [0, 1] },
+]
+drives.O = { joint = "O", law = "constant_speed", ratio = 1.0 }
+[points]
+O = [0.0, 0.0]
+A = [40.0, 0.0]
+[bodies]
+crank = { points = "O A" }
+yoke = { points = "A", mass_kg = 1.0 }
+"""
+
+
+def test_a_pin_may_be_one_in_a_slot(tmp_path: Path) -> None:
+    """As a plain pin it would lock the machine, which is told; a line of the table mends it."""
+    (tmp_path / "yoke.toml").write_text(YOKE, encoding="utf-8")
+    yoke = load(tmp_path / "yoke.toml")
+    file, table = tmp_path / "yoke.urdf", tmp_path / "mine" / "mine.toml"
+    file.write_text(yoke.urdf, encoding="utf-8")
+    found = take_urdf(file, tmp_path / "mine")
+    ((name, closure),) = found.closures.items()
+    assert found.wrong.endswith("may slide in a slot (slot_axis)")
+    text = table.read_text(encoding="utf-8")
+    assert 'slot_axis = "x" (or "z")' in text
+    (own,) = yoke.description["closures"].values()  # type: ignore[attr-defined]
+    assert {own["frame_a"], own["frame_b"]} == {*closure.values()}
+    old = "".join(f'{key} = "{value}"\n' for key, value in closure.items())
+    new = "".join(f"{key} = {value!r}\n" for key, value in own.items())
+    assert old in text
+    table.write_text(text.replace(old, new), encoding="utf-8")
+    model = load(tmp_path / "mine")
+    assert (model.degrees_of_freedom, [item.name for item in model.closures]) == (1, [name])
+
+
 def test_the_command_tells_what_it_found(
     here: Path, package: Path, words: Words, monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],

@@ -98,6 +98,9 @@ def take_urdf(urdf: str | Path, folder: str | Path) -> Exported:
             from_sources(name, text, document, partial)
         except InputError as error:
             found = replace(found, wrong=error.message)
+        if found.wrong and free <= 2 * len(found.closures):
+            wrong = "all pins closed, nothing can move: one may slide in a slot (slot_axis)"
+            found = replace(found, wrong=wrong)
         written = {key: value for key, value in document.items() if value}
         lines = [f"#:schema ./{SCHEMA_FILE}", "", toml(written), *_proposals(found)]
         (partial / f"{name}.toml").write_text("\n".join(lines) + "\n", encoding="utf-8")
@@ -228,6 +231,10 @@ def _proposals(found: Exported) -> Iterator[str]:
         (drive,) = toml({"drives": {name: {}}}).strip().splitlines()[-1:]
         yield f"# {drive}"
         yield from (f"# {part}" for part in (f'joint = "{name}"', *law.split(", ")))
+    if found.closures:
+        yield "#"
+        yield "# A closure is a pin. One that slides in a slot has, beside its frames,"
+        yield '# slot_axis = "x" (or "z"): along that axis of frame_a, and block_mass_kg = 0.01.'
     if found.unused:
         yield "#"
         yield f"# Frames without mass that nothing uses: {', '.join(found.unused)}."
