@@ -85,6 +85,15 @@ def test_laws_of_drives(make: Callable[[Any], Mechanism], law: str, drive: str) 
     agree(compare(both(make(driven.LAWS[law])), 180.0, drive, start_index=0.0), 0)
 
 
+@pytest.mark.parametrize("law", [
+    "polynomial_345, dwells", "polynomial_345, late", "polynomial_4567, dwells",
+    "polynomial_4567, no dwell", "Fourier",
+])  # fmt: skip
+def test_collisions_on_either_side_of_where_pieces_of_a_law_end(law: str) -> None:
+    """A pendulum between stops on a driven arm, two turns, which begin within a piece."""
+    agree(compare(both(driven.swing(driven.LAWS[law])), 90.0, turns=2), 4)
+
+
 @DRIVES
 def test_a_four_bar(drive: str) -> None:
     agree(compare(Path(__file__).parent / "verification/models/four_bar", 60.0, drive), 0)

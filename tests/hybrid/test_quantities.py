@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -21,57 +19,16 @@ from nipper_pin.study.optimise.problem.quantities import QUANTITIES as OPTIMISED
 from nipper_pin.study.optimise.problem.quantities import units
 from nipper_pin.study.sweep.quantities import check_quantities, default, quantity
 
-WRONG = {
-    "speed_rpm": (0.0, -450.0),
-    "cycles": (0,),
-    "max_collisions": (0,),
-    "rest_rate": (0.0, -0.1),
-    "tolerance": (0.0, 0.1),
-    "flight_nodes": (2,),
-    "kinematic_nodes": (65,),
-    "panels_per_turn": (0,),
-}
-
-ALLOWED = {
-    "tolerance": "1e-14 to 1e-3",
-    "flight_nodes": "a whole number from 3 to 64",
-    "kinematic_nodes": "a whole number from 3 to 64",
-    "panels_per_turn": "a whole number from 1 to 1,000,000",
-}
-
-
-@pytest.mark.parametrize(("key", "values"), WRONG.items())
-def test_a_value_out_of_range_is_named_with_what_is_allowed(
-    key: str, values: tuple[float, ...]
-) -> None:
-    """The message holds the key, the value found and what may stand there."""
-    make: Callable[..., object] = (
-        nip.Resolution if key in ALLOWED else partial(nip.Case, speed_rpm=450.0)
-    )
-    for value in values:
-        words = f"{key} = {value!r} cannot be used: {ALLOWED.get(key, '')}"
-        with pytest.raises(nip.InputError, match=words) as caught:
-            make(**{key: value})
-        assert caught.value.evidence["key"] == key
-        assert caught.value.evidence["allowed"]
-
-
 PUSHED = ("rad", "s", "J", "N s", "N m s")
 
 
-def test_choices_are_given_as_text_or_listed() -> None:
+def test_choices_are_given_as_text() -> None:
     """Text becomes the typed choice, so later comparisons by identity hold; nothing is changed."""
     case = nip.Case(speed_rpm=450.0, window="cycle", drive="inertial")  # type: ignore[arg-type]
     assert case.window is nip.Window.CYCLE
     assert case.drive is nip.DriveMode.INERTIAL
     with pytest.raises(AttributeError):
         case.speed_rpm = -1.0  # type: ignore[misc]
-    for key, value, known in (
-        ("window", "turn", ("transition", "cycle")), ("drive", "elastic", ("held", "inertial")),
-    ):  # fmt: skip
-        with pytest.raises(nip.InputError, match=value) as caught:
-            nip.Case(**{"speed_rpm": 450.0, key: value})
-        assert all(name in caught.value.message for name in known)
 
 
 def test_names_say_their_unit() -> None:
@@ -142,8 +99,6 @@ def test_springs_by_the_names_of_the_model_file(e62: nip.Mechanism) -> None:
     short = nip.transition_table(e62, speed_rpm=650.0, preload_length_mm=11.0, engine="direct")
     own = nip.transition_table(e62, speed_rpm=650.0, engine="direct")
     assert short.duration[0] == pytest.approx(own.duration[0], rel=1e-12)
-    with pytest.raises(nip.InputError, match=r"preload_length_mm = 11000 .* in mm, .* at most"):
-        nip.transition_table(e62, speed_rpm=650.0, preload_length_mm=11_000.0)
     with pytest.raises(nip.InputError, match="no spring"):
         spring_values(press(), {"preload_length_mm": 3.0})
 

@@ -22,7 +22,6 @@ from nipper_pin.cli import main
 from nipper_pin.hybrid.files import archive as packed
 from nipper_pin.hybrid.files import npz as storage
 from nipper_pin.mechanism import changed, find_model
-from nipper_pin.mechanism.drives import ConstantSpeed
 
 RUNS = {
     "transition": nip.Case(speed_rpm=650.0),
@@ -356,28 +355,6 @@ def test_what_could_not_be_read_is_not_written(
     assert stored.read_bytes() == old
     with pytest.raises(nip.InputError):
         nip.load_solution(stored)
-
-
-REPLACED: dict[str, Callable[[nip.Mechanism], tuple[Any, ...] | float]] = {
-    "springs": lambda e62: (replace(e62.springs[0], stiffness=1.0), *e62.springs[1:]),
-    "stops": lambda e62: tuple(replace(stop, restitution=0.05) for stop in e62.stops),
-    "gravity_m_s2": lambda _: 0.0,
-    "drives": lambda e62: tuple(replace(item, law=ConstantSpeed(ratio=1.0)) for item in e62.drives),
-}
-
-
-@pytest.mark.parametrize("part", REPLACED)
-def test_replaced_parts_are_not_saved_as_what_they_were(
-    part: str, short: nip.Solution, e62: nip.Mechanism, tmp_path: Path
-) -> None:
-    """A run is saved with the texts of its machine, which a replaced number is not in."""
-    mechanism = replace(e62, **{part: REPLACED[part](e62)})  # type: ignore[arg-type]
-    refused = f"^{part} of this mechanism is not"
-    with pytest.raises(nip.InputError, match=refused):
-        nip.save(replace(short, mechanism=mechanism), tmp_path / "run.npz")
-    with pytest.raises(nip.InputError, match=refused):
-        nip.save_case(mechanism, short.case, tmp_path / "case.json")
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_numbers_that_were_changed_are_saved(e62: nip.Mechanism, tmp_path: Path) -> None:

@@ -264,19 +264,6 @@ def test_changed_numbers_are_refused_as_those_of_a_file(
     assert of_a_machine.value.message == of_a_file.value.message
 
 
-@pytest.mark.parametrize(
-    "path", ["links.nobody.mass_kg", "links.mass_kg", "springs.stev.preload_length_mm",
-             "springs.steeve.preload_deg", "stops.jaw.e",
-             "springs.steeve", "springs"],
-)  # fmt: skip
-def test_paths_that_lead_nowhere(e62: Mechanism, path: str) -> None:
-    with pytest.raises(UnknownNameError) as of_a_file:
-        load("e62", {path: 1.0})
-    with pytest.raises(UnknownNameError) as of_a_machine:
-        changed(e62, {path: 1.0})
-    assert of_a_machine.value.message == of_a_file.value.message
-
-
 def test_runs_of_a_changed_machine(e62: Mechanism) -> None:
     """On the tree of one that has run already: bit for bit those of a machine loaded so."""
     simulate(e62, Case(speed_rpm=650.0))
