@@ -130,22 +130,6 @@ def test_a_stop_that_nothing_presses_shut_does_not_rest(pulled: int) -> None:
     assert places[1 - pulled] == 0.0
 
 
-@pytest.mark.sampled(4)
-@pytest.mark.parametrize("count", [2, 3, 5])
-@pytest.mark.parametrize("ball", [(0.0, 0.2), (0.4, 0.2), (0.8, 0.05)])
-def test_equal_balls_come_to_rest_in_one_event(ball: Ball, count: int) -> None:
-    """They do what one alone does: as many collisions, and one rest for all."""
-    items = [ball] * count
-    together, alone = fallen(items), fallen([ball])
-    check_balls(together, items)
-    assert len({event.number for event in rests(together).values()}) == 1
-    hits = [event for event in together.events if event.kind is EventKind.COLLISION]
-    assert len(hits) == len(alone.collisions)
-    for event, hit in zip(hits, alone.collisions, strict=True):
-        stated = together.errors[event.number - 1].time + alone.errors[hit.event.number - 1].time
-        assert abs(event.t - hit.t) <= min(stated, 1e-12 * hit.t)
-
-
 @pytest.mark.parametrize(
     "items",
     [
@@ -246,26 +230,6 @@ def test_balls_on_one_carriage_in_step(e_N: float, mass: float, count: int) -> N
     # What moved the carriage is over: the centre of mass has stayed where it was.
     end = solution.trajectory.evaluate(solution.trajectory.span[1])
     assert np.abs(end.v).max() <= 1e-11
-
-
-@pytest.mark.campaign
-@pytest.mark.parametrize("mass", [0.2, 2.0, 20.0])
-@pytest.mark.parametrize(
-    "items",
-    [
-        [(0.4, 0.2), (0.4 + 1e-9, 0.2)],
-        [(0.4, 0.2), (0.4, 0.2 + 1e-12)],
-        [(0.4, 0.2), (0.5, 0.2)],
-        [(0.8, 0.2), (0.8, 0.21)],
-    ],
-)
-def test_balls_on_one_carriage_out_of_step(items: list[Ball], mass: float) -> None:
-    """Those that disturb one another end as well, and all of them rest on the carriage."""
-    solution = run(carriage(items, mass, 10.0), 2.5)
-    assert solution.outcome is Outcome.COMPLETED
-    assert solution.segments[-1].closed == {"floor0", "floor1"}
-    assert all(hit.approach_rate < 0.0 for hit in solution.collisions)
-    assert solution.checks.energy_balance < 1e-8
 
 
 def test_a_rebound_that_is_left_out_has_its_height_past_the_strikes_of_others() -> None:

@@ -233,31 +233,6 @@ def test_what_is_bound_to_a_winding_hinge_does_not_repeat(bound: str, tmp_path: 
     assert repeated == (1 if bound == "nothing" else None)
 
 
-def test_an_inertial_cycle_runs_and_loses_drive_speed_in_impacts(e62: nip.Mechanism) -> None:
-    """With free shafts the whole turn runs; collisions change the shafts' rates and need no drive.
-
-    Held drives keep their rates to the last bit and take the impulse; free ones are the reverse.
-    """
-    free = nip.simulate(
-        e62, nip.Case(speed_rpm=650.0, window=nip.Window.CYCLE, drive=nip.DriveMode.INERTIAL)
-    )
-    held = nip.simulate(e62, nip.Case(speed_rpm=650.0, window=nip.Window.CYCLE))
-    assert free.outcome is nip.Outcome.COMPLETED
-    driven = [drive.index for drive in e62.drives]
-    for solution, is_free in ((free, True), (held, False)):
-        event = max(solution.collisions, key=lambda item: item.impulse).event
-        jumped = np.abs(event.v_after[driven] - event.v_before[driven])
-        assert (jumped > 1e-6).all() if is_free else (jumped == 0.0).all()
-        taken = solution.drive_impulses[event.number - 1]
-        assert (taken == 0.0).all() if is_free else (taken != 0.0).all()
-    stops = [item.stop for item in free.collisions]
-    assert {"jaw", "steeve"} <= set(stops)
-    # The shafts give a little: the first collision of the jaw comes at nearly the same index.
-    first = [next(c for c in s.collisions if c.stop == "jaw") for s in (free, held)]
-    assert first[0].index == pytest.approx(first[1].index, abs=0.2)
-    assert first[0].index != first[1].index
-
-
 def test_progress_is_reported_after_every_turn(e62: nip.Mechanism) -> None:
     """The callback counts the turns done, and ends with all of them."""
     seen: list[tuple[int, int]] = []

@@ -191,20 +191,6 @@ def test_a_cart_with_a_pole_that_grows_clockwise() -> None:
     np.testing.assert_allclose(found, right, rtol=0.0, atol=1e-9)
 
 
-def test_a_slide_whose_mass_is_beside_the_plane() -> None:
-    """A chute on a base without mass, its centre a metre off the plane: it falls freely."""
-    urdf = (
-        f'<robot name="u"><link name="base"><inertial><mass value="0"/><inertia {NO_INERTIA}/>'
-        '</inertial></link><link name="ch"><inertial><origin xyz="0 1 -1"/><mass value="10"/>'
-        '<inertia ixx="1" iyy="1" izz="1"/></inertial></link><joint name="j" type="prismatic">'
-        '<origin xyz="0 0 1"/><axis xyz="0 0 1"/><limit lower="-0.1" upper="0.2"/>'
-        '<parent link="base"/><child link="ch"/></joint></robot>'
-    )
-    times = np.linspace(0.0, 0.99, 5)
-    found = followed(machine_of(urdf, 1), times)[:, 0]
-    np.testing.assert_allclose(found, -0.5 * 9.81 * times**2, rtol=1e-12, atol=1e-15)
-
-
 @pytest.mark.parametrize(
     ("parts", "joint", "words"),
     [

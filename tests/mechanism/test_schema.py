@@ -1,10 +1,9 @@
-"""The schema in the documents, the loader and the converter say the same of the same data."""
+"""The schema in the documents and the loader say the same of the same data."""
 
 from __future__ import annotations
 
 import itertools
 import json
-import re
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
@@ -17,9 +16,8 @@ import pytest
 from nipper_pin import Drawing, InputError, ModelError
 from nipper_pin.mechanism import find_model
 from nipper_pin.mechanism.drives import DriveTable, register_drive
-from nipper_pin.mechanism.files import description, first_refusal, register
+from nipper_pin.mechanism.files import description, register
 from nipper_pin.mechanism.files.describe import describe
-from nipper_pin.mechanism.files.description import Description
 from nipper_pin.mechanism.files.schema import (
     drawing_schema,
     drawing_schema_text,
@@ -154,14 +152,6 @@ def spoiled(document: dict[str, Any]) -> Iterator[dict[str, Any]]:
             parent.insert(path[-1], right)
 
 
-def said(error: str) -> tuple[str, str]:
-    """Place, as a pattern, and key that the converter names."""
-    text, _, place = error.partition(" - at `$")
-    key = re.search(r"field `([^`]+)`", text)
-    pattern = re.escape(place.rstrip("`")).replace(re.escape("[...]"), r"\..+")
-    return pattern.removeprefix(r"\."), key[1] if key else ""
-
-
 def loads(document: dict[str, Any]) -> bool | None:
     """None where 3.0 and its like are refused, which are whole numbers to a schema."""
     try:
@@ -171,36 +161,16 @@ def loads(document: dict[str, Any]) -> bool | None:
     return True
 
 
-def refusal_of_the_converter(document: dict[str, Any]) -> str | None:
-    """Its message; None if it takes the document."""
-    try:
-        msgspec.convert(document, Description)
-    except msgspec.ValidationError as error:
-        return str(error)
-    return None
-
-
 @pytest.mark.parametrize("model", MODELS)
-def test_the_place_is_the_one_that_the_converter_names(model: str) -> None:
-    """Of every value that it refuses; and there is none in data that it takes.
-
-    An editor that has the schema marks what the loader refuses, tried on every 13th mistake.
-    """
+def test_the_schema_marks_what_the_loader_refuses(model: str) -> None:
+    """For an editor that has it; what is said, and of which place, stands in `refusals`."""
     assert VALID.is_valid(documents(model))
     refused = 0
-    for number, document in enumerate(spoiled(documents(model))):
-        if number % 13 == 0:
-            loaded = loads(document)
-            assert loaded is None or VALID.is_valid(document) == loaded
-        found = first_refusal(document, Description)
-        error = refusal_of_the_converter(document)
-        assert (found is None) == (error is None)
-        if found is not None and error is not None:
-            place, key = said(error)
-            assert re.fullmatch(place, found.key), (error, found)
-            assert (found.unknown or found.missing or "") == key
-            refused += 1
-    assert refused > 250
+    for document in itertools.islice(spoiled(documents(model)), 0, None, 13):
+        loaded = loads(document)
+        assert loaded is None or VALID.is_valid(document) == loaded
+        refused += loaded is False
+    assert refused > 20
 
 
 def test_the_schema_of_a_drawing_marks_no_drawing_that_is_read(tmp_path: Path) -> None:

@@ -56,11 +56,6 @@ def sample(request: pytest.FixtureRequest, e62: Mechanism) -> Sample:
     return Sample(run, PlanarTree.of(run.mechanism), t, motion.q, motion.v, forces, closed)
 
 
-def _joint_wrench(sample: Sample, link: int, row: int) -> tuple[complex, float]:
-    x, z, moment = sample.forces.joints[sample.tree.links[link].joint][row]
-    return complex(x, z), float(moment)
-
-
 def _acting(
     sample: Sample,
     motion: Motion,
@@ -246,30 +241,3 @@ def test_clamping_force_times_its_lever_is_the_multiplier(sample: Sample) -> Non
     assert np.abs(moment - sample.forces.stops["jaw"]).max() <= EXACT * scale
     for name in ("jaw", "nipper_pivot", "rod_pin", "rocker_pin"):
         assert np.abs(sample.forces.joints[name][:, 2]).max() <= EXACT * scale
-
-
-def test_the_steeve_carries_spring_and_stop_along_its_axis(sample: Sample) -> None:
-    """Along the slide the joint's force is spring plus stop force, all of it and nothing else."""
-    tree, mechanism = sample.tree, sample.run.mechanism
-    stop, spring = mechanism.stop("steeve"), mechanism.springs[0]
-    link = tree.links[stop.index]
-    assert link.slide is not None
-    for row in range(len(sample.t)):
-        axis = link.slide * np.exp(1j * sample.motion(row).angle[stop.index])
-        force, _ = _joint_wrench(sample, stop.index, row)
-        along = (axis.conjugate() * force).real
-        push = -spring.stiffness * (spring.preload + sample.q[row, stop.index])
-        total = push + sample.forces.stops["steeve"][row]
-        assert abs(along - total) <= EXACT * max(abs(push), abs(force))
-
-
-def test_driven_joints_carry_their_torques(sample: Sample) -> None:
-    """The moment at a driven joint is its torque, less what a free shaft's own inertia takes."""
-    run = sample.run
-    for column, drive in enumerate(run.mechanism.drives):
-        joint = run.mechanism.joints[drive.index]
-        torque = sample.forces.drives[drive.name].copy()
-        if not run.system.held:
-            torque -= run.system.inertia[column] * sample.forces.a[:, drive.index]
-        difference = sample.forces.joints[joint.name][:, 2] - torque
-        assert np.abs(difference).max() <= EXACT * np.abs(sample.forces.drives[drive.name]).max()
