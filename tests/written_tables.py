@@ -10,8 +10,8 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from nipper_pin.arrays import FloatArray
-from nipper_pin.reduced.kernels import layout, panel, turn_charts
-from nipper_pin.reduced.kernels.layout import Case, Charts, Work
+from nipper_pin.reduced.kernels import kernel, layout, panel, turn_charts
+from nipper_pin.reduced.kernels.layout import Case, Cases, Charts, Settings, Work
 from nipper_pin.reduced.tables.arrival import Arrival
 
 # Places of functions in x'' = F0 w^2 + F1 w x' + F2 x'^2 + Fg g + k (F4 p + F5).
@@ -72,14 +72,48 @@ def along_of(equation: FloatArray, low: float, high: float) -> FloatArray:
     return np.asarray(equation @ chebyshev.chebvander([place], equation.shape[3] - 1)[0])
 
 
-def joined(first: Charts, second: Charts) -> Charts:
-    """Two charts of one shape that follow one another; the second begins where the first ends."""
-    numbers = np.concatenate([first.numbers, second.numbers])
-    numbers[1, layout.BEGIN] = numbers[0, layout.TRAVEL_MOST]
-    stops = np.array([[0, 1, 1], [1, 0, 0]])
-    both = zip(first, second, strict=True)
-    found = Charts(*(np.concatenate(pair) for pair in both))
-    return found._replace(numbers=numbers, stops=stops, lever=first.lever)
+# Beside the waiting stop the gap of the other is x = y / 2 + 0.01, and grows by the travel.
+HALF, ABOVE, BY_TRAVEL = 0.5, 0.01, -0.07
+
+
+def rest_of_turn(
+    equation: FloatArray, travel: float, *, pressed: float = -1.0, high: float = 2.0, **more: Any
+) -> Charts:
+    """Two charts that follow one another: x is pressed shut, then y moves up to the touch.
+
+    Args:
+        equation: That of y, shape (functions, 1, N, N).
+        travel: Of the second chart [rad].
+        pressed: x'' of the first one, by the square of the speed.
+    """
+    count, low = equation.shape[3], -0.5
+    x = np.zeros((1, 1, count, count))
+    x[0, 0, 0, :3] = linear(HALF, low, high)
+    x[0, 0, 0, 0] += ABOVE
+    second = tables_of(equation, low=low, high=high, travel=travel, gaps=x, **more)
+    second.gaps[0, 1:, 0, 0, 0] = HALF, BY_TRAVEL
+    closed, wrong = level(pressed, count=count), more.get("approach_residual", 0.0)
+    first = tables_of(
+        closed, low=low, high=high, travel=math.tau - travel, gaps=x, approach_residual=wrong
+    )
+    found = Charts(*(np.concatenate(pair) for pair in zip(first, second, strict=True)))
+    found.numbers[1, layout.BEGIN] = math.tau - travel
+    return found._replace(stops=np.array([[0, 1, 1], [1, 0, 0]]), lever=first.lever)
+
+
+def solve(
+    charts: Charts, cases: Cases, settings: Settings, most: int, *, ask: bool = False,
+    angle: tuple[float, float] = (0.0, 1.0), **given: Any,
+) -> dict[str, Any]:  # fmt: skip
+    """What is written of cases, of their transitions or of what is asked of the turn before."""
+    n = len(cases.speed)
+    told = {
+        "table": np.empty((n, most + layout.BESIDE, layout.COLUMNS)),
+        "state": np.full((n, 4), np.nan), "told": np.full((n, 2), layout.GOES_ON),
+        "rest": np.full((n, 5), np.nan), "premise": np.full((n, 1), layout.HOLDS),
+    } | given  # fmt: skip
+    kernel.run_transitions(panel.grids(), charts, cases, settings, ask, angle, *told.values())
+    return told
 
 
 def one_of(charts: Charts, place: int) -> Charts:

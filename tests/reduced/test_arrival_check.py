@@ -8,12 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.polynomial import chebyshev
-from written_tables import BOUNDS, case, joined, level, linear, tables_of
+from written_tables import ABOVE, BOUNDS, BY_TRAVEL, HALF, case, level, rest_of_turn, solve
 
-from nipper_pin.reduced.kernels import flight_errors, kernel, layout, release, turn_charts
+from nipper_pin.reduced.kernels import flight_errors, layout, release, turn_charts
 from nipper_pin.reduced.kernels import turn_events as events
 from nipper_pin.reduced.kernels.layout import FAILS, HOLDS, UNKNOWN, Cases, Charts, Settings
-from nipper_pin.reduced.kernels.panel import grids
 from nipper_pin.tolerances.mechanics import EPS
 
 pytestmark = pytest.mark.usefixtures("plain")
@@ -25,31 +24,16 @@ THROWN = E_N * 1.0 * SPEED
 # Travel of the first flight, and of all bounces.
 FIRST = SPEED * 2.0 * THROWN / A
 ALL = FIRST / (1.0 - E_N)
-LOW = -0.5
-# The other stop's gap is x = y / 2 + 0.01, and grows with the travel by its slope.
-HALF, ABOVE, BY_TRAVEL = 0.5, 0.01, -0.07
 
 
-def turning(
-    travel: float, push: Any = None, *, high: float = 2.0, degree: int = 3, **more: Any
-) -> Charts:
+def turning(travel: float, push: Any = None, *, degree: int = 3, **more: Any) -> Charts:
     """The rest of a turn whose waiting chart is that long; y'' is pushed by the travel alone."""
     equation = level(-A / SPEED**2, count=degree)
     if push is not None:
         place = np.cos(np.pi * (np.arange(degree) + 0.5) / degree)
         values = push(0.5 * travel * (1.0 + place)) / SPEED**2
         equation[0, 0, :, 0] = chebyshev.chebfit(place, values, degree - 1)
-    x = np.zeros((1, 1, degree, degree))
-    x[0, 0, 0, :3] = linear(HALF, LOW, high)
-    x[0, 0, 0, 0] += ABOVE
-    y = tables_of(equation, low=LOW, high=high, travel=travel, gaps=x, **more)
-    slopes = y.gaps.copy()
-    slopes[0, 1:, 0, 0, 0] = HALF, BY_TRAVEL
-    closed = tables_of(
-        level(-A, count=degree), low=LOW, high=high, travel=math.tau - travel, gaps=x,
-        approach_residual=more.get("approach_residual", 0.0),
-    )  # fmt: skip
-    return joined(closed, y._replace(gaps=slopes))
+    return rest_of_turn(equation, travel, **more)
 
 
 def arrival(
@@ -58,15 +42,11 @@ def arrival(
 ) -> Any:  # fmt: skip
     """The premise, and x, x' and their errors at the touch."""
     turn = turning(travel, push, **more) if turn is None else turn
-    cases = Cases(np.array([SPEED]), np.array([[0.3, e]]), np.empty((1, 0)), np.empty((1, 0)),
-                  np.ones(1))  # fmt: skip
-    state, premise = np.full((1, 4), np.nan), np.full((1, 1), layout.NOT_ASKED)
-    kernel.run_transitions(
-        grids(), turn, cases, Settings(rest_rate, tolerance), True, (0.0, 1.0),
-        np.empty((1, layout.BESIDE, layout.COLUMNS)), state, np.full((1, 2), layout.GOES_ON),
-        np.full((1, 5), np.nan), premise,
-    )  # fmt: skip
-    return int(premise[0, 0]), *state[0]
+    none = np.empty((1, 0))
+    cases = Cases(np.array([SPEED]), np.array([[0.3, e]]), none, none, np.ones(1))
+    asked = np.full((1, 1), layout.NOT_ASKED)
+    found = solve(turn, cases, Settings(rest_rate, tolerance), 0, ask=True, premise=asked)
+    return int(found["premise"][0, 0]), *found["state"][0]
 
 
 def test_a_line_of_a_case() -> None:

@@ -10,28 +10,26 @@ import pytest
 from numpy.polynomial import Polynomial, chebyshev
 from written_tables import (
     case,
-    joined,
     level,
-    linear,
+    rest_of_turn,
+    solve,
     tables_of,
     with_bounds,
     with_numbers,
 )
 
-from nipper_pin.reduced.kernels import flight_errors, kernel, panel
+from nipper_pin.reduced.kernels import flight_errors, panel
 from nipper_pin.reduced.kernels import series as bounces
 from nipper_pin.reduced.kernels.layout import (
     AMPLITUDE,
     AMPLITUDE_ERROR,
     APPROACH,
     AT_REST,
-    BESIDE,
     COLLISION,
     COLUMNS,
     ENERGY,
     ENERGY_ERROR,
     FAILS,
-    GOES_ON,
     HIGH,
     HOLDS,
     IMPULSE,
@@ -70,19 +68,6 @@ TABLES: dict[str, Any] = {
 E_N, WAITING_E_N, ANGLE = 0.45, 0.5, (0.4, -1.0)
 
 
-def solve(charts: Any, cases: Cases, settings: Settings, most: int, **given: Any) -> Any:
-    """What is written of cases, of transitions or of what is asked of a turn."""
-    n = len(cases.speed)
-    told = {
-        "table": np.empty((n, most + BESIDE, COLUMNS)), "state": np.full((n, 4), np.nan),
-        "told": np.full((n, 2), GOES_ON), "rest": np.empty((n, 5)),
-        "premise": np.full((n, 1), HOLDS),
-    } | given  # fmt: skip
-    ask = told.pop("ask", False)
-    kernel.run_transitions(panel.grids(), charts, cases, settings, ask, ANGLE, *told.values())
-    return told
-
-
 def run(
     charts: Any = None,
     *,
@@ -100,13 +85,13 @@ def run(
     cases = Cases(np.array([SPEED]), stops, K[None], P[None], np.array([gravity]))
     settings, asked = Settings(rest_rate, 1e-9), {"premise": np.full((1, 1), NOT_ASKED)}
     if not assumed:
-        asked = solve(turn, cases, settings, 0, ask=True, **asked)
+        asked = solve(turn, cases, settings, 0, ask=True, angle=ANGLE, **asked)
         asked.pop("table")
-    found = solve(charts, cases, settings, most, **asked if not assumed else {})
+    found = solve(charts, cases, settings, most, angle=ANGLE, **asked if not assumed else {})
     premise = UNKNOWN
     if turn is not None:
         later = {**found, **asked} if assumed else found
-        premise = solve(turn, cases, settings, 0, ask=True, **later)["premise"][0, 0]
+        premise = solve(turn, cases, settings, 0, ask=True, angle=ANGLE, **later)["premise"][0, 0]
     status, count = found["told"][0]
     assert np.isnan(found["table"][0, count:]).all()
     return status, found["rest"][0, :4], premise, found["table"][0, :count].T
@@ -316,23 +301,13 @@ def test_inertia_along_the_travel(u: float) -> None:
     assert panel.along(tables.inertia[0], 3.6, u) == pytest.approx(value, rel=1e-13)
 
 
-def turning(opening: float, travel: float, push: float = -1.0, **more: Any) -> Any:
-    """The rest of a turn: x is pressed up to the opening; then y'' = -w^2, and x = y / 2 + 0.01."""
-    x = np.zeros((1, 1, 3, 3))
-    x[0, 0, 0] = linear(0.5, -0.5, 2.0)
-    x[0, 0, 0, 0] += 0.01
-    y = tables_of(level(-1.0), travel=travel, gaps=x, **more)
-    y.gaps[0, 1:, 0, 0, 0] = 0.5, -0.07
-    return joined(tables_of(level(push), travel=opening, gaps=x), y)
-
-
 @pytest.mark.parametrize(("opening", "push", "told"), [(4.0, -1.0, True), (4.0, 1.0, False),
                                                        (0.1, -1.0, False)])  # fmt: skip
 def test_the_premise_needs_a_stop_that_is_pressed_until_the_opening(
     opening: float, push: float, told: bool
 ) -> None:
     """Else it is not known what the turn does; transitions are the same, assumed or not."""
-    turn = turning(opening, 2.0 * math.pi - opening, push)
+    turn = rest_of_turn(level(-1.0), math.tau - opening, pressed=push)
     status, (rest, *_), premise, table = run(turn=turn)
     assert status == AT_REST
     assert premise == (HOLDS if told else UNKNOWN)
@@ -347,7 +322,7 @@ def test_a_machine_that_arrives_in_flight_falls_onto_its_stop_first() -> None:
 
     Then x falls from there with x'' = -A: the first collision is late, by what a fall takes.
     """
-    turn = turning(2.0 * math.pi - 0.5, 0.5)
+    turn = rest_of_turn(level(-1.0), 0.5)
     status, (rest, *_), premise, table = run(turn=turn, assumed=False)
     assert (status, premise) == (AT_REST, FAILS)
     t, w, a = 0.5 / SPEED, 0.5 * 1.0 * SPEED, SPEED**2
@@ -367,7 +342,7 @@ def test_a_machine_that_arrives_in_flight_falls_onto_its_stop_first() -> None:
     high = turn.numbers.copy()
     high[0, HIGH] = 0.9 * x
     assert run(turn=turn._replace(numbers=high), assumed=False)[0] == UNTOLD
-    vague = turning(2.0 * math.pi - 0.5, 0.5, residual=np.array([0.1, *[0.0] * 5]))
+    vague = rest_of_turn(level(-1.0), 0.5, residual=np.array([0.1, *[0.0] * 5]))
     told = run(turn=vague, assumed=False)
     assert (told[0], told[2]) == (UNTOLD, UNKNOWN)
 

@@ -259,6 +259,24 @@ def test_a_run_ends_before_its_table_of_events_is_full(e62: Mechanism) -> None:
         )  # fmt: skip
 
 
+def test_a_rebound_lasts_until_its_stop_is_struck_again(e62: Mechanism) -> None:
+    """Also over the end of a turn, where another chart begins."""
+    found = turns(e62, speed_rpm=650.0, cycles=2, restitution={"steeve": 0.95})
+    flown = np.flatnonzero(np.isfinite(found.rebound_time))
+    ended = flown + 1
+    assert (found.stop_number[flown] == found.stop_number[ended]).all()
+    assert found.collisions[ended].all()
+    turn = np.floor(found.travel / (2.0 * np.pi))
+    apart = found.time[ended] - found.time[flown]
+    round_off = 8.0 * np.finfo(float).eps * found.time[ended]
+    assert (np.abs(found.rebound_time[flown] - apart) <= round_off).all()
+    stated = found.time_error[ended] + found.time_error[flown]
+    assert (found.rebound_error[flown] <= stated + round_off).all()
+    over = turn[flown] < turn[ended]
+    assert over.any()
+    assert (found.rebound_error[flown] >= stated - round_off)[over].all()
+
+
 def test_charts_cover_the_turn_without_gaps(e62: Mechanism) -> None:
     """From stop to stop; where the nipper opens and closes as the direct engine has it."""
     charts = build_turns(e62).charts

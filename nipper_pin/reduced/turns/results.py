@@ -80,6 +80,8 @@ class ReducedTurns:
     """Kinetic energy lost [J]."""
     rebound_amplitude = Column(layout.AMPLITUDE)
     """Largest gaps of the rebounds that end at the same stop [rad or m]; NaN for others."""
+    rebound_time = Column(layout.REBOUND)
+    """Times of these rebounds [s]."""
     time_error = Column(layout.TIME_ERROR)
     """Bounds on the errors of ``time`` [s]."""
     rate_error = Column(layout.RATE_ERROR)
@@ -88,6 +90,8 @@ class ReducedTurns:
     """Bounds on the errors of ``impulse``, in its unit."""
     amplitude_error = Column(layout.AMPLITUDE_ERROR)
     """Bounds on the errors of ``rebound_amplitude``."""
+    rebound_error = Column(layout.REBOUND_ERROR)
+    """Bounds on the errors of ``rebound_time`` [s]."""
     energy_error = Column(layout.ENERGY_ERROR)
     """Bounds on the errors of ``energy_lost`` [J]."""
 
