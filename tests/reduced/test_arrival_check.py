@@ -8,9 +8,27 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.polynomial import chebyshev
-from written_tables import ABOVE, BOUNDS, BY_TRAVEL, HALF, case, level, rest_of_turn, solve
+from written_tables import (
+    ABOVE,
+    BOUNDS,
+    BY_TRAVEL,
+    HALF,
+    case,
+    level,
+    rest_of_turn,
+    solve,
+    tables_of,
+    work_of,
+)
 
-from nipper_pin.reduced.kernels import flight_errors, layout, release, turn_charts
+from nipper_pin.reduced.kernels import (
+    flight_errors,
+    layout,
+    panel,
+    release,
+    series,
+    turn_charts,
+)
 from nipper_pin.reduced.kernels import turn_events as events
 from nipper_pin.reduced.kernels.layout import FAILS, HOLDS, UNKNOWN, Cases, Charts, Settings
 from nipper_pin.tolerances.mechanics import EPS
@@ -140,6 +158,45 @@ def test_a_series_under_a_changing_force_is_followed() -> None:
     # A release before the bounces are over comes while the body is in the air.
     lifted = arrival(2.2 * ALL, lambda u: 3.0 * (u - 1.5 * ALL), high=40.0)
     assert lifted[0] != HOLDS
+
+
+@pytest.mark.parametrize(
+    ("change", "over"),
+    [
+        ({}, True),
+        # No deceleration, no loss, no end before that of the chart.
+        ({"a": 1.0}, False),
+        ({"still": 0.0}, False),
+        ({"e": 1.0}, False),
+        ({"u": 1.0}, False),
+        # x'' changes by a quarter until then, and just not so.
+        ({"slope": 0.26}, False),
+        ({"slope": 0.24}, True),
+        # The stop is let go within that time, and just not so.
+        ({"let_go": 0.99}, False),
+        ({"let_go": 1.01}, True),
+    ],
+)
+def test_a_series_that_is_surely_over(change: dict[str, float], over: bool) -> None:
+    """After twice the time that it has at a constant x'', in which the stop is pressed."""
+    given = {"a": -A, "still": -A, "e": E_N, "u": 0.2, "slope": 0.0, "let_go": 9.0} | change
+    w, u, travel = 0.6, given["u"], 3.0
+    ahead = 2.0 * w / (A * (1.0 - given["e"])) if given["e"] < 1.0 else 0.0
+    # A drift is three times the change of x'' by x'' itself.
+    steepest = given["slope"] * A / (3.0 * SPEED**3 * ahead) if ahead else 0.0
+    charts = tables_of(
+        level(given["a"] / SPEED**2), travel=travel, steepest_u=np.array([steepest, *[0.0] * 5])
+    )
+    work, source = work_of(charts, case(SPEED, 1.0, [], []))
+    panel.contract(source.mixed, work.poly, len(work.poly) - 1, travel, u)
+    until = u + given["let_go"] * 2.0 * SPEED * ahead
+    line = np.array([[0.5 * travel - until, 0.5 * travel]])
+    found = series.surely_over(
+        work.case[0], work.poly, 3, work.sizes[0], line, u, w, given["e"], given["still"]
+    )
+    assert found[0] == over
+    if over:
+        assert found[1] == pytest.approx(2.0 * ahead, rel=1e-12)
 
 
 GAP_ERRORS = np.array([2e-6, 3e-6, 5e-6])
