@@ -144,6 +144,16 @@ def test_gravity_of_a_model_without_it(model: ReducedModel) -> None:
     assert caught.value.evidence["gravity"] == [0.0, 1.0]
 
 
+def test_one_transition_may_have_more_collisions_than_most(model: ReducedModel) -> None:
+    """It is that of a batch with room for all of them, and ends by their number where that is."""
+    given: dict[str, Any] = {"speed_rpm": 200.0, "restitution": 0.8}
+    found, batch = transition(model, **given), transitions(model, max_collisions=64, **given)
+    assert found.collisions == batch.collisions[0] > 32
+    np.testing.assert_array_equal(found.table, batch.table[0, :, : found.collisions])
+    with pytest.raises(SimulationError, match="after 34 collisions"):
+        transition(model, max_collisions=34, **given)
+
+
 def test_every_result_comes_from_its_place(model: ReducedModel) -> None:
     """Rows of the table by name; what lies beyond the last collision is none."""
     found = transition(model, speed_rpm=RPM)

@@ -26,7 +26,15 @@ from nipper_pin import (
 )
 from nipper_pin.arrays import FloatArray
 from nipper_pin.dynamics import ShaftMotion, System
-from nipper_pin.reduced import ReducedModel, build, reduced_model, sampling, transition, unfit
+from nipper_pin.reduced import (
+    ReducedModel,
+    build,
+    reduced_model,
+    sampling,
+    transition,
+    transitions,
+    unfit,
+)
 from nipper_pin.reduced.kernels import layout
 from nipper_pin.reduced.tables import arrival
 from nipper_pin.reduced.tables.arrival import found_opening
@@ -302,9 +310,15 @@ def test_the_domain_ends_at_the_opening_without_the_rest_of_the_turn(
 def test_the_rest_of_the_turn_belongs_to_a_domain_that_is_given(
     e62: Mechanism, model: ReducedModel
 ) -> None:
-    """It tells how the machine arrives, as where the domain is found."""
-    given = build(e62, tolerance=1e-3, travel_rad=model.travel_rad, gap_max=0.02)
-    assert (given.arrival.why, given.arrival.asked) == ("", True)
+    """It tells how the machine arrives, as where the domain is found, which ends at the opening."""
+    for travel in (0.8 * model.travel_rad, model.travel_rad, 1.1 * model.travel_rad):
+        given = build(e62, tolerance=1e-3, travel_rad=travel, gap_max=0.02)
+        assert (given.arrival.why, given.arrival.asked) == ("", True)
+        assert given.travel_rad == travel
+        assert given.arrival.charts is not None
+        opening = given.arrival.charts.numbers[0, layout.TRAVEL_MOST]
+        assert opening == pytest.approx(model.travel_rad, rel=1e-12)
+        assert transitions(given, speed_rpm=[450.0], restitution=0.05).premise.tolist() == [1]
 
 
 def test_the_coarsest_and_the_longest_domain_can_be(e62: Mechanism) -> None:
