@@ -127,16 +127,6 @@ def test_extremes_of_a_series(phase: float, kind: Any) -> None:
     assert extreme_angle(ConstantSpeed(ratio=1e-9), kind) is None
 
 
-def test_a_series_is_the_sum_of_its_waves() -> None:
-    psi = np.linspace(-3.0, 9.0, 41)
-    for law in SERIES:
-        waves = [c * np.cos(n * psi) for n, c in enumerate(law.cosine, 1)]
-        waves += [s * np.sin(n * psi) for n, s in enumerate(law.sine, 1)]
-        np.testing.assert_allclose(
-            law.evaluate(psi)[0], sum(waves, 0.0 * psi + 0.7), rtol=0.0, atol=1e-14
-        )
-
-
 def test_a_table_reproduces_a_smooth_law() -> None:
     angles = np.linspace(0.2, 0.2 + math.tau, 361)
     table = Table(cylinder_angle_rad=tuple(angles.tolist()),
@@ -234,14 +224,6 @@ def test_a_cam_swings_a_hinge() -> None:
     drive = {"joint": "lever", "law": "cam", "motion": "cycloidal", "lift_deg": 30.0, **ANGLES}
     lever = machine([link("lever"), hinge("lever", "frame", "lever")], 1, drives={"cam": drive})
     assert turn_of(lever)[1].max() == pytest.approx(math.radians(30.0), rel=1e-14)
-
-
-def test_a_cam_on_an_elastic_shaft() -> None:
-    """The balance of energy holds with a mass on the drive train."""
-    shaft = {"reflected_mass_kg": 5.0, "shaft_frequency_hz": 50.0, "shaft_damping_ratio": 0.5}
-    mechanism = ram(law="cam", motion="cycloidal", lift_mm=4.0, **ANGLES, **shaft)
-    case = Case(speed_rpm=60.0, window="cycle", drive="inertial")
-    assert simulate(mechanism, case).checks.energy_balance < 1e-12
 
 
 def test_a_table_moves_a_slide(tmp_path: Path) -> None:

@@ -17,7 +17,6 @@ from small_machines import frame, hinge, link, machine, slide
 
 import nipper_pin as nip
 from nipper_pin import Mechanism, ModelError, load
-from nipper_pin.mechanism import collision_model
 
 STRANGERS = Path(__file__).parents[1] / "strangers"
 
@@ -249,18 +248,6 @@ def test_contact_is_where_it_was_built() -> None:
     assert abs(contact.closing_coordinate) < 1e-11
     along = load().stop("steeve")
     assert (along.contact, along.lever) == (None, 1.0)
-
-
-def test_shapes_carry_their_names_and_links() -> None:
-    mechanism = load()
-    geometry, shapes = collision_model(mechanism)
-    assert {item.name for item in geometry.geometryObjects} == {
-        name for names in shapes.values() for name in names
-    }
-    assert shapes["frame"][0] == "cylinder_drum"
-    assert shapes["rod_head"] == ()
-    joint = geometry.geometryObjects[geometry.getGeometryId("top_lip")].parentJoint
-    assert mechanism.model.names[joint] == "jaw"
 
 
 def ball(part: str, name: str, x: float, z: float = 0.0) -> str:
