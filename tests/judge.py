@@ -12,6 +12,7 @@ import math
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
@@ -20,39 +21,18 @@ import pinocchio as pin
 from scipy.interpolate import BarycentricInterpolator
 from scipy.linalg import null_space
 from scipy.optimize import minimize_scalar
-from small_machines import SLED, hinge, link, machine, slide
 
 from benchmarks.stress.mechanics.planar_tree import PlanarTree
-from nipper_pin import Event, Mechanism, Solution
+from nipper_pin import Event, Mechanism, Solution, load
 
 Array = Any
+# Machines that several rooms of tests look at.
+MACHINES = Path(__file__).parent / "studies" / "machines"
 
 
 def press() -> Mechanism:
     """A sled on a screw; on it a flap with a stop at its hinge, and a ball on an inclined slide."""
-    phases = [[], ["flap"], ["ball"], ["flap", "ball"]]
-    return machine(
-        [
-            link("sled", 2.0, 0.1),
-            slide("sled_x", "frame", "sled"),
-            link("flap", 1.5, 0.02, (0.2, 0.03)),
-            hinge("flap_pin", "sled", "flap", (0.1, 0.05)),
-            link("ball", 0.7),
-            slide("ball_z", "sled", "ball", (0.6, 0.8)),
-        ],
-        3,
-        gravity=9.81,
-        drives={"sled": {"joint": "sled_x", "law": "screw", "lead_mm_per_turn": 80.0, **SLED}},
-        stops={
-            "flap": {"joint": "flap_pin", "restitution": 0.4, "at_deg": -8.0},
-            "ball": {"joint": "ball_z", "restitution": 0.3, "side": "lower", "at_mm": -20.0},
-        },
-        springs={"flap": {"joint": "flap_pin", "stiffness_N_m_per_rad": 3.0, "preload_deg": 20.0}},
-        phases=[
-            {"number": number, "name": "and ".join(closed) or "free", "closed": closed}
-            for number, closed in enumerate(phases, start=1)
-        ],
-    )
+    return load(MACHINES / "press" / "small")
 
 
 @dataclass(frozen=True)

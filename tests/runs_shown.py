@@ -7,7 +7,7 @@ from functools import cache
 from typing import Any
 
 from boxed_mass import box
-from judge import press
+from judge import MACHINES, press
 from small_machines import SHAFT, frame, hinge, link, machine, slide
 
 from nipper_pin import Case, Mechanism, Solution, Window, load, simulate
@@ -17,14 +17,7 @@ from nipper_pin.mechanism.gallery import GALLERY, drawn
 
 def balls() -> Mechanism:
     """Two balls that fall from one height, so that one event strikes both of their floors."""
-    return machine(
-        [link("m0", 1.0), slide("z0", "frame", "m0", axis=(0.0, 1.0)),
-         link("m1", 2.0), slide("z1", "frame", "m1", axis=(0.0, 1.0), at=(1.0, 0.0))],
-        2, gravity=9.81, transition_stop="s1",
-        stops={"s0": {"joint": "z0", "restitution": 0.3},
-               "s1": {"joint": "z1", "restitution": 0.4}},
-        initial={"z0": {"at_mm": 100.0}, "z1": {"at_mm": 100.0}},
-    )  # fmt: skip
+    return load(MACHINES / "balls" / "small")
 
 
 def with_elements() -> Mechanism:

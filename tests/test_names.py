@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from small_machines import frame, hinge, link, slide, sources
+from programs import study_text
 
 import nipper_pin as nip
 from nipper_pin.mechanism.files import toml
@@ -36,56 +36,13 @@ def write(folder: Path, same: Mapping[str, str]) -> Path:
         same: Names by kind; each other thing has the name of its kind.
     """
     name = {kind: same.get(kind, kind) for kinds in (*KINDS, ("slot",)) for kind in kinds}
-    box = '<geometry><box size="0.01 0.01 0.01"/></geometry>'
-    drawn = f'<visual name="{name["visual"]}">{box}</visual>'
-    lips = {
-        side: f'<collision name="{label}"><origin xyz="{x} 0 0"/>{box}</collision></link>'
-        for side, label, x in (("lower", "bed", -0.005), ("upper", name["shape"], 0.005))
-    }
-    coupled = hinge(name["coupled joint"], "frame", "wheel")
-    parts = [
-        link(name["link"], 0.3, 1e-3).replace("</link>", f"{drawn}</link>"),
-        hinge(name["driven joint"], "frame", name["link"]),
-        link("rod", 0.4, 1e-3), hinge("on_crank", name["link"], "rod", (0.05, 0.0)),
-        frame(name["end"], "rod", (0.2, 0.0)),
-        link("carrier", 0.5, 1e-3).replace("</link>", lips["lower"]),
-        slide("along", "frame", "carrier", at=(0.25, 0.0)),
-        link("follower", 0.2, 1e-3).replace("</link>", lips["upper"]),
-        slide(name["stopped joint"], "carrier", "follower"),
-        link("wheel", 0.1, 1e-4),
-        coupled.replace("</joint>", f'<mimic joint="{name["stopped joint"]}"/></joint>'),
-        link("yoke", 0.1, 1e-3), slide("across", "frame", "yoke", at=(0.25, 0.0)),
-    ]  # fmt: skip
-    on, ends = {"joint": name["stopped joint"]}, {"frame_a": "frame", "frame_b": "follower"}
-    tables: dict[str, Any] = {
-        "drives": {name["drive"]: {"joint": name["driven joint"], "law": "constant_speed",
-                                   "ratio": 1.0}},
-        "closures": {
-            name["pin"]: {"frame_a": name["end"], "frame_b": "carrier"},
-            name["slot"]: {"frame_a": "yoke", "frame_b": name["end"], "slot_axis": "z",
-                           "block_mass_kg": 1e-3},
-        },
-        "springs": {
-            name["spring"]: {**on, "stiffness_N_per_m": 500.0, "preload_length_mm": 3.0},
-            name["rows"]: {**on, "coordinate_mm": [-200.0, 200.0], "force_N": [-100.0, 100.0]},
-            name["spring between points"]: {**ends, "stiffness_N_per_m": 200.0,
-                                            "free_length_mm": 250.0},
-        },
-        "dampers": {name["damper"]: {**on, "damping_N_s_per_m": 0.1},
-                    name["damper between points"]: {**ends, "damping_N_s_per_m": 0.5}},
-        "forces": {name["force"]: {**on, "law": "orifice", "c_N_s2_per_m2": 1.0}},
-        "stops": {name["stop"]: {**on, "restitution": 0.2,
-                                 "contact": {"lower": "bed", "upper": name["shape"]}},
-                  name["other stop"]: {**on, "restitution": 0.3, "side": "upper", "at_mm": 300.0}},
-        "phases": [{"number": 1, "name": name["phase"], "closed": [name["stop"]]},
-                   {"number": 2, "name": "thrown", "closed": []}],
-        "shortcuts": {name["shortcut"]: f"springs.{name['spring']}.stiffness_N_per_m"},
-    }  # fmt: skip
-    urdf, document = sources(parts, 2, gravity=9.81, **tables)
     target = folder / name["model"]
     target.mkdir()
-    (target / f"{name['model']}.urdf").write_text(urdf, encoding="utf-8")
-    (target / f"{name['model']}.toml").write_text(toml(document), encoding="utf-8")
+    for suffix in ("urdf", "toml"):
+        text = study_text(f"names/names.{suffix}")
+        for kind, called in name.items():
+            text = text.replace(f"@{kind}@", called)
+        (target / f"{name['model']}.{suffix}").write_text(text, encoding="utf-8")
     return target
 
 
