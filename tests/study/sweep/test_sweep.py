@@ -27,6 +27,7 @@ from sweep_studies import (
     tabulated_e62,
     wait_for,
 )
+from waiting import notes
 
 from nipper_pin import Case, InputError, Mechanism, load, read_sweep, simulate, turn_table
 from nipper_pin.cli import main
@@ -228,7 +229,7 @@ def test_a_sweep_is_stopped_and_goes_on(tmp_path: Path, capsys: pytest.CaptureFi
             command.send_signal(blow)
         complained = command.communicate(timeout=60)[1]
         wait_for(lambda: not any(Path(f"/proc/{pid}").exists() for pid in workers))
-        return command.returncode, complained
+        return command.returncode, notes(complained)
 
     stopped(signal.SIGKILL)
     kept = chunk_files(out)

@@ -12,6 +12,7 @@ from pathlib import Path
 import distributed
 import pytest
 from sweep_studies import GEOMETRY, chunk_files, started, stored, study, wait_for
+from waiting import notes
 
 from nipper_pin import read_sweep
 from nipper_pin.cli import main
@@ -177,6 +178,7 @@ def test_a_cluster_is_lost(tmp_path: Path, lost: str) -> None:
         "workers": f"all workers of {cluster.address} were lost, and for 2 s none came",
         "scheduler": f"the scheduler {cluster.address} was lost",
     }[lost]
+    complained = notes(complained)
     assert complained.startswith(f"nipper-pin: {sentence}; what is finished is kept")
     assert complained.count("\n") == 1
     assert said == ""
