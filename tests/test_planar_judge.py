@@ -19,10 +19,10 @@ from judge import press
 from judged_runs import Report, both, compare
 from lid_box import lid_box
 from random_chains import chain
-from small_machines import SLED, hinge, link, machine, slide
+from small_machines import SLED, link, machine, slide
 
 from benchmarks.stress.linkages import write_linkage
-from nipper_pin import Case, Event, Mechanism, Solution, export, load
+from nipper_pin import Case, Event, Mechanism, Solution, load
 from nipper_pin.cli import main
 from nipper_pin.mechanism import from_sources
 from nipper_pin.mechanism.gallery import GALLERY, file_of
@@ -146,22 +146,6 @@ def test_a_valve_on_a_cam_with_damped_joints(motion: str, drive: str) -> None:
     mechanism = machine(parts, 2, gravity=9.81, drives={"cam": cam}, springs={"coil": spring},
                         stops={"head": stop}, phases=SHUT_FIRST, initial_phase=1)  # fmt: skip
     agree(compare(both(mechanism), 900.0, drive), 2)
-
-
-def test_links_that_a_stop_locks_through_closures(tmp_path: Path) -> None:
-    """The press with a pointer in whose slot the ram's pin slides."""
-    folder = export(load(write_skeleton(tmp_path / "drawn")), tmp_path / "press")
-    urdf, toml = folder / "press.urdf", folder / "press.toml"
-    extra = link("pointer", 0.1, 1e-4, (0.05, 0.0)) + hinge(
-        "pointer", "frame", "pointer", (-0.1, -0.132)
-    )
-    urdf.write_text(urdf.read_text().replace("</robot>", extra + "</robot>"))
-    yoke = (
-        '\n[closures.yoke]\nframe_a = "pointer"\nframe_b = "ram_B"\nslot_axis = "x"\n'
-        "block_mass_kg = 0.01\n"
-    )
-    toml.write_text(toml.read_text() + yoke)
-    agree(compare(folder, 120.0), 10)
 
 
 @pytest.mark.campaign

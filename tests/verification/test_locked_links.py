@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from judged_runs import both, compare
 
 from nipper_pin import Case, DriveMode, Mechanism, Outcome, Window, export, load, simulate
 from nipper_pin.mechanism.skeleton import write_skeleton
@@ -63,3 +64,8 @@ def test_the_pointer_follows_the_ram(press: Mechanism, drive: DriveMode, speed: 
     np.testing.assert_allclose(rates, state.v[:, columns["height"]], rtol=0.0, atol=1e-12 * scale)
     assert solution.checks.energy_balance < 1e-10
     assert all(item.time < 1e-9 for item in solution.errors if np.isfinite(item.time))
+
+
+def test_the_planar_solver_agrees(press: Mechanism) -> None:
+    report = compare(both(press), 120.0)
+    assert (report.verdict, report.events >= 10) == ("agree", True), report.line()
