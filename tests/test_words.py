@@ -16,6 +16,7 @@ import pytest
 from programs import STUDIES
 from rich.console import Console
 from snapshots import Words
+from waiting import notes
 
 from benchmarks.stress import Campaign, Verdict
 from benchmarks.views.stress_report import print_campaign
@@ -139,6 +140,7 @@ def test_what_is_wrong_is_red(
     line = "identify wrong.toml --starts 1 --profiles 0 --workers 1 --json wrong.json --out wrong"
     assert main(shlex.split(line)) == 1
     out, err = capsys.readouterr()
+    err = notes(err)
     assert (err.partition(": ")[2][:27], err.count("\n")) == ("THE DATA CONTRADICT THE FIT", 1)
     document = json.loads((home / "wrong.json").read_text(encoding="utf-8"))
     assert document["goodness"]["verdict"] == "contradicted"

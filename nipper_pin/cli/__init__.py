@@ -36,6 +36,9 @@ _UNUSABLE = 2
 _INTERRUPTED = 130
 
 
+_OF_ALL = ("-h", "--help", "--version", "--print-completion")
+
+
 class Commands(NamedTuple):
     """The commands of a program.
 
@@ -114,6 +117,8 @@ def _ended(words: list[str], commands: Commands) -> int:
 
 
 def _run(words: list[str], commands: Commands) -> None:
+    if words[:1] == ["help"]:
+        words = [*words[1:], "--help"]
     if commands is NIPPER_PIN and words[:1] == ["study"]:
         message = (
             "there is no command 'study': nipper-pin speed-limit tells how fast a machine can run, "
@@ -138,6 +143,8 @@ def _options(words: list[str], named: str | None, commands: Commands) -> argpars
     if words and named is None and not words[0].startswith("-"):
         there = f"{meant(words[0], commands.places)}There are {', '.join(commands.places)}"
         parser.error(f"there is no command {words[0]!r}; {there}")
+    if words and named is None and (near := meant(words[0], _OF_ALL)) and words[0] not in _OF_ALL:
+        parser.error(f"there is no option {words[0]!r}; {near}")
     options, left = parser.parse_known_args(words)
     if left:
         of_command = argparse.ArgumentParser(prog=f"{commands.program} {options.command}")

@@ -222,6 +222,17 @@ def refuse_beside(options: argparse.Namespace, what: str, names: dict[str, str])
             raise InputError(message, argument=written)
 
 
+def need_suffix(option: str, file: str | None, suffix: str) -> None:
+    """Refuse a file whose name says that it is of another kind.
+
+    Raises:
+        InputError: It is; what is written under its name would not be opened by its program.
+    """
+    if file is not None and Path(file).suffix.lower() != suffix:
+        message = f"{option} {file}: such a file is called NAME{suffix}"
+        raise InputError(message, argument=option)
+
+
 def check_outputs(folder: str | None, document: str | None) -> None:
     """Refuse files that cannot be written, before anything is computed.
 

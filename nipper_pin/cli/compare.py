@@ -14,7 +14,15 @@ from ..given import read_number
 from ..hybrid import Window
 from ..study.compare import Comparison, compare
 from ..written_units import number_in
-from .arguments import MODEL, RESTITUTION, check_outputs, refuse_again, refuse_beside, write_json
+from .arguments import (
+    MODEL,
+    RESTITUTION,
+    check_outputs,
+    need_suffix,
+    refuse_again,
+    refuse_beside,
+    write_json,
+)
 from .case_options import DRIVE_HELP, DRIVES, add_cycles, add_window
 from .compare_sides import simulated, sources, told_drive, told_machine, told_settings, told_window
 
@@ -191,6 +199,7 @@ def _check(options: argparse.Namespace, *, pictured: bool) -> None:
     if options.out is not None:
         require("view", "matplotlib", what="compare --out, which draws curves,")
     check_outputs(options.out, options.json)
+    need_suffix("--html", options.html, ".html")
     check_outputs(None, options.html)
 
 

@@ -13,6 +13,7 @@ from .arguments import (
     add_model,
     check_outputs,
     load_mechanism,
+    need_suffix,
     refuse_beside,
     write_json,
 )
@@ -70,6 +71,8 @@ def _run(options: argparse.Namespace) -> None:
             {"port": "--port", "no_browser": "--no-browser"},
         )
     look = Look(slow=options.slow, exaggerate=options.exaggerate)
+    need_suffix("--html", options.html, ".html")
+    need_suffix("--gif", options.gif, ".gif")
     for file in (options.html, options.gif, options.json):
         check_outputs(None, file)
     solution = _solution(options)

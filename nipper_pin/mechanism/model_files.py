@@ -11,6 +11,9 @@ from pathlib import Path
 from ..errors import InputError, ModelError, UnknownNameError, with_words
 from ..texts import MOST_TEXT, followed, no_file, read_text
 
+# Drawings of the working directory that are named where a model is not there.
+_MOST = 20
+
 
 @dataclass(frozen=True)
 class ModelFiles:
@@ -97,7 +100,9 @@ def find_files(model: str | Path) -> ModelFiles:
         if path.is_file():
             allowed = "a folder with a URDF and a TOML file, or the TOML file of one"
             raise ModelError(file=str(path.parent), key="model", value=path.name, allowed=allowed)
-        raise UnknownNameError(kind="model or model folder", name=str(model), known=known)
+        drawings = [item.name for item in sorted(Path().glob("*.toml"))[:_MOST] if _draws(item)]
+        names = [*known, *drawings]
+        raise UnknownNameError(kind="model or model folder", name=str(model), known=names)
     return _in_folder(path, path.name)
 
 

@@ -38,6 +38,9 @@ def read_table(file: Path, kind: type[TableT]) -> TableT:
     """
     try:
         text = read_text(file, MOST_TEXT)
+    except FileNotFoundError as error:
+        message = f"{file}: there is no such file; nipper-pin new --study writes one"
+        raise InputError(message, file=str(file)) from error
     except (OSError, UnicodeDecodeError) as error:
         allowed = "a readable TOML file"
         raise ModelError(file=file.name, key="file", value=str(error), allowed=allowed) from error

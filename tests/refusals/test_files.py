@@ -102,7 +102,6 @@ def test_sentences(
 @pytest.mark.parametrize("base", ["sweep", "identify", "optimise"])
 def test_studies_that_are_not_there(base: str, capsys: pytest.CaptureFixture[str]) -> None:
     error = refusal(READ[base], "none.toml")
-    assert isinstance(error, ModelError)
-    assert (error.evidence["file"], error.evidence["key"]) == ("none.toml", "file")
+    assert error.evidence["file"] == "none.toml"
     assert main([base, "none.toml"]) == 2
     assert capsys.readouterr() == ("", f"nipper-pin: {error.message}\n")

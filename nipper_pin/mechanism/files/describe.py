@@ -340,6 +340,8 @@ def _explain(refusal: Refusal, prefix: str, file: str) -> ModelError:
     else:
         text = refusal.text
         value, allowed = found, allowed_values(refusal.kind) or text[:1].lower() + text[1:]
+        if isinstance(found, list) and "of length 2" in text and len(found) > 2:
+            allowed = "two numbers; decimals have a point, and a comma divides numbers"
     return ModelError(
         file=file, key=key.removeprefix(".") or "the file", value=value, allowed=allowed
     )

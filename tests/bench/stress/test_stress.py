@@ -22,6 +22,7 @@ from lid_box import lid_box
 from machine_of_all_elements import CASE, everything
 from programs import main
 from snapshots import Words
+from waiting import notes
 
 from benchmarks.stress import (
     FAMILIES,
@@ -115,7 +116,9 @@ def test_the_command_reports_and_keeps_failures(
     captured = capsys.readouterr()
     words(re.sub(r"[\d.]+(?= s; digest)", "#", captured.out))
     document = json.loads(all_of_it.read_text())
-    assert captured.err.startswith("nipper-pin: 2 of 2 cases are wrong, the first one number 0: no")
+    assert notes(captured.err).startswith(
+        "nipper-pin: 2 of 2 cases are wrong, the first one number 0: no"
+    )
     assert json.loads((tmp_path / "stress.json").read_text()) == document
     lines = (tmp_path / "verdicts.jsonl").read_text().splitlines()
     kept = [Verdict(**json.loads(text)) for text in lines]

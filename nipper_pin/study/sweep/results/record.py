@@ -120,6 +120,9 @@ def read_document(file: Path) -> dict[str, Any]:
         if document["format"] == _FORMAT:
             msgspec.convert(document, _Record)
             return document
+    except FileNotFoundError as error:
+        message = f"{file.parent} holds no sweep: there is no {file.name} in it"
+        raise InputError(message, file=str(file)) from error
     except (OSError, ValueError, LookupError, TypeError, RecursionError) as error:
         message = f"{file}: not the plan of a sweep, or a damaged one ({error})"
         raise InputError(message, file=str(file)) from error
