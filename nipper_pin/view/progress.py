@@ -77,8 +77,10 @@ def _lines(parts: str, total: int | None, alike: bool) -> Iterator[Tell]:
     """A line after a second, by then also if no part is done, and another every half minute."""
     began = told = time.monotonic()
     first: tuple[int, float] | None = None
+    latest = parts, 0, total
 
-    def say(what: str, done: int, total: int | None) -> None:
+    def say() -> None:
+        what, done, total = latest
         seconds, left = time.monotonic() - began, ""
         if alike and total is not None and first is not None and done > first[0]:
             rest = (total - done) * (began + seconds - first[1]) / (done - first[0])
@@ -89,14 +91,14 @@ def _lines(parts: str, total: int | None, alike: bool) -> Iterator[Tell]:
         sys.stderr.flush()
 
     def tell(done: int, total: int | None, what: str | None = None) -> None:
-        nonlocal told, first
+        nonlocal told, first, latest
         now = time.monotonic()
-        first = first or (done, now)
+        first, latest = first or (done, now), (what or parts, done, total)
         if now - told >= _EVERY_S:
             told = now
-            say(what or parts, done, total)
+            say()
 
-    early = threading.Timer(_FIRST_S, say, (parts, 0, total))
+    early = threading.Timer(_FIRST_S, say)
     early.daemon = True
     early.start()
     try:
