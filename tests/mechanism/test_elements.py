@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from rows_of_balls import row
-from small_machines import hinge, link, machine, slide, sources
+from small_machines import hinge, link, machine, slide
 
 import nipper_pin as nip
 from nipper_pin.cli import main
@@ -20,12 +20,10 @@ from nipper_pin.mechanism import (
     Stop,
     Strut,
     changed,
-    from_sources,
-    need_as_written,
 )
 from nipper_pin.mechanism.files import toml
 from nipper_pin.reduced import build, transition, unfit
-from tests.refusals.bases import PARTS, model, right
+from tests.refusals.bases import PARTS, model
 
 TIE = {"frame_a": "a", "frame_b": "b"}
 
@@ -61,33 +59,6 @@ def test_elements_in_si_units() -> None:
     assert (table.name, table.index) == ("lid", index["pivot"])
     assert table.characteristic.coordinate == pytest.approx((-0.5 * math.pi, 0.0, math.pi))
     assert table.characteristic.force == (1.0, 2.0, 4.0)
-
-
-def test_every_number_of_them_has_a_path() -> None:
-    numbers = {"springs.tie.free_length_mm": 180.0, "springs.tie.stiffness_N_per_m": 7e3,
-               "dampers.oil.damping_N_s_per_m": 0.0,
-               "dampers.stay.damping_N_s_per_m": 6}  # fmt: skip
-    whole = machine(PARTS, 3, **TABLES)
-    other = changed(whole, numbers)
-    need_as_written(other)
-    assert other.model is whole.model
-    mechanism = changed(other, {"springs.lid.torque_N_m[1]": 2.5})
-    spring, damper = mechanism.struts
-    assert damper.damping == 6.0
-    assert (spring.free_length, spring.stiffness) == (pytest.approx(0.18), 7e3)
-    assert mechanism.dampers[0].damping == 0.0
-    assert mechanism.tabulated_springs[0].characteristic.force == (1.0, 2.5, 4.0)
-
-
-def test_table_in_a_file(tmp_path: Path) -> None:
-    """The rows of a file make the spring that the same rows in the TOML make, and are kept."""
-    rows = {"coordinate_mm": [0.0, 2.0, 5.0], "force_N": [90.0, 100.0, 130.0]}
-    written = machine(PARTS, 3, springs={"coil": {**RAIL, **rows}})
-    (tmp_path / "coil.csv").write_text(right("coil.csv"))
-    urdf, document = sources(PARTS, 3, springs={"coil": {**RAIL, "file": "coil.csv"}})
-    read = from_sources("small", urdf, document, tmp_path)
-    assert read.tabulated_springs == written.tabulated_springs
-    assert read.description["springs"] == written.description["springs"]
 
 
 ROWS = Characteristic(coordinate=(-2.0, 0.0, 1.0, 4.0, 5.0), force=(-4.0, 0.0, 0.5, 8.0, 30.0))

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from snapshots import Words
 
-from nipper_pin import Case, ModelError, load, simulate
+from nipper_pin import Case, Drawing, ModelError, load, simulate
 from nipper_pin.cli import main
 from nipper_pin.mechanism.gallery import drawn
 from nipper_pin.mechanism.skeleton.exported import take_urdf
@@ -160,30 +160,13 @@ def test_a_loop_too_many_is_told(tmp_path: Path) -> None:
         load(tmp_path / "mine")
 
 
-YOKE = """drawing = 1
-title = "Scotch yoke"
-speed_rpm = 60.0
-touch_deg = 0.0
-start_deg = 90.0
-joints = [
-  { pin = "O", parent = "frame", child = "crank" },
-  { slide = "x", parent = "frame", child = "yoke", at = "A", along = [1, 0] },
-  { slot = "slot", parent = "yoke", child = "crank", at = "A", along = [0, 1] },
-]
-drives.O = { joint = "O", law = "constant_speed", ratio = 1.0 }
-[points]
-O = [0.0, 0.0]
-A = [40.0, 0.0]
-[bodies]
-crank = { points = "O A" }
-yoke = { points = "A", mass_kg = 1.0 }
-"""
-
-
 def test_a_pin_may_be_one_in_a_slot(tmp_path: Path) -> None:
     """As a plain pin it would lock the machine, which is told; a line of the table mends it."""
-    (tmp_path / "yoke.toml").write_text(YOKE, encoding="utf-8")
-    yoke = load(tmp_path / "yoke.toml")
+    tables = drawn("scotch_yoke").tables
+    parts = {key: tables[key] for key in ("title", "speed_rpm", "points", "drives")}
+    parts |= {"joints": tables["joints"][:3],
+              "bodies": {name: tables["bodies"][name] for name in ("crank", "yoke")}}  # fmt: skip
+    yoke = Drawing(parts).mechanism()
     file, table = tmp_path / "yoke.urdf", tmp_path / "mine" / "mine.toml"
     file.write_text(yoke.urdf, encoding="utf-8")
     found = take_urdf(file, tmp_path / "mine")

@@ -22,7 +22,7 @@ from tests.refusals.hostile import MASS
 
 # Of the E62.
 JAW = '<origin xyz="0.1226 0 0.0561" rpy="0 0 0"/>\n    <axis xyz="0 -1 0"/>'
-INERTIA, TYPE = 'iyy="0.001142"', 'name="jaw" type="revolute"'
+INERTIA = 'iyy="0.001142"'
 FOOT, FRAME = '<link name="rocker_foot"/>', '<link name="frame">'
 NO_INERTIA = 'ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"'
 ENDED, ROBOT, HEAD = "</robot>", "<robot", '<?xml version="1.0"?>'
@@ -81,12 +81,6 @@ def test_what_does_not_matter_is_not_minded(
     assert found.joints == e62.joints
     assert [stop.lever for stop in found.stops] == [stop.lever for stop in e62.stops]
     assert bool(found.side_view) == ("few digits" in name)
-
-
-def test_continuous_joints_have_one_coordinate(tmp_path: Path) -> None:
-    found = load(model("e62", (TYPE, TYPE.replace("revolute", "continuous")), tmp_path))
-    assert found.model.nq == found.model.nv == 7
-    assert found.joints[2].kind == "revolute"
 
 
 @pytest.mark.parametrize(

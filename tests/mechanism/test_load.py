@@ -99,16 +99,6 @@ def test_overrides_of_a_link(e62: Mechanism) -> None:
     assert "never the\n  maker's data" in changed.urdf
 
 
-def test_parts_by_their_names(e62: Mechanism) -> None:
-    for item in e62.stops:
-        assert e62.stop(item.name) is item
-    for phase in e62.phases:
-        assert e62.phase(phase.number) is phase
-        assert e62.phase_of(phase.closed) is phase
-    assert e62.phase_of(frozenset({"nothing"})) is None
-    assert e62.links == tuple(joint.child for joint in e62.joints)
-
-
 E62 = find_model("e62")
 
 
@@ -157,11 +147,15 @@ def test_one_file_of_a_kind_is_a_model(copied: Path, kind: str) -> None:
         load(copied)
 
 
-def test_names_that_nothing_has() -> None:
+def test_names_that_nothing_has(tmp_path: Path) -> None:
     for name in ("a\0b", "x" * 5000, "gone.toml"):
         assert no_file(Path(name)) == ""
         with pytest.raises(UnknownNameError):
             load(name)
+    with pytest.raises(UnknownNameError, match="no model or model folder named"):
+        load(tmp_path / "nothing")
+    with pytest.raises(ModelError, match="found nothing"):
+        load(tmp_path)
 
 
 @pytest.mark.parametrize(
@@ -178,13 +172,6 @@ def test_messages_call_files_by_their_names(copied: Path, file: str, old: str, n
         load(copied)
     named = caught.value.evidence.get("file") or caught.value.evidence["where"]
     assert str(named).startswith(f"e62.{file}")
-
-
-def test_what_is_no_model(tmp_path: Path) -> None:
-    with pytest.raises(UnknownNameError, match="no model or model folder named"):
-        load(tmp_path / "nothing")
-    with pytest.raises(ModelError, match="found nothing"):
-        load(tmp_path)
 
 
 def test_the_urdf_that_counts_is_renamed(copied: Path) -> None:

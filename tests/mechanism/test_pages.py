@@ -13,7 +13,7 @@ from snapshots import Words
 
 from nipper_pin import Mechanism, load
 from nipper_pin.mechanism import Characteristic
-from nipper_pin.mechanism.drives import Cam, ConstantSpeed, Fourier, Geared, OscillatingGuide, Table
+from nipper_pin.mechanism.drives import Cam, Fourier, Geared, OscillatingGuide, Table
 from nipper_pin.notebook import SHOWN, html
 
 
@@ -38,14 +38,16 @@ def test_pages_of_mechanisms(e62: Mechanism, words: Words) -> None:
 
 @pytest.mark.parametrize(
     ("rows", "count", "more"),
-    [(SHOWN, None, ""), (SHOWN + 1, None, "and 1 more"), (SHOWN, SHOWN, ""),
-     (SHOWN, SHOWN + 2000, "and 2,000 more"), (SHOWN - 1, None, "")],
+    [(0, None, ""), (SHOWN, SHOWN, ""), (SHOWN + 1, None, "and 1 more"),
+     (SHOWN, SHOWN + 2000, "and 2,000 more")],
 )  # fmt: skip
 def test_long_tables_say_how_much_is_left(rows: int, count: int | None, more: str) -> None:
     cells = [(k, 0.5 * k, None, f"<{k}>") for k in range(rows)]
-    facts, page = html("t", {"a": 1.23456789, "b": None}, tuple("wxyz"), cells, count).split(
-        "<thead>"
-    )
+    shown = html("t", {"a": 1.23456789, "b": None}, tuple("wxyz"), cells, count)
+    assert shown.count("<table>") == (2 if cells else 1)
+    if not cells:
+        return
+    facts, page = shown.split("<thead>")
     assert "<td>a</td><td>1.23457</td>" in facts
     assert "<td>b</td><td>-</td>" in facts
     assert "<th>w</th><th>x</th><th>y</th><th>z</th>" in page
@@ -55,10 +57,6 @@ def test_long_tables_say_how_much_is_left(rows: int, count: int | None, more: st
     assert page.endswith(f"<p>{more}</p>" if more else "</table>")
 
 
-def test_pages_without_a_table() -> None:
-    assert html("t", {"a": 1}, ("w",), ()).count("<table>") == 1
-
-
 GUIDE = {"crank_axis": (0.1, 0.2), "guide_axis": (0.5, 0.6)}
 CAM = {"lift": 1.0, "start_rad": 0.2, "rise_rad": 1.6, "return_rad": 0.8}
 
@@ -66,11 +64,7 @@ CAM = {"lift": 1.0, "start_rad": 0.2, "rise_rad": 1.6, "return_rad": 0.8}
 @pytest.mark.parametrize(
     "make",
     [
-        lambda n: ConstantSpeed(ratio=n),
-        lambda n: OscillatingGuide(crank_radius_m=0.03 * n, **GUIDE),
-        lambda n: Geared(of=OscillatingGuide(crank_radius_m=0.03, **GUIDE), ratio=n),
         lambda n: Geared(of=OscillatingGuide(crank_radius_m=0.03 * n, **GUIDE), ratio=2.0),
-        lambda n: Fourier(mean=0.1 * n, cosine=(0.1, 0.2), sine=(0.0, 0.5)),
         lambda n: Fourier(mean=0.1, cosine=(0.1, 0.2 * n), sine=(0.0, 0.5)),
         lambda n: Cam(motion="cycloidal", dwell_rad=0.1 * n, **CAM),
         lambda n: Table(

@@ -12,14 +12,13 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from any_plane import rewritten
-from scaled_machines import scaled
 from small_machines import frame, hinge, link, machine, sources
 
 import nipper_pin as nip
 from nipper_pin import Mechanism
 from nipper_pin.cli import main
-from nipper_pin.mechanism import changed, from_sources, known_models, own_frame
-from nipper_pin.mechanism.gallery import GALLERY, drawn
+from nipper_pin.mechanism import changed, from_sources, own_frame
+from nipper_pin.mechanism.gallery import drawn
 from nipper_pin.reduced import reduced_model, transition
 
 LIMIT = 1e-4
@@ -126,32 +125,6 @@ def test_a_rounded_file_moves_as_the_whole_one(name: str, form: str, plane: str)
     assert apart <= 4.0 * stiff * error
     assert second.checks.closure_m < 1e-13 * machine.reach_m
     assert second.warnings[0] == machine.closing
-
-
-@pytest.mark.parametrize("name", sorted(GALLERY))
-def test_four_digits_are_closed_or_refused_by_their_gap(name: str) -> None:
-    urdf, document = text_of(name)
-    turned = rewritten(urdf, np.eye(3), {}, np.random.default_rng(5))
-    try:
-        found = from_sources(name, rounded(turned, "{:.4g}")[0], document, ".")
-    except nip.AssemblyError as error:
-        gap_mm = float(error.evidence["value"].split()[3])
-        reach_m = from_sources(name, urdf, document, ".").reach_m
-        assert gap_mm > 0.99e3 * LIMIT * reach_m
-        return
-    for closure in found.closures:
-        assert math.hypot(*closure.gap_m) <= LIMIT * found.reach_m
-        if any(closure.gap_m):
-            assert closure.name in found.closing
-
-
-def test_machines_that_meet_are_left_alone() -> None:
-    for name in known_models():
-        mechanism = nip.load(name)
-        assert mechanism.closing == ""
-        assert not any(any(closure.gap_m) for closure in mechanism.closures)
-        names = [item.name for item in mechanism.model.frames]
-        assert not any(name.endswith("in the file") for name in names) or mechanism.side_view
 
 
 def tied(off: tuple[float, float], slot: bool = False, scale: float = 1.0) -> Mechanism:
@@ -282,26 +255,6 @@ def test_the_slot_of_a_frame_that_is_turned_says_which_line_it_is() -> None:
     told = r"along z of slot to pin' .* z of the side view, as the y axis of slot does not point"
     with pytest.raises(nip.AssemblyError, match=told):
         from_sources("yoke", turned, tomllib.loads(document), ".")
-
-
-@pytest.mark.parametrize("factor", [2.0**-10, 2.0**10])
-def test_other_sizes_are_closed_alike(factor: float) -> None:
-    mechanism = nip.load(STRANGERS / "sw_fourbar_5")
-    other = scaled(mechanism, factor)
-    for first, second in zip(mechanism.closures, other.closures, strict=True):
-        assert second.gap_m == pytest.approx(np.multiply(factor, first.gap_m), rel=1e-9)
-
-
-def test_saved_runs_are_closed_again(tmp_path: Path) -> None:
-    solution, _ = motion(nip.load(STRANGERS / "sw_fourbar_5"))
-    nip.save(solution, tmp_path / "run.npz")
-    again = nip.load_solution(tmp_path / "run.npz")
-    assert again.mechanism.closures == solution.mechanism.closures
-    assert again.warnings == solution.warnings
-    times = np.linspace(0.0, 1.0, 9)
-    np.testing.assert_array_equal(
-        again.trajectory.evaluate(times).q, solution.trajectory.evaluate(times).q
-    )
 
 
 def test_both_engines_close_the_e62() -> None:

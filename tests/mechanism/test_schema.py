@@ -10,13 +10,11 @@ from pathlib import Path
 from typing import Any
 
 import jsonschema
-import msgspec
 import pytest
 
 from nipper_pin import Drawing, InputError, ModelError
 from nipper_pin.mechanism import find_model
 from nipper_pin.mechanism.drives import DriveTable, register_drive
-from nipper_pin.mechanism.files import description, register
 from nipper_pin.mechanism.files.describe import describe
 from nipper_pin.mechanism.files.schema import (
     drawing_schema,
@@ -44,26 +42,6 @@ def test_document_is_the_schema_of_the_structs() -> None:
         assert (ROOT / "docs" / f"{name}.schema.json").read_text(encoding="utf-8") == text
     jsonschema.Draft202012Validator.check_schema(SCHEMA)
     assert json.loads(schema_text()) == SCHEMA
-
-
-def test_tables_and_keys_are_those_of_the_structs() -> None:
-    """Every struct has its table, every field its key, every key without default is required."""
-    laws = {
-        kind.__name__: kind
-        for each in (register.DRIVES, register.FORCES, register.RESTITUTIONS, register.STOPS)
-        for kind in each.tables().values()
-    }
-    structs = laws | {
-        name: item for name, item in vars(description).items() if name.endswith("Description")
-    }
-    assert set(SCHEMA["$defs"]) == set(structs)
-    for name, kind in structs.items():
-        table = SCHEMA["$defs"][name]
-        fields = msgspec.structs.fields(kind)
-        tag = {"law"} if name in laws else set()
-        assert set(table["properties"]) == {field.name for field in fields} | tag
-        assert set(table["required"]) == {item.name for item in fields if item.required} | tag
-        assert table["additionalProperties"] is False
 
 
 def test_every_key_says_what_it_means() -> None:

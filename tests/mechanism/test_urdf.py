@@ -18,7 +18,6 @@ from nipper_pin.mechanism import (
     collision_model,
     find_model,
 )
-from nipper_pin.mechanism.build.touch_checks import dependent_rows
 from nipper_pin.mechanism.files import parse_xml, urdf_parts
 from nipper_pin.mechanism.files.urdf import check_urdf
 from tests.refusals.bases import model
@@ -191,11 +190,3 @@ def test_it_adds_to_the_dampers_of_the_file_and_has_a_path() -> None:
     assert sorted(item.damping for item in other.dampers) == [0.5, 0.9]
     parts = [link("ram"), with_dynamics(slide("ram", "frame", "ram"), 'damping="3.0"')]
     assert [item.damping for item in machine(parts, 1).dampers] == [3.0]
-
-
-def test_dependent_rows() -> None:
-    rows = np.array([[1.0, 0.0, 0.0], [0.0, 1e-6, 0.0], [2.0, 0.0, 0.0]])
-    assert dependent_rows(rows, ["a", "b", "c"]) == ["a", "c"]
-    assert dependent_rows(rows[:2], ["a", "b"]) == []
-    assert dependent_rows(np.zeros((0, 3)), []) == []
-    assert dependent_rows(np.zeros((1, 3)), ["zero"]) == ["zero"]

@@ -35,22 +35,6 @@ from nipper_pin.terms import digits
 # The studies of the paper take a quarter of a minute.
 pytestmark = pytest.mark.slow
 
-# Typed a second time.
-PUBLISHED = {
-    "speed.first_rebound_amplitude_increase": 1.184,
-    "speed.second_rebound_amplitude_increase": 1.136,
-    "speed.first_two_share_450": 0.9647,
-    "speed.first_two_share_550": 0.9673,
-    "speed.first_two_share_650": 0.9675,
-    "restitution.first_rebound_amplitude_increase": 19.8,
-    "restitution.second_rebound_amplitude_increase": 551.0,
-    "restitution.transition_time_increase": 3.4,
-    "stiffness.first_rebound_amplitude_change": -0.310,
-    "stiffness.second_rebound_amplitude_change": -0.302,
-    "stiffness.first_rebound_time_change": -0.284,
-    "stiffness.second_rebound_time_change": -0.262,
-}
-
 
 @pytest.fixture(scope="module")
 def study(e62: Mechanism) -> PaperStudy:
@@ -59,7 +43,6 @@ def study(e62: Mechanism) -> PaperStudy:
 
 def test_agreement_with_the_published_ratios(study):
     """All within 10 %, eight within 4 %; as many a coincidence as the fit of twelve numbers is."""
-    assert {item.name: item.published for item in study.ratios} == PUBLISHED
     found = agreement(study.ratios)
     assert found["within_10_percent"] == 12
     assert found["within_4_percent"] >= 8
@@ -344,6 +327,6 @@ def test_the_same_is_done_for_another_comber(name):
     own = mechanism.springs[0].stiffness
     assert found.studies.stiffness.values == pytest.approx(own * np.arange(7.0, 12.0) / 9.0)
     changes = found.record()["changes"]
-    assert len(changes) == len(PUBLISHED)
+    assert len(changes) == 12
     low, high = found.studies.speed.amplitudes[[0, -1], 0]
     assert changes["speed.first_rebound_amplitude_increase"] == high / low - 1.0

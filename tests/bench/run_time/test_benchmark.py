@@ -154,22 +154,6 @@ def test_each_error_is_that_of_its_quantity(reference: Certified) -> None:
     assert graded("engine", "setting", TIMING, short, reference).error_worst is None
 
 
-def test_direct_engine_is_graded_as_accurate() -> None:
-    """At 1e-12 the engine meets every certified transition to 1e-10 in all norms.
-
-    The reference shares no code with the engine; a wrong column or unit would be off by orders.
-    """
-    for name in certified_names():
-        case = certified(name)
-        solution = simulate(case.mechanism(), Case(speed_rpm=case.speed_rpm))
-        row = graded("direct", name, TIMING, observe(solution), case)
-        errors = [row.error_worst, row.error_times, row.error_impulses, row.error_amplitudes]
-        assert all(item is not None and item <= 1e-10 for item in errors)
-        if case.flights:
-            assert row.error_trajectory is not None
-            assert row.error_trajectory <= 1e-10
-
-
 def test_chain_of_parallelograms_moves_as_one() -> None:
     """All cranks follow the drive, couplers stay level, and the energy is that of 2 N + 1 bars.
 

@@ -20,6 +20,7 @@ from tests.refusals.bases import right
 COMMAND = [sys.executable, "-c", "import sys; from nipper_pin.cli import main; sys.exit(main())"]
 TABLE = study_text("sampled_sweep.toml")
 GEOMETRY = study_text("sweep_of_machines.toml")
+CYCLE = '[case]\nwindow = "cycle"\nturns = 3\nleast_force_N = 60.0\n'
 # Every key, below those of the head.
 FULL = right("sweep.toml").split("\n", 2)[2]
 

@@ -17,6 +17,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 from sweep_studies import (
+    CYCLE,
     GEOMETRY,
     TABLE,
     chunk_files,
@@ -250,7 +251,6 @@ def test_a_sweep_is_stopped_and_goes_on(tmp_path: Path, capsys: pytest.CaptureFi
 # --- whole turns ---------------------------------------------------------------------------------
 
 
-CYCLE = '[case]\nwindow = "cycle"\nturns = 3\nleast_force_N = 60.0\n'
 FEW = TABLE.replace("600", str(TURNS_PAY_FROM))
 STEEVE = '[parameters."stops.steeve.restitution"]\nlow = 0.1\nhigh = 0.4\n'
 
@@ -278,7 +278,9 @@ def test_rows_are_those_of_a_table(swept: tuple[Plan, Path], e62: Mechanism) -> 
     """To the last bit; restitutions of both stops are columns of it."""
     found, out = swept
     ((_, rows),) = found.rows(found.chunks())
-    chunk = read_sweep(out).table
+    stored_ones = read_sweep(out)
+    assert stored_ones.quantities == tuple(every(e62))
+    chunk = stored_ones.table
     table = turn_table(
         as_planned(found), speed_rpm=rows[:, 0],
         restitution={"jaw": rows[:, 1], "steeve": rows[:, 4]},
@@ -332,31 +334,6 @@ def test_machines_that_cannot_be_built(tmp_path: Path) -> None:
     assert chunk["outcome"].to_pylist() == ["followed", "failed"]
     assert chunk["turns"].to_pylist() == [1, 0]
     assert np.isnan(chunk["clamped_share"].to_numpy()).tolist() == [False, True]
-
-
-def test_chunks_of_turns(tmp_path: Path) -> None:
-    """Smaller than those of transitions; whole machines where each is another one."""
-    sizes = [item.stop - item.start for item in
-             plan(tmp_path, CYCLE + TABLE.replace("600", "100_000")).chunks()]  # fmt: skip
-    assert len(sizes) == 64
-    assert max(sizes) - min(sizes) <= 1
-    grid = CYCLE + GEOMETRY.replace("chunk = 4\n", "")
-    # Two scenarios of the direct engine a machine, 0.126 s: two machines take the shortest time.
-    assert {item.stop - item.start for item in plan(tmp_path, grid).chunks()} <= {2, 4}
-
-
-def test_a_folder_is_read_and_goes_on_with_its_own_plan_only(
-    swept: tuple[Plan, Path], tmp_path: Path, e62: Mechanism
-) -> None:
-    found, out = swept
-    table = read_sweep(out)
-    assert table.quantities == tuple(every(e62))
-    assert table.stored == table.scenarios == found.scenarios == run_sweep(found, out).found
-    for changed in ("turns = 3", "least_force_N = 60.0"):
-        text = found.job.study.replace(changed, changed.replace("3", "4").replace("60.", "6."))
-        other = plan(tmp_path, text.partition("\n")[2].partition("\n")[2])
-        with pytest.raises(InputError, match=f"differ in: {changed.partition(' ')[0]}"):
-            run_sweep(other, out)
 
 
 def test_numbers_of_turns_are_whole(swept: tuple[Plan, Path], tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from scipy.stats import qmc
 from snapshots import Words
-from sweep_studies import FULL, GEOMETRY, TABLE, chunk_files, plan, stored, study, taken_up
+from sweep_studies import CYCLE, FULL, GEOMETRY, TABLE, chunk_files, plan, stored, study, taken_up
 
 from nipper_pin import InputError, Mechanism
 from nipper_pin.study.sweep import Plan, read_plan, run_sweep
@@ -128,6 +128,9 @@ def many(radii: int, speeds: int) -> str:
         *((f"chunk = {chunk}\n{many(5, 10)}", number, largest) for chunk, number, largest in (
             (9, 10, 5), (4, 15, 4), (25, 3, 20), (10**6, 1, 50))),
         (f"chunk = 7\n{TABLE}", 86, 7), (f"chunk = 1_000_000\n{TABLE}", 1, 600),
+        # Smaller of turns; of the direct engine, 0.126 s for two, two machines at most.
+        (CYCLE + TABLE.replace("600", "100_000"), 64, 1563),
+        (CYCLE + GEOMETRY.replace("chunk = 4\n", ""), 8, 4),
     ],
 )  # fmt: skip
 def test_chunks(tmp_path: Path, text: str, number: int, largest: int) -> None:
@@ -225,6 +228,12 @@ def test_plan_has_one_name(tmp_path: Path) -> None:
 
 def test_a_folder_of_another_sweep(tmp_path: Path) -> None:
     """The keys that count refuse it by their name."""
+    out = tmp_path / "turns"
+    turns = plan(tmp_path, f"{CYCLE}[parameters.restitution]\nvalues = [0.1]\n")
+    whole = record_of(turns, out)
+    for key in ("turns", "least_force_N"):
+        with pytest.raises(InputError, match=f"they differ in: {key}\\)"):
+            held(turns, {**whole, key: 7}, out)
     found, out = plan(tmp_path, FULL), tmp_path / "out"
     whole = record_of(found, out)
     for key, other in (("title", "other"), ("study", "other"), ("scenarios", 7), ("mechanisms", 7),
