@@ -272,17 +272,29 @@ def test_a_slider_stays_in_its_range(session: Session, value: float, shown: floa
     assert state["setting"].startswith(f"speed {shown:g} r/min")
 
 
-def test_a_bad_number_is_refused_and_nothing_else_changes(session: Session) -> None:
+@pytest.mark.parametrize(("text", "found"), [
+    (" 650.5 ", 650.5), ("+180", 180.0), ("9e2", 900.0), (".5e3", 500.0), ("700.", 700.0),
+    ("0,700", 700.0), ("1,200", "1,200 is too large"), ("900.1", "900.1 is too large"),
+    ("1e999", "1e999 is too large"), ("179.99", "179.99 is too small"),
+    ("-650", "-650 is too small"), ("", "the field is empty"), (" ", "the field is empty"),
+    *((text, f"“{text}” is no number")
+      for text in ("abc", "6 50", "1,2,3", "nan", "inf", "0x400", "6_5_0", "٦٥٠")),
+    ("650,5", "“650,5”: decimals follow a point"),
+])  # fmt: skip
+def test_a_text_is_taken_or_refused_and_then_nothing_else_changes(
+    session: Session, text: str, found: float | str
+) -> None:
+    """A refusal says the range, the reason, and what is shown; a button takes it back."""
     before = session.state()
-    state = write(session, "speed", "3000")
-    assert state["controls"]["speed"] == {
-        "value": 650.0, "text": "3000",
-        "refusal": "speed: 180 to 900 r/min. Refused: 3000 is too large. Shown: 650 r/min.",
-    }  # fmt: skip
-    changed = {key for key in state if state[key] != before[key]}
-    assert changed == {"controls"}
-    assert session.film() is None
-    assert push(session, "reset") == before
+    state = write(session, "speed", text)
+    refused = isinstance(found, str)
+    said = f"speed: 180 to 900 r/min. Refused: {found}. Shown: 650 r/min." if refused else ""
+    wanted = {"value": 650.0 if refused else found, "text": text, "refusal": said}
+    assert state["controls"]["speed"] == wanted
+    if refused:
+        assert {key for key in state if state[key] != before[key]} == {"controls"}
+        assert session.film() is None
+        assert push(session, "reset") == before
 
 
 def message(**fields: object) -> str:
