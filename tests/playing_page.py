@@ -57,3 +57,16 @@ def picture(page: Page, of: str) -> np.ndarray:
     _drawn(page, 2)
     image = Image.open(io.BytesIO(page.locator(of).screenshot()))
     return np.asarray(image.convert("RGB"), dtype=float)
+
+
+def apart(page: Page, *parts: str) -> list[Any]:
+    """Boxes of parts of a page: beside or below one another, within the width of the window."""
+    boxes: list[Any] = [page.locator(item).bounding_box() for item in parts]
+    for place, one in enumerate(boxes):
+        assert one["x"] >= 0.0
+        assert one["x"] + one["width"] <= page.evaluate("innerWidth") + 0.5
+        for other in boxes[:place]:
+            common = [min(one[at] + one[size], other[at] + other[size]) - max(one[at], other[at])
+                      for at, size in (("x", "width"), ("y", "height"))]  # fmt: skip
+            assert min(common) < 2.0, (one, other)
+    return boxes

@@ -70,7 +70,6 @@ def test_both_curves_stand_where_both_runs_are(page: Page, both: Pair) -> None:
     duration, left, right = page.evaluate("[film.duration, LEFT, RIGHT]")
     count = page.evaluate("film.curves.length")
     lane = image[5 : image.shape[0] // count - 5]
-    stop = both.a.solution.mechanism.stop("jaw")
     tops = []
     for run, colour in enumerate((COLOUR_A, COLOUR_B)):
         at = left + rebound(both, run) / duration * (image.shape[1] - left - right)
@@ -83,26 +82,20 @@ def test_both_curves_stand_where_both_runs_are(page: Page, both: Pair) -> None:
         share = 1e3 * lever * hit.rebound_amplitude / page.evaluate("film.curves[0].most")
         assert tops[run] == pytest.approx((1.0 - share) * len(lane), abs=3.0)
     assert abs(tops[0] - tops[1]) > 3.0
-    assert stop.name == "jaw"
 
 
-def test_the_cursor_follows_and_numbers_of_both_are_written(page: Page, both: Pair) -> None:
+def test_numbers_of_both_are_written_and_marks_of_both_lead_to_them(page: Page, both: Pair) -> None:
     duration, left, right = page.evaluate("[film.duration, LEFT, RIGHT]")
-    for share in (0.15, 0.6):
-        seek(page, share * duration)
-        image = picture(page, "#curves canvas")
-        dark = (image.max(axis=-1) < 90.0).mean(axis=0)
-        at = left + share * (image.shape[1] - left - right)
-        assert abs(int(dark.argmax()) - at) < 3.0
-        frame = page.evaluate("last(film.playback, animator.time + 1e-6)")
-        rows = page.evaluate(
-            "[...document.querySelectorAll('#numbers tbody tr, #numbers > tr')].map("
-            "row => [...row.cells].map(cell => cell.textContent))"
-        )
-        angle = next(row for row in rows if row[0] == "jaw angle")
-        for cell, film in zip(angle[1:3], (both.a, both.b), strict=True):
-            jaw = film.solution.mechanism.stop("jaw").index
-            assert float(cell) == pytest.approx(np.degrees(film.q[frame, jaw]), rel=1e-3, abs=1e-9)
+    seek(page, 0.6 * duration)
+    frame = page.evaluate("last(film.playback, animator.time + 1e-6)")
+    rows = page.evaluate(
+        "[...document.querySelectorAll('#numbers tbody tr, #numbers > tr')].map("
+        "row => [...row.cells].map(cell => cell.textContent))"
+    )
+    angle = next(row for row in rows if row[0] == "jaw angle")
+    for cell, film in zip(angle[1:3], (both.a, both.b), strict=True):
+        jaw = film.solution.mechanism.stop("jaw").index
+        assert float(cell) == pytest.approx(np.degrees(film.q[frame, jaw]), rel=1e-3, abs=1e-9)
     page.mouse.move(0, 0)
     box = page.locator("#curves canvas").bounding_box()
     hit = page.evaluate(
@@ -158,13 +151,7 @@ def test_the_lips_of_both_are_apart_by_their_own_gaps(page: Page, both: Pair) ->
 
 
 def test_the_table_stands_on_the_page(page: Page, turns: Comparison) -> None:
-    rows = page.evaluate(
-        "[...document.querySelectorAll('#differences tbody tr')].map("
-        "row => [...row.cells].map(cell => cell.textContent))"
-    )
-    assert len(rows) == len([row for row in turns.rows if row.a is not None or row.b is not None])
-    duration = next(row for row in rows if row[0] == "time to rest")
-    assert float(duration[2]) == pytest.approx(1e3 * turns.a.transitions[0].duration, rel=1e-3)
-    assert float(duration[3]) == pytest.approx(1e3 * turns.b.transitions[0].duration, rel=1e-3)
+    rows = page.locator("#differences tbody tr").count()
+    assert rows == len([row for row in turns.rows if row.a is not None or row.b is not None])
     assert "B rebounds" in page.text_content("#finding")
     assert "450 r/min" in page.text_content("#case")
