@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,7 @@ import pytest
 from matplotlib.colors import to_hex, to_rgba
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Polygon, Rectangle
+from matplotlib.transforms import Bbox, BboxBase
 from PIL import Image, ImageSequence
 from runs_shown import machine_called, run_of, turn
 from snapshots import Words
@@ -22,7 +23,7 @@ from snapshots import Words
 from nipper_pin import Case, InputError, SingularConfigurationError, Solution, load, simulate
 from nipper_pin.view.scene import Film, Look, film, solids
 from nipper_pin.view.scene.gif import MovingSketch, write_gif
-from nipper_pin.view.scene.pace import _profile, pace
+from nipper_pin.view.scene.pace import pace
 from nipper_pin.view.scene.readings import readings
 from nipper_pin.view.scene.rebounds import rebound_flights
 from nipper_pin.view.scene.tracks import animation
@@ -39,43 +40,35 @@ def large(cycle: Solution) -> Film:
 # Pace.
 
 
-def test_time_is_stretched_around_events_and_nowhere_else(cycle: Solution) -> None:
-    """The two clocks, differenced: 1000 within 1 % of a turn of any event, 50 far from all.
+@pytest.mark.parametrize("name", ["e62", "boxed"])
+def test_time_is_stretched_around_groups_of_events_and_nowhere_else(name: str) -> None:
+    """800 from 1 % of a turn before the first to as long after the last, with flanks of 1 %.
 
-    Playback grows by the integral of the stretch, so that from frame to frame its rate lies between
-    the stretches of both, except for round-off in differences of nearby times.
+    Events less than 7 % of a turn apart are one group. A flank has 16 steps of one ratio, so that a
+    step is off by at most half of what the ratio is above 1.
     """
-    found = pace(cycle, 1000.0)
-    events = np.array([event.t for event in cycle.events])
+    run, slow = run_of(name), 800.0
+    found = pace(run, slow)
+    events = np.array([event.t for event in run.events])
     assert set(events) <= set(found.machine)
-    assert found.machine[0] == 0.0
-    assert found.machine[-1] == cycle.segments[-1].t_end
+    assert (found.machine[0], found.machine[-1]) == (0.0, run.segments[-1].t_end)
     assert (np.diff(found.machine) > 0.0).all()
-    away = np.abs(found.machine[:, None] - events).min(axis=1) / cycle.shaft.period
-    np.testing.assert_allclose(found.stretch[away < 0.0099], 1000.0, rtol=1e-9)
-    np.testing.assert_allclose(found.stretch[away > 0.055], 50.0, rtol=1e-9)
+    # From frame to frame the two clocks advance by the stretch in between.
     rate = np.diff(found.playback) / np.diff(found.machine)
     low, high = (f(found.stretch[1:], found.stretch[:-1]) for f in (np.minimum, np.maximum))
     assert (rate > low * (1.0 - 1e-6)).all()
     assert (rate < high * (1.0 + 1e-6)).all()
-
-
-def test_slow_motion_of_groups_of_events() -> None:
-    """Slow from 1 % of a turn before the first to as long after the last, with flanks of 1 %.
-
-    Events less than 7 % of a turn apart are one group; in a flank every hundredth of it changes
-    the speed by the same ratio.
-    """
-    period, slow = 0.5, 800.0
-    events = period * np.array([0.30, 0.36, 0.60, 0.68])
-    knots, stretch = _profile(events, period, period, slow)
-    for share, wanted in (
-        (0.0, 50.0), (0.279, 50.0), (0.285, 200.0), (0.291, slow), (0.33, slow), (0.369, slow),
-        (0.375, 200.0), (0.381, 50.0), (0.57, 50.0), (0.585, 200.0), (0.60, slow), (0.609, slow),
-        (0.64, 50.0), (0.671, slow), (0.695, 200.0), (0.8, 50.0), (1.0, 50.0),
-    ):  # fmt: skip
-        assert np.interp(share * period, knots, stretch) == pytest.approx(wanted, rel=1e-9), share
-    assert (knots[0], knots[-1]) == (0.0, period)
+    marks = np.array([-np.inf, *events, np.inf])
+    after = np.searchsorted(marks, found.machine, side="right")
+    gone, left = found.machine - marks[after - 1], marks[np.minimum(after, len(marks) - 1)]
+    gone, left = gone / run.shaft.period, (left - found.machine) / run.shaft.period
+    away = np.where(gone + left < 0.07, 0.0, np.minimum(gone, left))
+    wanted = 50.0 * 16.0 ** np.clip(2.0 - away / 0.01, 0.0, 1.0)
+    step = 0.5 * (16.0 ** (1.0 / 16.0) - 1.0)
+    np.testing.assert_allclose(found.stretch, wanted, rtol=step * (1.0 + 1e-9))
+    flank = (away > 0.0099) & (away < 0.0201)
+    np.testing.assert_allclose(found.stretch[~flank], wanted[~flank], rtol=1e-9)
+    assert np.count_nonzero(flank) > 20
 
 
 def test_frames_of_a_film(cycle: Solution) -> None:
@@ -175,16 +168,14 @@ def test_looks_up_to_their_ends(values: dict[str, float]) -> None:
         Look(**{key: 1.001 * value if value > 1.0 else 0.999 for key, value in values.items()})
 
 
-def test_a_run_without_motion_says_so() -> None:
-    still = simulate(load("e62", {"stops.jaw.restitution": 0.0}), Case(speed_rpm=450.0))
-    with pytest.raises(InputError, match="no motion to show"):
-        film(still, Look(exaggerate=1.0))
-
-
-def test_a_gap_that_is_not_there_cannot_be_exaggerated() -> None:
-    mechanism = load(MODELS / "four_bar")
-    with pytest.raises(InputError, match="no transition stop"):
-        film(turn(mechanism, 300.0), Look(exaggerate=2.0))
+@pytest.mark.parametrize(("run", "larger", "words"), [
+    (lambda: simulate(load("e62", {"stops.jaw.restitution": 0.0}), Case(speed_rpm=450.0)), 1.0,
+     "no motion to show"),
+    (lambda: turn(load(MODELS / "four_bar"), 300.0), 2.0, "no transition stop"),
+])  # fmt: skip
+def test_runs_that_cannot_be_shown(run: Callable[[], Solution], larger: float, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        film(run(), Look(exaggerate=larger))
 
 
 def test_loops_that_do_not_close_cannot_be_exaggerated(
@@ -206,8 +197,9 @@ def test_loops_that_do_not_close_cannot_be_exaggerated(
 
 ARROW = "#D55E00"
 PHASES = ("#F0E442", "#56B4E9", "#E69F00")
-Box = tuple[float, ...]
-SIZE, MACHINE, BAR = (800, 560), (290, 60, 792, 466), (16, 480, 784, 492)
+# The picture, and in it the machine and the bar [px], from the lower left corner.
+SIZE = (800, 560)
+MACHINE, BAR = Bbox([[290, 94], [792, 500]]), Bbox([[16, 68], [784, 80]])
 
 
 @pytest.fixture(scope="module")
@@ -220,11 +212,10 @@ def moving(shown: Film) -> MovingSketch:
     return MovingSketch(shown)
 
 
-def texts(moving: MovingSketch) -> list[tuple[str, Box]]:
-    """All texts, each with its left, top, right and bottom [px]."""
-    found = [(item.get_text(), item.get_window_extent()) for item in moving.figure.texts]
-    return [(text, (box.x0, SIZE[1] - box.y1, box.x1, SIZE[1] - box.y0))
-            for text, box in found if text]  # fmt: skip
+def texts(moving: MovingSketch) -> list[tuple[str, BboxBase]]:
+    """All texts, each with where it stands [px]."""
+    found = moving.figure.texts
+    return [(item.get_text(), item.get_window_extent()) for item in found if item.get_text()]
 
 
 def arrows(moving: MovingSketch) -> list[np.ndarray]:
@@ -237,21 +228,13 @@ def arrows(moving: MovingSketch) -> list[np.ndarray]:
     ]  # fmt: skip
 
 
-def apart(one: Box, other: Box) -> bool:
-    return (
-        one[2] <= other[0] or other[2] <= one[0] or one[3] <= other[1] or other[3] <= one[1]
-    )  # fmt: skip
-
-
 def drawn_at(artist: Any) -> np.ndarray:
     """Corners of a patch or points of a line on the figure [px]; of a circle its middle."""
-    if isinstance(artist, Line2D):
-        return np.asarray(artist.get_transform().transform(artist.get_xydata()))
     if isinstance(artist, Circle):
-        moved = artist.get_transform().transform_path(artist.get_path())
-        low, high = moved.get_extents().min, moved.get_extents().max
-        return 0.5 * (np.asarray(low) + np.asarray(high))[None]
-    return np.asarray(artist.get_transform().transform(artist.get_xy()))
+        box = artist.get_transform().transform_path(artist.get_path()).get_extents()
+        return 0.5 * (box.min + box.max)[None]
+    points = artist.get_xydata() if isinstance(artist, Line2D) else artist.get_xy()
+    return np.asarray(artist.get_transform().transform(points))
 
 
 @pytest.mark.parametrize(
@@ -340,12 +323,10 @@ def test_words_of_pictures(cycle: Solution, words: Words) -> None:
                    if line not in before or line.startswith("arrow"))]  # fmt: skip
         before, found = lines, texts(moving)
         for place, (text, box) in enumerate(found):
-            assert min(box) >= 0.0, text
-            assert box[2] <= SIZE[0], text
-            assert box[3] <= SIZE[1], text
-            assert apart(box, BAR), text
-            assert box[3] < MACHINE[1] or apart(box, MACHINE), text
-            assert all(apart(box, other) for _, other in found[:place]), text
+            assert (box.min >= 0.0).all(), text
+            assert (box.max <= SIZE).all(), text
+            others = [BAR, MACHINE, *(other for _, other in found[:place])]
+            assert box.count_overlaps(others) == 0, text
     words("\n".join(told) + "\n")
 
 
@@ -366,11 +347,10 @@ def test_the_machine_fills_its_part_of_the_picture(moving: MovingSketch) -> None
                     np.minimum(low, corners.min(axis=0)),
                     np.maximum(high, corners.max(axis=0)),
                 )
-    left, top, right, bottom = MACHINE
-    assert (low >= (left, SIZE[1] - bottom)).all()
-    assert (high <= (right, SIZE[1] - top)).all()
+    assert (low >= MACHINE.min).all()
+    assert (high <= MACHINE.max).all()
     # The circle of the crank is part of the machine, too.
-    assert max((high - low) / (right - left, bottom - top)) > 0.7
+    assert max((high - low) / MACHINE.size) > 0.7
 
 
 def test_long_titles_end_before_the_edge(shown: Film) -> None:
@@ -378,7 +358,7 @@ def test_long_titles_end_before_the_edge(shown: Film) -> None:
     long = replace(shown, solution=replace(shown.solution, mechanism=mechanism))
     title, box = next(item for item in texts(MovingSketch(long)) if "word" in item[0])
     assert title.endswith("word ...")
-    assert 0.8 * SIZE[0] < box[2] <= MACHINE[2]
+    assert 0.8 * SIZE[0] < box.x1 <= MACHINE.x1
 
 
 # The file.

@@ -151,32 +151,21 @@ def test_colour_tells_the_phase(judge: Judge, shown: Film, scene: Scene) -> None
 # Lines between two points.
 
 
-def ends_of(run: Solution, q: Array) -> dict[str, list[Array]]:
-    """Ends of springs and dampers between two frames, in the plane, by the document."""
-    judge = Judge(run)
-    pin.framesForwardKinematics(judge.model, judge.data, judge.full(q))
-    found = {}
-    for kind in ("spring", "damper"):
-        for name, item in judge.document[f"{kind}s"].items():
-            if "frame_a" in item:
-                frames = (judge.model.getFrameId(item[key]) for key in ("frame_a", "frame_b"))
-                places = [judge.data.oMf[frame].translation * (1, 0, 1) for frame in frames]
-                found[f"{kind}_{name}"] = places
-    return found
-
-
 def test_lines_go_from_point_to_point(page_of: Callable[..., str]) -> None:
+    """From frame to frame of springs and dampers, in the plane."""
     run = run_of("elements")
-    shown = film(run, Look(exaggerate=1.0))
+    shown, judge = film(run, Look(exaggerate=1.0)), Judge(run)
     scene = Scene(page_of(shown.solution))
     lengths = set()
-    for _, at, q, _ in moments(Judge(run), shown):
-        wanted = ends_of(run, q)
-        assert set(wanted) == {"spring_band", "damper_stay"}
-        for name, places in wanted.items():
-            place = scene.matrix(f"/nipper/{name}", at)
+    for _, at, q, _ in moments(judge, shown):
+        pin.framesForwardKinematics(judge.model, judge.data, judge.full(q))
+        for kind, name in (("spring", "band"), ("damper", "stay")):
+            item = judge.document[f"{kind}s"][name]
+            frames = (judge.model.getFrameId(item[key]) for key in ("frame_a", "frame_b"))
+            places = [judge.data.oMf[frame].translation * (1, 0, 1) for frame in frames]
+            place = scene.matrix(f"/nipper/{kind}_{name}", at)
             ends = [(place @ [0.0, side, 0.0, 1.0])[:3] for side in (-0.5, 0.5)]
-            np.testing.assert_allclose(ends, places, atol=1e-6)
+            np.testing.assert_allclose(ends, places, rtol=0.0, atol=1e-6)
             lengths.add(round(float(np.linalg.norm(np.subtract(*ends))), 5))
     assert len(lengths) > 4
 
