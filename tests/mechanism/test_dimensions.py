@@ -163,6 +163,8 @@ def test_centre_of_mass_is_where_it_was_asked_for_also_when_its_link_moves() -> 
         assert value(mechanism, path) == pytest.approx(float(wanted), abs=1e-9)  # type: ignore[arg-type]
     model = mechanism.model
     body = model.inertias[model.getJointId("jaw")]
+    # Comments of the file stay.
+    assert "never the\n  maker's data" in mechanism.urdf
     assert body.mass == 1.4
     assert body.inertia[1, 1] == pytest.approx(1.4 * 0.032**2, rel=1e-12)
 

@@ -443,19 +443,11 @@ def test_a_urdf_beside_it_is_another_machine(tmp_path: Path) -> None:
 def test_new_drawings(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A commented press that bounces to rest, or a machine of the gallery; no file is replaced."""
+    """A commented press that bounces to rest; no file is replaced."""
     monkeypatch.chdir(tmp_path)
     assert main(["new", "mine.toml"]) == 0
     assert simulate(load("mine.toml"), Case(speed_rpm=120.0)).outcome is Outcome.AT_REST
-    assert main(["new", "--from", "bell", "other.toml"]) == 0
-    assert load("other.toml").description == drawn("bell").mechanism().description
-    before = Path("mine.toml").read_text(encoding="utf-8")
-    capsys.readouterr()
-    for words in (["mine.toml"], ["e62.toml"], ["--from", "bel", "new.toml"]):
-        assert main(["new", *words]) == 2
-    said = capsys.readouterr().err
-    assert "mine.toml is there already" in said
-    assert "e62 is a model that comes with the package" in said
-    assert "no machine of the gallery named 'bel'" in said
-    assert Path("mine.toml").read_text(encoding="utf-8") == before
-    assert sorted(item.name for item in tmp_path.iterdir()) == ["mine.toml", "other.toml"]
+    before = Path("mine.toml").read_bytes()
+    assert main(["new", "--from", "bell", "mine.toml"]) == 2
+    assert "mine.toml is there already" in capsys.readouterr().err
+    assert {item.name: item.read_bytes() for item in tmp_path.iterdir()} == {"mine.toml": before}

@@ -22,8 +22,8 @@ from nipper_pin.mechanism import (
     changed,
 )
 from nipper_pin.mechanism.files import toml
-from nipper_pin.reduced import build, transition, unfit
-from tests.refusals.bases import PARTS, model
+from nipper_pin.reduced import build, transition
+from tests.refusals.bases import PARTS
 
 TIE = {"frame_a": "a", "frame_b": "b"}
 
@@ -123,10 +123,7 @@ CART = [link("cart"), slide("x", "frame", "cart"), link("arm"), hinge("turn", "c
 
 
 def test_places_and_sides_are_read_in_their_units() -> None:
-    """Millimetres of a slide, degrees of a hinge; a stop without them is the lower one at zero.
-
-    The findings about a model say which limit of which joint each stop is.
-    """
+    """Millimetres of a slide, degrees of a hinge; a stop without them is the lower one at zero."""
     mechanism = machine(CART, 2, stops={
         "wall": {"joint": "x", "restitution": 0.5, "side": "upper", "at_mm": 120.0},
         "floor": {"joint": "x", "restitution": 0.5},
@@ -135,11 +132,6 @@ def test_places_and_sides_are_read_in_their_units() -> None:
     found = {stop.name: (stop.sense, stop.at) for stop in mechanism.stops}
     assert found == {"wall": (-1.0, 0.12), "floor": (1.0, 0.0), "turned": (1.0, -np.pi / 2.0)}
     assert [stop.plain for stop in mechanism.stops] == [False, True, False]
-    assert nip.check(mechanism, 60.0).record()["stops"] == {
-        "wall": {"joint": "x", "side": "upper", "at": 0.12, "restitution": 0.5},
-        "floor": {"joint": "x", "side": "lower", "at": 0.0, "restitution": 0.5},
-        "turned": {"joint": "turn", "side": "lower", "at": -np.pi / 2.0, "restitution": 0.25},
-    }
 
 
 @pytest.mark.parametrize("sense", [1.0, -1.0])
@@ -177,31 +169,6 @@ def test_a_stop_beyond_its_contact_at_the_start_is_refused() -> None:
     assert (q[:, 0] == -0.005).all()
     force = solution.trajectory.reactions(0.5).stops["a"][0]
     assert force == pytest.approx(5.0 * (0.010 + 0.005), rel=1e-12)
-
-
-def test_a_transition_needs_a_stop_that_is_closed_at_touch() -> None:
-    """A transition starts where its stop collides; one that stands open there is told so."""
-    stops = {"a": {"joint": "x", "restitution": 0.5, "at_mm": -5.0}}
-    with pytest.raises(nip.InputError, match=r"stop 'a' stands open by 5 mm .*whole turns"):
-        nip.simulate(machine(CART, 2, stops=stops), nip.Case(speed_rpm=60.0))
-
-
-def test_the_reduced_engine_leaves_other_stops_to_the_direct_one(
-    e62: nip.Mechanism, tmp_path: Path
-) -> None:
-    """An upper stop, or one away from zero, is a reason in one sentence; plain ones are not."""
-    assert unfit(e62) is None
-    limit = '[stops.limit]\njoint = "jaw"\nrestitution = 0.2\nside = "upper"\nat_deg = 60.0\n'
-    limited = nip.load(model("e62", ("[stops.jaw]", f"{limit}[stops.jaw]"), tmp_path))
-    assert "'limit'" in (unfit(limited) or "")
-    with pytest.raises(
-        nip.InputError, match=r"lower stops at coordinate zero.*use the direct engine"
-    ):
-        build(limited)
-    wide, plain = (
-        nip.simulate(item, nip.Case(speed_rpm=450.0)).transitions[0] for item in (limited, e62)
-    )
-    assert wide.duration == pytest.approx(plain.duration, rel=1e-12)
 
 
 FALL = nip.Case(speed_rpm=20.0, window=nip.Window.CYCLE, start_index=0.0, max_collisions=1)

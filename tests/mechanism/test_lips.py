@@ -16,7 +16,7 @@ from scipy.spatial import ConvexHull
 from small_machines import frame, hinge, link, machine, slide
 
 import nipper_pin as nip
-from nipper_pin import Mechanism, ModelError, load
+from nipper_pin import Mechanism, ModelError
 
 STRANGERS = Path(__file__).parents[1] / "strangers"
 
@@ -129,26 +129,6 @@ def test_lips_have_the_lever_of_what_lies_together(
         assert found == pytest.approx(right, rel=within), (drawn, misfit)
 
 
-@pytest.mark.parametrize("joint", ["hinge", "slide"])
-@pytest.mark.parametrize(
-    "pair", [("box", "box"), ("cube", "cube"), ("cube", "wedge"), ("along", "cube")], ids="-".join
-)
-@pytest.mark.parametrize("misfit", [-3e-7, 1e-10, 4e-7])
-def test_lips_carry_the_weight(
-    pair: tuple[str, str], joint: str, misfit: float, tmp_path: Path
-) -> None:
-    """A rod of 0.9 m and 2 kg, hinged at the origin, rests on a peg at 0.6875 m.
-
-    The contact carries m g (L/2) / x at x, the middle of what lies together, and all of m g if the
-    rod is on a slide.
-    """
-    mechanism = nip.load(draw(tmp_path, pair, joint, misfit, 0.0, Frame()))
-    case = nip.Case(speed_rpm=60.0, window=nip.Window.CYCLE)
-    carried = nip.simulate(mechanism, case).trajectory.reactions(0.5).contacts["peg"]
-    force = 2.0 * 9.81 * (1.0 if joint == "slide" else 0.5 * LENGTH / PLACE)
-    assert carried == pytest.approx(force, rel=accuracy(pair, misfit, 1.0))
-
-
 @pytest.mark.parametrize("joint", ["slide", "hinge"])
 @pytest.mark.parametrize("kind", ["box", "cube", "upright"])
 @pytest.mark.parametrize("misfit", [3e-4, 2e-6, -2e-6, -3e-4])
@@ -228,26 +208,6 @@ def test_what_opening_drives_together_is_refused(kind: str, tmp_path: Path) -> N
     folder = draw(tmp_path, (kind, kind), "slide", -0.04, 0.0, Frame())
     with pytest.raises(nip.ModelError, match="growing"):
         nip.load(folder)
-
-
-POINT = np.array([9.2e-3, 0.0, 65.5e-3])
-
-PIVOT = np.array([-72.6e-3, 0.0, 101.9e-3])
-
-
-def test_contact_is_where_it_was_built() -> None:
-    contact = load().stop("jaw").contact
-    assert contact is not None
-    arm = POINT - PIVOT
-    lever = float(np.linalg.norm(arm))
-    np.testing.assert_allclose(contact.point, POINT, rtol=0.0, atol=1e-10)
-    np.testing.assert_allclose(
-        contact.normal, np.array([-arm[2], 0.0, arm[0]]) / lever, rtol=0.0, atol=1e-12
-    )
-    assert contact.lever_m == pytest.approx(lever, rel=1e-12)
-    assert abs(contact.closing_coordinate) < 1e-11
-    along = load().stop("steeve")
-    assert (along.contact, along.lever) == (None, 1.0)
 
 
 def ball(part: str, name: str, x: float, z: float = 0.0) -> str:

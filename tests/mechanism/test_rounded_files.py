@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from any_plane import rewritten
-from small_machines import frame, hinge, link, machine, sources
+from small_machines import frame, hinge, link, machine
 
 import nipper_pin as nip
 from nipper_pin import Mechanism
@@ -28,31 +28,6 @@ PLANES = {
     "y-z": np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]),
     "from behind": np.diag([-1.0, -1.0, 1.0]),
 }
-
-
-def five_bar() -> tuple[str, dict[str, Any]]:
-    """Two motors of different speeds, and the pin where their links meet."""
-    parts = [
-        link("left", 0.2, 2e-4), link("left_rod", 0.1, 1e-4),
-        link("right", 0.2, 2e-4), link("right_rod", 0.1, 1e-4),
-        hinge("left_motor", "frame", "left"), hinge("left_knee", "left", "left_rod", (-0.03, 0.08)),
-        hinge("right_motor", "frame", "right", (0.1, 0.0)),
-        hinge("right_knee", "right", "right_rod", (0.03, 0.07)),
-        frame("left_tip", "left_rod", (0.07, 0.14)), frame("right_tip", "right_rod", (-0.09, 0.15)),
-    ]  # fmt: skip
-    drives = {
-        "left": {"joint": "left_motor", "law": "constant_speed", "ratio": 0.05},
-        "right": {"joint": "right_motor", "law": "constant_speed", "ratio": -0.1},
-    }
-    tie = {"tip": {"frame_a": "left_tip", "frame_b": "right_tip"}}
-    return sources(parts, 2, drives=drives, closures=tie)
-
-
-def text_of(name: str) -> tuple[str, dict[str, Any]]:
-    if name == "five_bar":
-        return five_bar()
-    urdf, document = drawn(name).sources()
-    return urdf, dict(document)
 
 
 def rounded(urdf: str, form: str) -> tuple[str, float]:
@@ -98,14 +73,14 @@ def coordinates(solution: nip.Solution, times: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("plane", PLANES)
 @pytest.mark.parametrize("form", ["{:.5g}", "{:.6g}", "{:.7g}", "{:.8g}", "{:.5f}", "{:.6f}"])
 @pytest.mark.parametrize(
-    "name", ["crank_rocker", "five_bar", "slider_crank", "scotch_yoke", "watt_1", "stephenson_3"]
+    "name", ["crank_rocker", "slider_crank", "scotch_yoke", "watt_1", "stephenson_3"]
 )
 def test_a_rounded_file_moves_as_the_whole_one(name: str, form: str, plane: str) -> None:
     """Within the errors of its numbers, by the inverse of the closures.
 
     Places and closing move the points of a loop by the errors at most, here and at touch.
     """
-    urdf, document = text_of(name)
+    urdf, document = drawn(name).sources()
     whole = rewritten(urdf, PLANES[plane], {}, np.random.default_rng(7))
     short, error = rounded(whole, form)
     exact = from_sources(name, whole, document, ".")

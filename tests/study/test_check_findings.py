@@ -17,11 +17,12 @@ from snapshots import Words
 
 from nipper_pin import Case, InputError, Mechanism, Solution, Window, check, load, simulate
 from nipper_pin.dynamics import impact_condition
-from nipper_pin.mechanism import collision_model, find_model, from_sources
+from nipper_pin.mechanism import collision_model, from_sources
 from nipper_pin.study.check import Extreme, ModelReport
 from nipper_pin.study.interference import Clearance, clearances
 from nipper_pin.study.masses import LinkMass, link_masses
 from nipper_pin.study.next_steps import next_steps
+from tests.refusals.bases import model
 
 
 @pytest.fixture(name="turn", scope="module")
@@ -228,14 +229,8 @@ def test_lips_meet_and_a_needle_that_is_too_long_strikes(e62: Mechanism, tmp_pat
     (lips,) = (item for item in report.clearances if item.may_touch)
     assert near[frozenset(("bottom_lip", "top_lip"))] is lips
     assert abs(lips.distance_m) < 1e-6
-    home = find_model("e62")
-    text = (home / "e62.urdf").read_text(encoding="utf-8")
-    assert 'radius="0.0625" length="0.2"' in text
-    text = text.replace('radius="0.0625" length="0.2"', 'radius="0.063" length="0.2"')
-    (tmp_path / "longer").mkdir()
-    (tmp_path / "longer" / "longer.urdf").write_text(text, encoding="utf-8")
-    (tmp_path / "longer" / "longer.toml").write_bytes((home / "e62.toml").read_bytes())
-    worst = check(load(tmp_path / "longer"), 450.0).interferences[0]
+    drum = 'radius="0.0625" length="0.2"', 'radius="0.063" length="0.2"'
+    worst = check(load(model("e62", drum, tmp_path)), 450.0).interferences[0]
     assert {worst.link_a, worst.link_b} == {"frame", "bottom_nipper"}
     before = near[frozenset((worst.shape_a, worst.shape_b))]
     assert {before.shape_a, before.shape_b} == {"cylinder_drum", "bottom_lip"}

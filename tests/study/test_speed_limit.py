@@ -131,15 +131,9 @@ def test_the_command_says_what_it_found(
     assert document["repeats"] == [{"from_rpm": 1500.0, "to_rpm": 1600.0}]
     assert (document["not_known"], document["repeats_rpm"]) == ([], None)
     assert said.endswith(f"--speed {limit:.5g} --window cycle\n")
-    rows = {line.split()[0]: line.split() for line in said.splitlines() if line[:2] == " 1"}
-    assert [*rows] == ["1500", "1525", "1550", "1575", "1600"]
-    for row, shown in zip(document["speeds"], rows.values(), strict=True):
-        assert float(shown[0]) == row["speed_rpm"]
+    for row in document["speeds"]:
         settled = row["speed_rpm"] < limit
         assert (row["rest_index"] is not None) == (row["clamped_share"] > 0.0) == settled
-        if settled:
-            assert f"{row['rest_index']:.2f}" in shown
-            assert f"{100.0 * row['clamped_share']:.1f}" in shown
     drawn = figure.read_text(encoding="utf-8")
     assert drawn.startswith("<?xml")
     assert len(drawn) > 10_000

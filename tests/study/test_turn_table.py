@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import sys
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,9 +16,8 @@ import pytest
 from runs_shown import machine_called
 from two_engines import EPS, FORCE, difference
 
-from nipper_pin import DriveMode, InputError, Mechanism, load, turn_table
+from nipper_pin import DriveMode, Mechanism, load, turn_table
 from nipper_pin.hybrid.result.turns import turn_names
-from nipper_pin.mechanism.restitution import Falling
 from nipper_pin.study.turns import TURNS_PAY_FROM
 
 
@@ -75,12 +73,6 @@ def test_which_engine_it_is(e62: Mechanism, monkeypatch: pytest.MonkeyPatch) -> 
     speeds = np.linspace(450.0, 650.0, TURNS_PAY_FROM)
     inertial = turn_table(e62, speed_rpm=450.0, turns=1, drive=DriveMode.INERTIAL)
     assert "held drives" in inertial.why
-    jaw, steeve = e62.stops
-    falling = replace(e62, stops=(replace(jaw, law=Falling(fast=0.1, scale=0.5)), steeve))
-    said = "the reduced engine has constant restitutions, and stop 'jaw' has a law"
-    assert turn_table(falling, speed_rpm=450.0, turns=1).why == f"direct: {said}"
-    with pytest.raises(InputError, match="stop 'jaw' has a law"):
-        turn_table(falling, speed_rpm=450.0, engine="reduced")
     monkeypatch.setitem(sys.modules, "numba", None)
     coarse = {"turns": 1, "tolerance": 1e-3, "rest_rate": 0.1}
     assert "numba, which is not installed" in turn_table(e62, speed_rpm=speeds, **coarse).why

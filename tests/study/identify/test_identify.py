@@ -16,7 +16,7 @@ import pytest
 from linear_problem import Linear, fitted
 from rich.console import Console
 
-from nipper_pin import Case, InputError, Mechanism, SimulationError, Window, check, load, simulate
+from nipper_pin import Case, Mechanism, SimulationError, Window, check, load, simulate
 from nipper_pin.cli import main
 from nipper_pin.mechanism import changed, numbers_of
 from nipper_pin.study.identify import (
@@ -298,30 +298,6 @@ def test_what_cannot_be_written_is_refused_before_the_search(
         assert main(["identify", str(impossible), *arguments.split()]) == 2
         assert word in " ".join(capsys.readouterr().err.split())
     assert sorted(tmp_path.rglob("*")) == before
-
-
-def test_a_model_that_cannot_be_finished_leaves_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The disk is full at the third mesh: neither a part of the model nor a temporary folder."""
-    line = linear_problem.problem(np.zeros(4), np.ones(4))
-    fit = fitted(Linear(line, matrix=np.eye(4, 3), offset=np.zeros(4)), 0.1, 0.2, 0.3)
-    copied = []
-
-    def full(source: Path, target: Path) -> None:
-        copied.append(target)
-        if len(copied) == 3:
-            raise OSError(28, "No space left on device")
-        target.write_bytes(source.read_bytes())
-
-    with monkeypatch.context() as patch:
-        patch.setattr("shutil.copyfile", full)
-        with pytest.raises(InputError, match="No space left"):
-            write_model(fit, fit.goodness, tmp_path / "found")
-    assert len(copied) == 3
-    assert list(tmp_path.iterdir()) == []
-    write_model(fit, fit.goodness, tmp_path / "found")
-    assert [item.name for item in tmp_path.iterdir()] == ["found"]
 
 
 def test_command_writes_a_model_that_simulate_accepts(
