@@ -178,24 +178,17 @@ def test_axes_and_angles_have_letters_and_places(e62: Mechanism) -> None:
         assert letters == places
 
 
-@pytest.mark.parametrize(
-    ("path", "radius"),
-    [
-        ("urdf.link.a.collision[0].geometry.sphere.radius", 1.0),
-        ("urdf.link.a.collision.b.c.geometry.sphere.radius", 2.0),
-        ("urdf.link.a.collision[2].geometry.sphere.radius", 3.0),
-        ("urdf.link.d.collision.geometry.sphere.radius", 4.0),
-        ("urdf.link.d.collision[0].geometry.sphere.radius", 4.0),
-    ],
-)
-def test_shapes_without_a_name_go_by_their_place(path: str, radius: float) -> None:
+def test_shapes_without_a_name_go_by_their_place() -> None:
     """Each of four spheres has a radius of its own, so the one that is read tells itself."""
     sphere = '<collision {}><geometry><sphere radius="{}"/></geometry></collision>'
     first = "".join(sphere.format(*item) for item in (("", 1), ('name="b.c"', 2), ("", 3)))
     text = (
         f'<robot><link name="a">{first}</link><link name="d">{sphere.format("", 4)}</link></robot>'
     )
-    assert find_value(parse_xml(text, "urdf"), path).read(path, "urdf") == radius
+    for place, radius in {"a.collision[0]": 1.0, "a.collision.b.c": 2.0, "a.collision[2]": 3.0,
+                          "d.collision": 4.0, "d.collision[0]": 4.0}.items():  # fmt: skip
+        path = f"urdf.link.{place}.geometry.sphere.radius"
+        assert find_value(parse_xml(text, "urdf"), path).read(path, "urdf") == radius
 
 
 def test_own_values_written_back_change_nothing() -> None:

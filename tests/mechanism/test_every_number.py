@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -114,20 +114,30 @@ def unwritten_numbers(document: dict[str, Any]) -> set[str]:
     return found
 
 
-def test_every_number_of_the_document(texts: tuple[dict[str, Any], str]) -> None:
+def own_values(numbers: Mapping[str, float]) -> dict[str, float]:
+    return {path: value + 0.25 + place for place, (path, value) in enumerate(numbers.items())}
+
+
+def test_every_number_of_document_and_urdf(texts: tuple[dict[str, Any], str]) -> None:
     """Each gets a value of its own, all at once: no path leads nowhere, and none to another's.
 
     Two paths that led to one number, or one that led to its neighbour, would leave a value in the
     wrong place; the walk that finds the numbers again shares no code with the paths.
     """
     document, urdf = texts
-    found = dict(document_numbers(document))
-    wanted = {path: value + 0.25 + place for place, (path, value) in enumerate(found.items())}
+    found, drawn = (
+        dict(document_numbers(document)),
+        dict(urdf_numbers(ElementTree.fromstring(urdf))),
+    )
+    assert len(drawn) > 10
     assert all(number_at(document, path, "model.toml") == found[path] for path in found)
+    wanted, moved = own_values(found), own_values(drawn)
     new, same = apply_overrides(document, urdf, wanted, "model.toml", "model.urdf")
-    assert dict(document_numbers(new)) == wanted
-    assert same == urdf
+    assert (dict(document_numbers(new)), same) == (wanted, urdf)
     assert dict(document_numbers(document)) == found
+    new, written = apply_overrides(document, urdf, moved, "model.toml", "model.urdf")
+    assert dict(urdf_numbers(ElementTree.fromstring(written))) == moved
+    assert new == document
 
 
 def test_every_number_with_the_unit_of_its_key(texts: tuple[dict[str, Any], str]) -> None:
@@ -151,18 +161,6 @@ def test_every_number_that_need_not_be_written(texts: tuple[dict[str, Any], str]
     assert dict(document_numbers(written)) == {**before, **wanted}
     # They are what the description reads, not keys that it would refuse.
     describe(written, "model.toml")
-
-
-def test_every_number_of_the_urdf(texts: tuple[dict[str, Any], str]) -> None:
-    """As for the document: values of their own, all at once, through the text and back."""
-    document, urdf = texts
-    root = ElementTree.fromstring(urdf)
-    found = dict(urdf_numbers(root))
-    assert len(found) > 10
-    wanted = {path: value + 0.25 + place for place, (path, value) in enumerate(found.items())}
-    same, written = apply_overrides(document, urdf, wanted, "model.toml", "model.urdf")
-    assert dict(urdf_numbers(ElementTree.fromstring(written))) == wanted
-    assert same == document
 
 
 def test_placements_that_need_not_be_written(texts: tuple[dict[str, Any], str]) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import shutil
 import tomllib
@@ -11,20 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nipper_pin import InputError, Mechanism, ModelError, UnknownNameError, load
-from nipper_pin.mechanism import find_model, from_sources
+from nipper_pin import InputError, ModelError, UnknownNameError, load
+from nipper_pin.mechanism import find_model
 from nipper_pin.mechanism.files import toml
 from nipper_pin.mechanism.model_files import check_new_folder, new_folder
 from nipper_pin.texts import no_file
-
-
-def same(one: Mechanism, other: Mechanism) -> None:
-    for name in ("joints", "closures", "drives", "springs", "phases", "cylinder", "description",
-                 "urdf", "model"):  # fmt: skip
-        assert getattr(one, name) == getattr(other, name)
-    for first, second in zip(one.stops, other.stops, strict=True):
-        for name in ("name", "index", "restitution", "lever"):
-            assert getattr(first, name) == getattr(second, name)
 
 
 def test_index_scale() -> None:
@@ -40,14 +30,6 @@ def test_index_scale() -> None:
     touch = np.array([cylinder.angle_at_touch_rad])
     for drive in mechanism.drives:
         assert drive.law.evaluate(touch)[0][0] - drive.law_at_touch == 0.0
-
-
-def test_rebuilt_from_plain_data() -> None:
-    mechanism = load(overrides={"links.rocker.mass_kg": 0.7, "stops.jaw.restitution": 0.1})
-    plain = json.loads(json.dumps(mechanism.description))
-    again = from_sources(mechanism.name, mechanism.urdf, plain, mechanism.mesh_folder)
-    same(mechanism, again)
-    assert again.stop("jaw").restitution == 0.1
 
 
 def test_overrides_of_the_document() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import subprocess
 import sys
 import time
@@ -11,7 +10,6 @@ from pathlib import Path
 
 from programs import study_text
 
-from nipper_pin.mechanism import find_model
 from nipper_pin.study.sweep import Plan, read_plan
 from nipper_pin.study.sweep.chunks import run_chunk
 from nipper_pin.study.sweep.results import Store
@@ -65,18 +63,3 @@ def wait_for(condition: Callable[[], bool], seconds: float = 60.0) -> None:
 
 def chunk_files(folder: Path) -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in sorted((folder / "chunks").iterdir())}
-
-
-def tabulated_e62(folder: Path) -> Path:
-    """The E62 with the spring of its steeve as a CSV file."""
-    home = folder / "tabulated"
-    shutil.copytree(find_model("e62"), home)
-    (home / "e62.urdf").rename(home / "tabulated.urdf")
-    text = (home / "e62.toml").read_text(encoding="utf-8").partition("[shortcuts]")[0]
-    (home / "e62.toml").unlink()
-    text = text.replace("stiffness_N_per_m = 9000.0", 'file = "steeve.csv"')
-    text = text.replace("preload_length_mm", "# preload_length_mm")
-    (home / "tabulated.toml").write_text(text, encoding="utf-8")
-    rows = "coordinate_mm,force_N\n-10,9\n0,99\n10,189\n40,459\n"
-    (home / "steeve.csv").write_text(rows, encoding="utf-8")
-    return home

@@ -25,7 +25,6 @@ from sweep_studies import (
     started,
     stored,
     study,
-    tabulated_e62,
     wait_for,
 )
 from waiting import notes
@@ -33,11 +32,12 @@ from waiting import notes
 from nipper_pin import Case, InputError, Mechanism, load, read_sweep, simulate, turn_table
 from nipper_pin.cli import main
 from nipper_pin.hybrid.result.turns import turn_names
-from nipper_pin.mechanism import from_sources, model_folder
+from nipper_pin.mechanism import find_model, from_sources, model_folder
 from nipper_pin.study.folders import alone_in
 from nipper_pin.study.sweep import Plan, run_sweep
 from nipper_pin.study.turns import TURNS_PAY_FROM
 from nipper_pin.view.progress import progress
+from tests.refusals.bases import model
 
 # --- results -------------------------------------------------------------------------------------
 
@@ -100,7 +100,12 @@ def test_rows_of_csv_tables_vary(tmp_path: Path) -> None:
     more than 1e-5, so one that did not reach the machine, or another one, would show; and a table
     that says something else makes another plan, whose results are not taken for this one's.
     """
-    home = tabulated_e62(tmp_path)
+    toml = (find_model("e62") / "e62.toml").read_text(encoding="utf-8")
+    spring = "stiffness_N_per_m = 9000.0\npreload_length_mm = 11.0", 'file = "steeve.csv"'
+    edits = (toml[toml.index("[shortcuts]") :], "", *spring)
+    home = model("e62", edits, tmp_path).rename(tmp_path / "tabulated")
+    table = home / "steeve.csv"
+    table.write_text("coordinate_mm,force_N\n-10,9\n0,99\n10,189\n40,459\n", encoding="utf-8")
     text = """
     model = "tabulated"
     [case]
@@ -121,7 +126,7 @@ def test_rows_of_csv_tables_vary(tmp_path: Path) -> None:
         single = simulate(mechanism, Case(speed_rpm=650.0)).transitions[0].duration
         assert row["duration_s"] == pytest.approx(single, rel=1e-8)
     assert np.diff(sorted(durations)).min() > 1e-5 * durations[0]
-    table, before = home / "steeve.csv", chunk_files(tmp_path / "out")
+    before = chunk_files(tmp_path / "out")
     table.write_text(table.read_text(encoding="utf-8").replace("189", "190"), encoding="utf-8")
     with pytest.raises(InputError, match="another sweep"):
         run_sweep(plan(tmp_path, text), tmp_path / "out", workers=1)
