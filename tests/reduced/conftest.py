@@ -23,6 +23,12 @@ def model(e62: Mechanism) -> ReducedModel:
 
 
 @pytest.fixture(scope="session")
+def fine(e62: Mechanism, model: ReducedModel) -> ReducedModel:
+    """Other nodes, twice the degrees, and a little more room."""
+    return build(e62, tolerance=1e-13, gap_max=1.02 * model.gap_max, travel_rad=2.2)
+
+
+@pytest.fixture(scope="session")
 def reference() -> dict[str, Any]:
     document: dict[str, Any] = json.loads(REFERENCE.read_text(encoding="utf-8"))
     return document["cases"]

@@ -27,7 +27,6 @@ from nipper_pin.reduced.kernels import (
     panel,
     release,
     series,
-    turn_charts,
 )
 from nipper_pin.reduced.kernels import turn_events as events
 from nipper_pin.reduced.kernels.layout import FAILS, HOLDS, UNKNOWN, Cases, Charts, Settings
@@ -65,20 +64,6 @@ def arrival(
     asked = np.full((1, 1), layout.NOT_ASKED)
     found = solve(turn, cases, Settings(rest_rate, tolerance), 0, ask=True, premise=asked)
     return int(found["premise"][0, 0]), *found["state"][0]
-
-
-def test_a_line_of_a_case() -> None:
-    """w^2 F0 + g Fg + sum of k (p F_k + F_ks), for each coefficient."""
-    functions = np.random.default_rng(3).normal(size=(8, 2, 5))
-    found = np.full((2, 5), np.nan)
-    k, p = np.array([20.0, 7.0]), np.array([0.3, -0.2])
-    turn_charts.line(functions, case(SPEED, 1.7, k, p), found)
-    f = functions
-    expected = SPEED**2 * f[0] + 1.7 * f[3] + 20.0 * (0.3 * f[4] + f[5])
-    np.testing.assert_allclose(found, expected + 7.0 * (-0.2 * f[6] + f[7]), rtol=1e-13)
-    u, place = 1.2, 2.0 * (1.2 - 0.8) / 0.8 - 1.0
-    expected = chebyshev.chebval(place, found[1])
-    assert release.within(found, 1, 0.8, u) == pytest.approx(expected, rel=1e-13)
 
 
 @pytest.mark.parametrize(

@@ -16,23 +16,9 @@ from written_tables import lowered
 import nipper_pin.reduced
 from nipper_pin import InputError, Mechanism, NipperError, SimulationError
 from nipper_pin.reduced import ReducedModel, Status, build, results, transition, transitions
-from nipper_pin.reduced.kernels import layout
 from nipper_pin.reduced.tables.arrival import unknown
 
 RPM = 500.0
-
-
-def test_what_is_told_of_the_chart_of_a_model(model: ReducedModel) -> None:
-    """Its numbers have their names, and no two of them are equal."""
-    (numbers,) = model.charts.numbers
-    named = {
-        layout.TRAVEL_MOST: model.travel_rad, layout.LOW: model.gap_low,
-        layout.HIGH: model.gap_max, layout.ARRIVE: model.approach_rate,
-        layout.ARRIVE_ERROR: model.approach_residual,
-    }  # fmt: skip
-    assert named == {place: numbers[place] for place in named}
-    assert len(set(named.values())) == len(named)
-    assert (model.cells, model.degrees) == (model.equation.shape[1], model.equation.shape[2:])
 
 
 SHARES, PRELOADS = np.array([0.3, 0.7]), np.array([0.031, 0.002])
@@ -152,30 +138,6 @@ def test_one_transition_may_have_more_collisions_than_most(model: ReducedModel) 
     np.testing.assert_array_equal(found.table, batch.table[0, :, : found.collisions])
     with pytest.raises(SimulationError, match="after 34 collisions"):
         transition(model, max_collisions=34, **given)
-
-
-def test_every_result_comes_from_its_place(model: ReducedModel) -> None:
-    """Rows of the table by name; what lies beyond the last collision is none."""
-    found = transition(model, speed_rpm=RPM)
-    batch = transitions(model, speed_rpm=[RPM, 450.0])
-    rows = {
-        "time": layout.TIME, "cylinder_angle": layout.ANGLE, "approach_rate": layout.APPROACH,
-        "separation_rate": layout.SEPARATION, "impulse": layout.IMPULSE,
-        "energy_lost": layout.ENERGY, "rebound_amplitude": layout.AMPLITUDE,
-        "rebound_time": layout.REBOUND, "time_error": layout.TIME_ERROR,
-        "rate_error": layout.RATE_ERROR, "impulse_error": layout.IMPULSE_ERROR,
-        "amplitude_error": layout.AMPLITUDE_ERROR, "rebound_error": layout.REBOUND_ERROR,
-    }  # fmt: skip
-    count = found.collisions
-    for name, row in rows.items():
-        np.testing.assert_array_equal(getattr(found, name), found.table[row])
-        np.testing.assert_array_equal(getattr(batch, name)[0, :count], found.table[row])
-        assert np.isnan(getattr(batch, name)[0, count:]).all()
-    for result in (found, batch):
-        assert (result.model, result.engine) == ("e62", "reduced")  # type: ignore[attr-defined]
-    assert (found.premise_holds, batch.premise[0]) == (True, layout.HOLDS)
-    for name in ("collisions", "duration", "duration_error", "share", "error_bound"):
-        assert getattr(batch, name)[0] == getattr(found, name), name
 
 
 def without_rest(e62: Mechanism, model: ReducedModel) -> list[tuple[Any, dict[str, Any], Status]]:

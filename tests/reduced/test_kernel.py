@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.polynomial import Polynomial, chebyshev
+from numpy.polynomial import chebyshev
 from written_tables import (
     case,
     level,
@@ -18,7 +18,7 @@ from written_tables import (
     with_numbers,
 )
 
-from nipper_pin.reduced.kernels import flight_errors, panel
+from nipper_pin.reduced.kernels import flight_errors, kernel
 from nipper_pin.reduced.kernels import series as bounces
 from nipper_pin.reduced.kernels.layout import (
     AMPLITUDE,
@@ -159,6 +159,20 @@ def test_every_row_of_a_transition_and_its_errors() -> None:
     assert bound == pytest.approx(worst, rel=1e-3)
 
 
+@pytest.mark.parametrize("worst", range(4))
+def test_the_worst_relative_error_of_a_transition(worst: int) -> None:
+    """Of its duration, its amplitude and the times of its first two rebounds."""
+    errors = np.array([1e-9, 2e-9, 3e-9, 4e-9])
+    errors[worst] = 7e-9
+    table, found = np.zeros((4, COLUMNS)), np.zeros(4)
+    table[:2, REBOUND], table[0, AMPLITUDE] = (0.02, 0.01), 2e-3
+    table[2:, TIME] = 0.03, 0.04
+    table[3, TIME_ERROR], table[0, AMPLITUDE_ERROR] = errors[:2] * (0.04, 2e-3)
+    table[:2, REBOUND_ERROR] = errors[2:] * (0.02, 0.01)
+    kernel.summary(table, AT_REST, 3, found)
+    assert found == pytest.approx((0.04, table[3, TIME_ERROR], 0.75, 7e-9), rel=1e-12)
+
+
 def test_a_series_that_is_nearly_over_is_closed_by_its_sum() -> None:
     """Two thousandth parts of what the limit needs: no extrapolation, and the same time of rest."""
     tables = tables_of(EQUATION, **{**TABLES, "approach": -1e-8, "approach_residual": 0.0})
@@ -250,55 +264,11 @@ def test_bounces_without_loss_end_by_their_number() -> None:
     assert not np.isnan(table).any()
 
 
-def extrapolated(times: Any, rates: Any, changes: float) -> tuple[float, float]:
-    """The same by polynomials through the last points; what is ahead of the last one."""
-    times, rates = times[-8:] - times[-1], rates[-8:]
-    last = [
-        float(Polynomial.fit(rates[-k:], times[-k:], k - 1, domain=[-1, 1])(0.0))
-        for k in range(2, len(times) + 1)
-    ]
-    best, least, before, gained = math.inf, math.inf, 0.0, 0.0
-    for order, value in enumerate(last, start=1):
-        ratio = max(rates[-1] / rates[-order], changes)
-        error = max(abs(value - before), ratio * gained)
-        if error < least:
-            best, least = value, error
-        before, gained = value, abs(value - before)
-    return best, least
-
-
-@pytest.mark.parametrize("count", [2, 3, 5, 8, 11])
-@pytest.mark.parametrize("changes", [0.0, 0.3, 1.0])
-@pytest.mark.parametrize("bent", [[0.0], [0.5], [0.5, -0.4, 0.6], [-2.0, 9.0]])
-def test_limit_of_a_series(count: int, changes: float, bent: list[float]) -> None:
-    """Times against rates through the last eight points, order by order, to zero rate."""
-    rates = 0.9 * 0.6 ** np.arange(count)
-    times = 3.0 - Polynomial([0.0, 2.0, *bent])(rates)
-    series = np.full((3, 16), np.nan)
-    series[0, :count], series[1, :count] = times, rates
-    found, error = bounces.limit(series, count, changes)
-    best, least = extrapolated(times, rates, changes)
-    assert found == pytest.approx(best, rel=1e-9, abs=1e-12)
-    assert error == pytest.approx(least, rel=1e-6, abs=1e-12)
-    if count == 8 and len(bent) < 3:
-        assert found == pytest.approx(3.0 - times[-1], rel=1e-10)
-
-
 def test_there_is_no_limit_of_one_bounce_or_of_growing_ones() -> None:
     series = np.array([[0.0, 1.0, 2.0], [0.5, 0.3, 0.3], [0.0, 0.0, 0.0]])
     assert np.isinf(bounces.limit(series, 1, 0.0)).all()
     assert np.isfinite(bounces.limit(series, 2, 0.0)).all()
     assert np.isinf(bounces.limit(series, 3, 0.0)).all()
-
-
-@pytest.mark.parametrize("u", [-0.1, 0.0, 0.7, 1.3, 3.5, 3.6])
-def test_inertia_along_the_travel(u: float) -> None:
-    """In the cell of the travel; at the ends in the outer ones."""
-    inertia = np.array([[0.7, 0.1, 0.0, 0.02], [0.9, -0.2, 0.1, 0.0], [0.5, 0.3, 0.0, 0.1]])
-    tables = tables_of(level(-1.0, cells=3), travel=3.6, inertia=inertia)
-    cell = min(max(math.floor(u / 1.2), 0), 2)
-    value = chebyshev.chebval(2.0 * (u / 1.2 - cell) - 1.0, inertia[cell])
-    assert panel.along(tables.inertia[0], 3.6, u) == pytest.approx(value, rel=1e-13)
 
 
 @pytest.mark.parametrize(("opening", "push", "told"), [(4.0, -1.0, True), (4.0, 1.0, False),
@@ -345,20 +315,3 @@ def test_a_machine_that_arrives_in_flight_falls_onto_its_stop_first() -> None:
     vague = rest_of_turn(level(-1.0), 0.5, residual=np.array([0.1, *[0.0] * 5]))
     told = run(turn=vague, assumed=False)
     assert (told[0], told[2]) == (UNTOLD, UNKNOWN)
-
-
-def test_a_batch_is_its_cases() -> None:
-    """Every case of a batch has the numbers that it has alone."""
-    tables = tables_of(EQUATION, **TABLES)
-    cases = Cases(
-        np.array([2.0, 1.0, 3.0]), np.array([[0.4], [0.5], [1.0]]),
-        np.array([[300.0], [250.0], [310.0]]), np.array([[0.02], [0.03], [0.02]]),
-        np.array([1.0, 0.5, 0.9]),
-    )  # fmt: skip
-    settings = Settings(0.3, 1e-9)
-    found = solve(tables, cases, settings, 9)
-    for i in range(3):
-        one = solve(tables, Cases(*(given[i : i + 1] for given in cases)), settings, 9)
-        for name in ("told", "rest", "table"):
-            np.testing.assert_array_equal(found[name][i], one[name][0])
-    assert found["told"][:, 0].tolist() == [AT_REST, AT_REST, LEFT_TRAVEL]

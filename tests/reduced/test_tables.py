@@ -16,9 +16,7 @@ from nipper_pin import ConvergenceError, InputError, Mechanism, SimulationError
 from nipper_pin.arrays import FloatArray
 from nipper_pin.dynamics import ShaftMotion, System
 from nipper_pin.reduced import ReducedModel, build
-from nipper_pin.reduced.kernels import kernel, layout
 from nipper_pin.reduced.tables import arrival, series2d
-from nipper_pin.reduced.tables import tables as tables_module
 from nipper_pin.reduced.tables.functions import Samples
 from nipper_pin.reduced.tables.tables import Domain, checks, residuals, resolved
 
@@ -46,12 +44,6 @@ def test_models_are_told_and_compared_without_their_tables(e62: Mechanism) -> No
     doubled = one.charts._replace(equation=2.0 * one.charts.equation)
     assert one == replace(one, charts=doubled)
     assert repr(one.arrival) == "Arrival(why='the rest of the turn was not sampled', asked=True)"
-
-
-def samples(equation: list[FloatArray], inertia: FloatArray | None = None) -> Samples:
-    """Functions at points, and nothing else of them."""
-    none = np.empty(0)
-    return Samples(none, np.array(equation), none, none, none if inertia is None else inertia)
 
 
 def test_turns_that_the_waiting_stop_does_not_open(e62: Mechanism) -> None:
@@ -96,99 +88,7 @@ def test_stops_that_cannot_move_freely() -> None:
     assert caught.value.evidence == {"stop": "rocker"}
 
 
-@pytest.mark.parametrize("cells", [1, 3, 4000])
-def test_errors_of_series_at_points_off_the_grid(cells: int) -> None:
-    """Twice the largest difference, and round-off: of every function, and relative of inertia."""
-    domain = tables_module.Domain(travel=2.0, low=-1.0, high=3.0, begin=-2.0)
-    width = 2.0 / cells
-    asked: list[Any] = []
-
-    class True_:  # noqa: N801
-        """c + 0.5 x + 3 (u - 2), one that is always 7, and an inertia of 5 (1 + u)."""
-
-        def at(self, past: Any, x: Any, q: Any) -> Any:
-            assert (past >= -2.0).all()
-            assert (past <= 0.0).all()
-            asked.append((past, x, q))
-            values = [1.0 + 0.5 * x + 3.0 * past, np.full_like(x, 7.0)]
-            return samples(values, 5.0 * (3.0 + past))
-
-    begins = width * np.arange(cells) - 2.0
-    equation = np.zeros((2, cells, 2, 2))
-    equation[0, :, 0, 0] = 1.0 + 0.5 * 1.0 + 3.0 * (begins + 0.5 * width) + 1e-3
-    equation[0, :, 0, 1] = 0.5 * 2.0
-    equation[0, :, 1, 0] = 3.0 * 0.5 * width
-    equation[1, :, 0, 0] = 7.0 - 2e-4
-    inertia = np.zeros((cells, 2))
-    inertia[:, 0] = 5.0 * (3.0 + begins + 0.5 * width) * (1.0 + 1e-5)
-    inertia[:, 1] = 5.0 * 0.5 * width * (1.0 + 1e-5)
-    grid = np.linspace(0.0, 2.0, 5)
-    none = np.empty(0)
-    q = np.arange(15.0).reshape(5, 3, 1)
-    tables = tables_module.Tables(grid, np.array([-1.0, 0.0, 3.0]), q, none, none, none, none)
-    sampler: Any = True_()
-    points = tables_module.checks(sampler, domain, tables)
-    bounds, relative = tables_module.residuals(points, domain, equation, inertia)
-    assert bounds == pytest.approx([2e-3, 4e-4], rel=1e-9)
-    assert relative == pytest.approx(2e-5, rel=1e-6)
-    (past, x, guess), (again, zero, rest) = asked
-    assert (past == again).all()
-    assert (zero == 0.0).all()
-    # Ends of the domain and the place of collisions are among the points.
-    assert [(past == end).sum() for end in (-2.0, 0.0)] == [2, 2]
-    assert [(x == place).sum() for place in (0.0, 3.0)] == [3, 1]
-    assert x.min() >= -1.0
-    assert x.max() <= 3.0
-    # Guesses come from the grid point above, those at rest from the column of x = 0.
-    row = np.searchsorted(grid, past + 2.0 - 1e-15).clip(0, 4)
-    column = np.searchsorted([-1.0, 0.0, 3.0], x).clip(0, 2)
-    assert (guess[:, 0] == 3 * row + column).mean() > 0.99
-    assert (rest[:, 0] == 3 * row + 1).mean() > 0.99
-
-
-@pytest.mark.usefixtures("plain")
-@pytest.mark.parametrize("worst", ["time", "amplitude", "first", "second"])
-def test_the_worst_relative_error_of_a_transition(worst: str) -> None:
-    """Of its duration, its amplitude and the times of its first two rebounds."""
-    table = np.zeros((5, layout.COLUMNS))
-    table[2, layout.TIME], table[0, layout.AMPLITUDE] = 0.03, 2e-3
-    table[:3, layout.REBOUND] = 0.02, 0.01, 0.004
-    errors = {"time": 1e-9, "amplitude": 2e-9, "first": 3e-9, "second": 4e-9} | {worst: 7e-9}
-    table[0, layout.AMPLITUDE_ERROR] = 2e-3 * errors["amplitude"]
-    table[:2, layout.REBOUND_ERROR] = 0.02 * errors["first"], 0.01 * errors["second"]
-    # The rest comes after the collisions.
-    table[3, layout.TIME], table[3, layout.TIME_ERROR] = 0.04, 0.04 * errors["time"]
-    found = np.zeros(4)
-    kernel.summary(table, layout.AT_REST, 3, found)
-    assert found == pytest.approx((0.04, 0.04 * errors["time"], 0.75, 7e-9), rel=1e-12)
-
-
 EPS = float(np.finfo(float).eps)
-
-
-def test_a_fit_has_the_coefficients_of_the_function() -> None:
-    """A product of series of lower degree is found in all its coefficients, nodes rising."""
-    given = np.random.default_rng(1).normal(size=(2, 3, 5, 4))
-    u, x = series2d.gauss_nodes(5), series2d.gauss_nodes(4)
-    assert (np.diff(u) > 0.0).all()
-    np.testing.assert_allclose(np.cos(5.0 * np.arccos(u)), 0.0, rtol=0.0, atol=1e-14)
-    values = np.array([[chebyshev.chebgrid2d(u, x, cell) for cell in table] for table in given])
-    np.testing.assert_allclose(series2d.fit(values), given, rtol=0.0, atol=1e-14)
-    places = np.array([-1.0, 0.3, 0.9]), np.array([0.2, -0.7, 1.0])
-    expected = [chebyshev.chebval2d(*places, table[1]) for table in given]
-    np.testing.assert_allclose(series2d.evaluate(given[:, 1], *places), expected, rtol=1e-13)
-
-
-def test_largest_values_and_slopes() -> None:
-    """T_m(u) T_n(x) has the value 1 and the slopes m^2 and n^2 at the corner; the worst cell."""
-    given = np.zeros((3, 2, 5, 4))
-    given[0, 1, 4, 2] = -2.0
-    given[1, 0, 0, 3] = 0.5
-    given[2, 1, 1, 0], given[2, 0, 3, 0] = 1.0, 0.2
-    size, by_u, by_x = series2d.largest(given)
-    np.testing.assert_allclose(size, [2.0, 0.5, 1.0], rtol=1e-12)
-    np.testing.assert_allclose(by_u, [2.0 * 16.0, 0.0, 1.8], rtol=1e-12, atol=1e-14)
-    np.testing.assert_allclose(by_x, [2.0 * 4.0, 0.5 * 9.0, 0.0], rtol=1e-12, atol=1e-14)
 
 
 @pytest.mark.parametrize(
@@ -258,17 +158,6 @@ def test_samples_of_a_domain(begin: float) -> None:
                 assert gap == pytest.approx(begin + u - 7.0 * x, abs=1e-12)
             inertia = chebyshev.chebval(place, tables.inertia[cell])
             assert inertia == pytest.approx(2.0 + math.cos(begin + u), rel=1e-12)
-
-
-def test_a_domain_without_other_stops_has_no_gaps() -> None:
-    class Alone(Known):
-        def at(self, u: Any, x: Any, q: Any) -> Samples:
-            found = super().at(u, x, q)
-            none = np.zeros((0, len(u)))
-            return Samples(q, found.equation, none, none, found.inertia)
-
-    tables, _ = resolved(Alone(), Domain(0.4, -0.1, 0.5), np.ones(2), 1e-9)  # type: ignore[arg-type]
-    assert tables.gaps.shape == (0, 1, 16, 12)
 
 
 @pytest.mark.parametrize(

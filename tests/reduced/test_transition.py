@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nipper_pin import Case, InputError, Mechanism, Resolution, load, simulate
+from nipper_pin import Case, Mechanism, Resolution, load, simulate
 from nipper_pin.reduced import ReducedModel, Status, build, transition, transitions
 from nipper_pin.reduced.kernels import flight, panel
 from nipper_pin.reduced.kernels.layout import (
@@ -37,6 +37,14 @@ CASES = ["450", "550", "650", "650_e0.05", "650_e0.25", "650_e0.5", "650_k7000",
 FINE = 1e-12
 # Relative errors below this are luck, not accuracy.
 LUCK = 16.0 * 2.220446049250313e-16
+# Of rows of the reference: their names, and those of what is stated of their errors.
+BOUNDS = {
+    "time_s": ("time", "time_error"),
+    "approach_rate": ("approach_rate", "rate_error"),
+    "impulse_lip_N_s": ("impulse", "impulse_error"),
+    "rebound_amplitude": ("rebound_amplitude", "amplitude_error"),
+    "rebound_time_s": ("rebound_time", "rebound_error"),
+}
 
 
 def arguments(case: dict[str, Any]) -> dict[str, float]:
@@ -84,13 +92,8 @@ def test_stated_bound(
     rows = case["collisions"]
     found = transition(model, **arguments(case), tolerance=tolerance)
     count = min(found.collisions, len(rows))
-    for key, got, bound in (
-        ("time_s", found.time, found.time_error),
-        ("approach_rate", found.approach_rate, found.rate_error),
-        ("impulse_lip_N_s", found.impulse, found.impulse_error),
-        ("rebound_amplitude", found.rebound_amplitude, found.amplitude_error),
-        ("rebound_time_s", found.rebound_time, found.rebound_error),
-    ):
+    for key, (name, stated) in BOUNDS.items():
+        got, bound = getattr(found, name), getattr(found, stated)
         expected = np.array([float(row[key]) for row in rows[:count]])
         # Numbers of the reference are rounded to doubles: half a unit in the last place.
         error = np.abs(got[:count] - expected) - 2e-16 * np.abs(expected)
@@ -105,9 +108,14 @@ def test_stated_bound(
     assert worst <= found.error_bound < 1e3 * max(worst, LUCK)
 
 
+def drawn(seed: int, count: int, **spans: tuple[float, float]) -> dict[str, Any]:
+    random = np.random.default_rng(seed)
+    return {key: random.uniform(*span, count) for key, span in spans.items()}
+
+
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-7, 1e-10])
 def test_stated_bound_on_random_parameters(
-    model: ReducedModel, e62: Mechanism, tolerance: float
+    model: ReducedModel, fine: ReducedModel, tolerance: float
 ) -> None:
     """In 500 random cases no error exceeds its bound, from the tightest to the loosest tolerance.
 
@@ -115,59 +123,38 @@ def test_stated_bound_on_random_parameters(
     The bounds are not empty: in 19 of 20 cases the bound is within 1e3 times the worst of four
     (measured: within 300 times). The others are right by luck, as where errors cross zero.
     """
-    random = np.random.default_rng(5)
-    cases = {
-        "speed_rpm": random.uniform(300.0, 700.0, 500),
-        "restitution": random.uniform(0.02, 0.5, 500),
-        "stiffness": random.uniform(7000.0, 13000.0, 500),
-        "preload": random.uniform(0.009, 0.015, 500),
-    }
-    fine = build(e62, tolerance=1e-13, gap_max=1.02 * model.gap_max, travel_rad=2.2)
-    true, found = (
-        transitions(fine, tolerance=1e-13, **cases),
-        transitions(model, tolerance=tolerance, **cases),
-    )
+    cases = drawn(5, 500, speed_rpm=(300.0, 700.0), restitution=(0.02, 0.5),
+                  stiffness=(7000.0, 13000.0), preload=(0.009, 0.015))  # fmt: skip
+    true = transitions(fine, tolerance=1e-13, **cases)
+    found = transitions(model, tolerance=tolerance, **cases)
     rest = (true.status == Status.AT_REST) & (found.status == Status.AT_REST)
     assert rest.sum() > 450
-    for key, bound in (
-        ("duration", "duration_error"),
-        ("time", "time_error"),
-        ("approach_rate", "rate_error"),
-        ("impulse", "impulse_error"),
-        ("rebound_amplitude", "amplitude_error"),
-        ("rebound_time", "rebound_error"),
-    ):
+    for key, bound in (("duration", "duration_error"), *BOUNDS.values()):
         error = np.abs(getattr(found, key) - getattr(true, key))[rest]
         stated = (getattr(found, bound) + getattr(true, bound))[rest]
         # Collisions that only one of the two has computed are NaN.
         assert not (error > stated).any(), key
-    worst = np.maximum.reduce(
-        [
-            np.abs(found.duration / true.duration - 1.0)[rest],
-            np.abs(found.rebound_amplitude / true.rebound_amplitude - 1.0)[rest, 0],
-            *np.abs(found.rebound_time / true.rebound_time - 1.0)[rest, :2].T,
-        ]
-    )
+    worst = np.maximum.reduce([
+        np.abs(found.duration / true.duration - 1.0)[rest],
+        np.abs(found.rebound_amplitude / true.rebound_amplitude - 1.0)[rest, 0],
+        *np.abs(found.rebound_time / true.rebound_time - 1.0)[rest, :2].T,
+    ])  # fmt: skip
     ratio = found.error_bound[rest] / np.maximum(worst, LUCK)
     assert ratio.min() >= 1.0
     assert np.quantile(ratio, 0.95) < 1e3
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-5, 1e-7])
-def test_stated_bound_of_the_limit(model: ReducedModel, e62: Mechanism, tolerance: float) -> None:
+def test_stated_bound_of_the_limit(
+    model: ReducedModel, fine: ReducedModel, tolerance: float
+) -> None:
     """Near the speed that lifts the jaw off, where a limit is hardest to know, its bound holds.
 
     There x'' changes by its own size during the bounces, so that extrapolations agree by chance: a
     bound from their difference alone is exceeded twelve times in this range.
     """
-    random = np.random.default_rng(6)
-    cases = {
-        "speed_rpm": random.uniform(700.0, 800.0, 2000),
-        "restitution": random.uniform(0.25, 0.45, 2000),
-        "stiffness": random.uniform(5000.0, 16000.0, 2000),
-        "preload": random.uniform(0.006, 0.02, 2000),
-    }
-    fine = build(e62, tolerance=1e-13, gap_max=1.02 * model.gap_max, travel_rad=2.2)
+    cases = drawn(6, 2000, speed_rpm=(700.0, 800.0), restitution=(0.25, 0.45),
+                  stiffness=(5000.0, 16000.0), preload=(0.006, 0.02))  # fmt: skip
     true = transitions(fine, tolerance=1e-13, **cases)
     found = transitions(model, tolerance=tolerance, **cases)
     rest = (true.status == Status.AT_REST) & (found.status == Status.AT_REST)
@@ -226,35 +213,22 @@ def test_rest_by_threshold(model: ReducedModel, e62: Mechanism) -> None:
     assert found.separation_rate[-1] < 1e-2 <= found.separation_rate[-2]
 
 
-def test_no_rebound(model: ReducedModel) -> None:
-    """Without restitution the collision is the transition, and all its energy is lost."""
-    found = transition(model, speed_rpm=600.0, restitution=0.0)
-    assert (found.collisions, found.duration) == (1, 0.0)
-    # 1/2 C w^2 = 1/2 P |w| for e = 0, with the impulse about the jaw.
-    about_jaw = found.impulse[0] * model.lever
-    expected = -0.5 * about_jaw * found.approach_rate[0]
-    assert found.energy_lost[0] == pytest.approx(expected, rel=1e-14)
-
-
-@pytest.mark.slow
-def test_batch_equals_single(model: ReducedModel) -> None:
+@pytest.mark.parametrize("assumed", [True, False])
+def test_batch_equals_single(model: ReducedModel, assumed: bool) -> None:
     """A case gives the same bits alone and among others, whatever was computed before it."""
-    random = np.random.default_rng(3)
-    speed, e = random.uniform(400.0, 650.0, 12), random.uniform(0.05, 0.3, 12)
-    k = random.uniform(8000.0, 11000.0, 12)
-    batch = transitions(model, speed_rpm=speed, restitution=e, stiffness=k)
+    cases = drawn(5, 8, speed_rpm=(600.0, 690.0), restitution=(0.02, 0.3),
+                  stiffness=(7000.0, 9000.0), preload=(0.0085, 0.0105))  # fmt: skip
+    batch = transitions(model, assumed=assumed, **cases)
     assert (batch.status == Status.AT_REST).all()
-    assert len(np.unique(batch.duration)) == 12
-    for i in range(12):
-        one = transition(model, speed_rpm=speed[i], restitution=e[i], stiffness=k[i])
-        count = one.collisions
-        assert (count, one.duration, one.share) == (
-            batch.collisions[i], batch.duration[i], batch.share[i],
-        )  # fmt: skip
-        assert np.array_equal(one.time, batch.time[i, :count])
-        assert np.array_equal(one.impulse, batch.impulse[i, :count])
-        assert np.array_equal(one.rebound_amplitude, batch.rebound_amplitude[i, :count])
-        assert np.isnan(batch.time[i, count:]).all()
+    assert len(np.unique(batch.duration)) == 8
+    assert set(batch.premise) == {0, 1}
+    for i in range(8):
+        one = transition(model, assumed=assumed, **{key: row[i] for key, row in cases.items()})
+        assert one.premise_holds is bool(batch.premise[i])
+        for name in ("collisions", "duration", "duration_error", "share", "error_bound"):
+            assert getattr(one, name) == getattr(batch, name)[i], name
+        np.testing.assert_array_equal(one.table, batch.table[i, :, : one.collisions])
+        assert np.isnan(batch.table[i, :, one.collisions :]).all()
 
 
 def test_threads(model: ReducedModel) -> None:
@@ -286,58 +260,19 @@ def test_worker_process(model: ReducedModel, tmp_path: Path) -> None:
     assert done.stdout.strip() == transition(model, speed_rpm=520.0).duration.hex()
 
 
-# What the engine must notice by itself: gravity, the end of its tables, other stops.
-
-# Both engines agree to 1e-10; gravity is a few per cent of the acceleration.
-AGREED = 1e-9
-
-
-@pytest.fixture(scope="module")
-def on_mars() -> ReducedModel:
-    return build(load("e62", {"gravity_m_s2": 3.7}))
-
-
-def durations(gravity: float) -> float:
-    mechanism = load("e62", {"gravity_m_s2": gravity})
-    return simulate(mechanism, Case(speed_rpm=650.0)).transitions[0].duration
-
-
-def test_gravity_shows_in_the_duration() -> None:
-    """Otherwise the comparisons below would compare nothing."""
-    assert abs(durations(3.7) / durations(9.81) - 1.0) > 1e3 * AGREED
-
-
 @pytest.mark.slow
-def test_a_model_of_another_gravity_has_that_gravity(on_mars: ReducedModel) -> None:
-    """By default its own, and in a case any: the direct engine says the same."""
-    found = transition(on_mars, speed_rpm=650.0, tolerance=1e-12)
-    assert found.duration == pytest.approx(durations(3.7), rel=AGREED)
-    found = transition(on_mars, speed_rpm=650.0, gravity=9.81, tolerance=1e-12)
-    assert found.duration == pytest.approx(durations(9.81), rel=AGREED)
-    speeds = np.array([650.0, 650.0])
-    batch = transitions(on_mars, speed_rpm=speeds, gravity=np.array([3.7, 9.81]), tolerance=1e-12)
-    expected = [durations(3.7), durations(9.81)]
-    np.testing.assert_allclose(batch.duration, expected, rtol=AGREED)
-
-
-def test_a_model_of_the_usual_gravity_can_be_asked_for_another(model: ReducedModel) -> None:
-    found = transition(model, speed_rpm=650.0, gravity=3.7, tolerance=1e-12)
-    assert found.duration == pytest.approx(durations(3.7), rel=AGREED)
-
-
-def test_rebounds_beyond_the_tables_are_not_computed(model: ReducedModel) -> None:
-    """Tables that end a little below the first rebound, and a little above it."""
-    highest = float(transition(model, speed_rpm=650.0).rebound_amplitude[0])
-    low, high = (
-        build(load("e62"), gap_max=factor * highest) for factor in (0.98, 1.02)
-    )  # fmt: skip
-    with pytest.raises(InputError, match="rebound"):
-        transition(low, speed_rpm=650.0)
-    status = [
-        Status(int(transitions(item, speed_rpm=np.array([650.0])).status[0]))
-        for item in (low, high)
-    ]  # fmt: skip
-    assert status == [Status.LEFT_GAP, Status.AT_REST]
+def test_a_model_of_another_gravity_has_that_gravity() -> None:
+    """By default its own, and in a case any: the direct engine says the same, to 1e-10."""
+    mars, earth = (load("e62", {"gravity_m_s2": gravity}) for gravity in (3.7, 9.81))
+    less, more = (
+        simulate(machine, Case(speed_rpm=650.0)).transitions[0].duration
+        for machine in (mars, earth)
+    )
+    assert abs(less / more - 1.0) > 1e-6
+    there = build(mars)
+    own = transition(there, speed_rpm=650.0, tolerance=FINE)
+    batch = transitions(there, speed_rpm=650.0, gravity=[3.7, 9.81], tolerance=FINE)
+    np.testing.assert_allclose([own.duration, *batch.duration], [less, less, more], rtol=1e-9)
 
 
 @pytest.mark.usefixtures("plain")
