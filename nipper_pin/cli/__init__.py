@@ -143,8 +143,9 @@ def _options(words: list[str], named: str | None, commands: Commands) -> argpars
     if words and named is None and not words[0].startswith("-"):
         there = f"{meant(words[0], commands.places)}There are {', '.join(commands.places)}"
         parser.error(f"there is no command {words[0]!r}; {there}")
-    if words and named is None and (near := meant(words[0], _OF_ALL)) and words[0] not in _OF_ALL:
-        parser.error(f"there is no option {words[0]!r}; {near}")
+    option = words[0].partition("=")[0] if words and named is None else ""
+    if option and not any(known.startswith(option) for known in _OF_ALL):
+        parser.error(f"there is no option {option!r}; {meant(option, _OF_ALL)}-h lists them")
     options, left = parser.parse_known_args(words)
     if left:
         of_command = argparse.ArgumentParser(prog=f"{commands.program} {options.command}")

@@ -27,6 +27,7 @@ def home(tmp_path_factory: pytest.TempPathFactory, e62: Mechanism) -> Path:
         (folder / name).write_text(text, encoding="utf-8")
     (folder / "broken.npz").write_bytes(b"PK\x03\x04 not an archive")
     (folder / "loop").symlink_to("loop")
+    (folder / "press.toml").write_text("drawing = 1\n", encoding="utf-8")
     model("small with rows", (), folder)
     case = Case(speed_rpm=600.0)
     save_case(e62, case, folder / "case.json")
