@@ -51,6 +51,13 @@ def seek(page: Page, time: float) -> None:
     _drawn(page, 3)
 
 
+def cells(page: Page, rows: str) -> list[list[str]]:
+    """Texts of the rows of a table."""
+    read = "row => [...row.cells].map(cell => cell.textContent)"
+    found: list[list[str]] = page.evaluate(f"[...document.querySelectorAll('{rows}')].map({read})")
+    return found
+
+
 def picture(page: Page, of: str) -> np.ndarray:
     """What a part of the page shows, without names, shape (height, width, 3), 0 to 255."""
     page.locator("#names").uncheck()

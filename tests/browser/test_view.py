@@ -7,10 +7,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from playing_page import apart, picture, playing, seek, until
+from playing_page import apart, cells, picture, playing, seek, until
 from playwright.sync_api import Browser, Page
 
-from nipper_pin import Case, PhaseInterval, Solution, load, simulate, view
+from nipper_pin import (
+    Case,
+    Comparison,
+    PhaseInterval,
+    Solution,
+    compare,
+    load,
+    simulate,
+    view,
+)
+from nipper_pin.view.compare.pair import COLOUR_A, COLOUR_B, Pair, pair
 from nipper_pin.view.phases import intervals
 from nipper_pin.view.scene import Film, Look, film
 from nipper_pin.view.scene.colours import channels
@@ -29,9 +39,11 @@ def shown(solution: Solution) -> Film:
     return film(solution, Look(exaggerate=10.0))
 
 
-def shown_page(open_page, folder: Path, solution: Solution, factor: float) -> Iterator[Page]:
+def shown_page(
+    open_page, folder: Path, what: Solution | Comparison, factor: float
+) -> Iterator[Page]:
     """The static file, opened once; what it complains of or asks for fails the last test."""
-    with playing(open_page, view(solution, folder / "e62.html", exaggerate=factor)) as page:
+    with playing(open_page, view(what, folder / "page.html", exaggerate=factor)) as page:
         yield page
 
 
@@ -53,11 +65,7 @@ def machine(page: Page) -> np.ndarray:
 
 
 def numbers(page: Page) -> dict[str, float]:
-    rows = page.evaluate(
-        "[...document.querySelectorAll('#numbers tr')].map(row => "
-        "[row.cells[0].textContent, row.cells[1].textContent])"
-    )
-    return {label: float(value) for label, value in rows}
+    return {label: float(value) for label, value, *_ in cells(page, "#numbers tr")}
 
 
 def elsewhere(solution: Solution, item: PhaseInterval) -> bool:
@@ -187,6 +195,16 @@ def test_a_served_page_runs_no_script_but_its_own(chromium: Browser, watch, serv
     assert complaints == []
 
 
+def close_up(page: Page, canvas: str) -> tuple[np.ndarray, np.ndarray]:
+    """A strip of the lips, and how strong its colours are.
+
+    Just behind the contact point: farther back the gap of a turned lip is smaller.
+    """
+    image = picture(page, canvas)
+    strip = image[:, int(0.46 * image.shape[1]) : int(0.5 * image.shape[1])]
+    return strip, strip.max(axis=-1) - strip.min(axis=-1)
+
+
 @pytest.mark.parametrize(("drawn", "factor"), [("plain", 1.0), ("page", 10.0)])
 def test_both_lips_are_seen_close_up(
     request: pytest.FixtureRequest, solution: Solution, shown: Film, drawn: str, factor: float
@@ -205,21 +223,18 @@ def test_both_lips_are_seen_close_up(
     assert scale / 1e3 < 0.5 * high
     for t in (first.t + 0.5 * first.rebound_time, rest):
         seek(page, float(shown.pace.playback_at(t)))
-        image = picture(page, "#lips canvas")
-        gap = factor * lever * float(solution.trajectory.evaluate(t).q[0, 2])
-        # Just behind the contact point: farther back the gap of a turned lip is smaller.
-        wide = image.shape[1]
-        middle = image[:, int(0.46 * wide) : int(0.5 * wide)]
-        saturation = middle.max(axis=-1) - middle.min(axis=-1)
+        middle, saturation = close_up(page, "#lips canvas")
+        gap, half = (
+            factor * lever * float(solution.trajectory.evaluate(t).q[0, 2]),
+            len(middle) // 2,
+        )
         amber = (saturation > 120.0) & (middle[..., 0] > middle[..., 2] + 100.0)
         blue = (saturation > 60.0) & (middle[..., 2] > middle[..., 0] + 60.0)
         upper = np.flatnonzero((amber if t != rest else blue).any(axis=1))
-        pixels = image.shape[0] / high
-        lowest = 0.5 * image.shape[0] - upper.max() - 0.5
-        assert upper.size
-        assert lowest == pytest.approx(gap * pixels, abs=4.0)
+        lowest = 0.5 * len(middle) - upper.max() - 0.5
+        assert lowest == pytest.approx(gap * len(middle) / high, abs=4.0)
         # Something is under it: the lower lip, from the contact point downwards.
-        under = middle[int(0.5 * image.shape[0]) + 2 : int(0.5 * image.shape[0]) + 8]
+        under = middle[half + 2 : half + 8]
         assert (under.max(axis=-1) < 215.0).mean() > 0.3
 
 
@@ -307,3 +322,128 @@ def test_nothing_covers_the_machine_on_small_screens(plain: Page, width: int, he
     plain.set_viewport_size({"width": width, "height": height})
     *_, curves = apart(plain, "#pane", "#lips", "#numbers", "#line", "#curves")
     assert width < 1000 or curves["y"] + curves["height"] <= height
+
+
+# Two machines on one page: two lips, two curves.
+
+
+@pytest.fixture(scope="module")
+def turns() -> Comparison:
+    """Two machines of unequal dimensions at one speed, so that both pictures differ everywhere."""
+    case = Case(speed_rpm=450.0, window="cycle")
+    return compare(*(simulate(load(name), case) for name in ("e62", "e62_identified")))
+
+
+@pytest.fixture(scope="module")
+def both(turns: Comparison) -> Pair:
+    return pair(turns, Look(exaggerate=4.0))
+
+
+@pytest.fixture(scope="module")
+def opened_pair(open_page, turns: Comparison, tmp_path_factory) -> Iterator[Page]:
+    yield from shown_page(open_page, tmp_path_factory.mktemp("pair"), turns, 4.0)
+
+
+@pytest.fixture
+def paired(opened_pair: Page) -> Page:
+    """With both machines, whatever the test before has left."""
+    for side in ("a", "b"):
+        opened_pair.locator(f"#shown-{side}").check()
+    return opened_pair
+
+
+def of_colour(image: np.ndarray, colour: str, within: float = 40.0) -> np.ndarray:
+    """Pixels that are nearly of a colour, shape (height, width)."""
+    return np.abs(image - 255.0 * np.array(channels(colour))).max(axis=-1) < within
+
+
+def rebound(both: Pair, run: int) -> float:
+    """Time of the film in the middle of the first rebound of A (0) or B (1)."""
+    shown = (both.a, both.b)[run]
+    hit = next(item for item in shown.solution.collisions if item.stop == "jaw")
+    return float(shown.pace.playback_at(hit.t + 0.5 * hit.rebound_time))
+
+
+def test_both_curves_stand_where_both_runs_are(paired: Page, both: Pair) -> None:
+    """In the lane of the gap each colour has its top in the middle of its rebound, to scale."""
+    seek(paired, 0.0)
+    image = picture(paired, "#curves canvas")
+    duration, left, right = paired.evaluate("[film.duration, LEFT, RIGHT]")
+    count = paired.evaluate("film.curves.length")
+    lane = image[5 : image.shape[0] // count - 5]
+    tops = []
+    for run, colour in enumerate((COLOUR_A, COLOUR_B)):
+        at = left + rebound(both, run) / duration * (image.shape[1] - left - right)
+        near = of_colour(lane, colour)[:, int(at) - 8 : int(at) + 9]
+        assert near.any()
+        tops.append(float(np.flatnonzero(near.any(axis=1)).min()))
+        shown = (both.a, both.b)[run]
+        hit = next(item for item in shown.solution.collisions if item.stop == "jaw")
+        lever = shown.solution.mechanism.stop("jaw").lever
+        share = 1e3 * lever * hit.rebound_amplitude / paired.evaluate("film.curves[0].most")
+        assert tops[run] == pytest.approx((1.0 - share) * len(lane), abs=3.0)
+    assert abs(tops[0] - tops[1]) > 3.0
+
+
+def test_numbers_and_marks_of_both_are_there(paired: Page, both: Pair) -> None:
+    duration, left, right = paired.evaluate("[film.duration, LEFT, RIGHT]")
+    seek(paired, 0.6 * duration)
+    frame = paired.evaluate("last(film.playback, animator.time + 1e-6)")
+    rows = cells(paired, "#numbers tbody tr, #numbers > tr")
+    angle = next(row for row in rows if row[0] == "jaw angle")
+    for cell, one in zip(angle[1:3], (both.a, both.b), strict=True):
+        jaw = one.solution.mechanism.stop("jaw").index
+        assert float(cell) == pytest.approx(np.degrees(one.q[frame, jaw]), rel=1e-3, abs=1e-9)
+    paired.mouse.move(0, 0)
+    box = paired.locator("#curves canvas").bounding_box()
+    hit = paired.evaluate(
+        "film.collisions.find(hit => hit.text.startsWith('B') && hit.stop === 'jaw')"
+    )
+    at = left + hit["at"] / duration * (box["width"] - left - right)
+    paired.mouse.click(box["x"] + at + 2.0, box["y"] + 10.0)
+    assert paired.evaluate("animator.time") == pytest.approx(hit["at"], abs=1e-9)
+    until(paired, "byId('hit').textContent.startsWith('B last: collision')")
+
+
+def test_both_machines_are_seen_and_can_be_hidden(paired: Page, both: Pair) -> None:
+    """The second one is of its tint; without it, or without the first, the picture is another."""
+    seek(paired, rebound(both, 0))
+    images = [picture(paired, "#pane")]
+    for side in ("b", "a"):
+        paired.locator(f"#shown-{side}").uncheck()
+        images.append(picture(paired, "#pane"))
+    whole, alone, none = images
+
+    def pink(image: np.ndarray) -> int:
+        return int(
+            ((image[..., 0] - image[..., 1] > 25.0) & (image[..., 2] - image[..., 1] > 15.0)).sum()
+        )
+
+    assert pink(whole) > 20 * pink(alone) + 500
+    assert (np.abs(alone - none).max(axis=-1) > 30.0).mean() > 0.05
+    paired.locator("#shown-b").check()
+    assert pink(picture(paired, "#pane")) > pink(whole)
+
+
+def test_the_lips_of_both_are_apart_by_their_own_gaps(paired: Page, both: Pair) -> None:
+    """In the middle of A's first rebound B is still closing; each close-up shows its own gap."""
+    seek(paired, rebound(both, 0))
+    frame = paired.evaluate("last(film.playback, animator.time + 1e-6)")
+    high, wanted = paired.evaluate("film.lips.height"), []
+    for place, one in enumerate((both.a, both.b)):
+        canvas = f"#closeups figure:nth-child({place + 1}) canvas"
+        middle, saturation = close_up(paired, canvas)
+        half, stop = 0.5 * len(middle), one.solution.mechanism.stop("jaw")
+        gap = stop.lever * float(stop.gaps(one.drawn[[frame]])[0])
+        # The lower lip of A is grey; that of B has the tint of the upper one, below the middle.
+        upper = np.flatnonzero((saturation > 60.0).any(axis=1))
+        wanted.append(gap * len(middle) / high)
+        assert half - upper[upper < half - 2.0].max() - 0.5 == pytest.approx(wanted[-1], abs=4.0)
+    assert abs(wanted[0] - wanted[1]) > 8.0
+
+
+def test_the_table_stands_on_the_page(paired: Page, turns: Comparison) -> None:
+    rows = paired.locator("#differences tbody tr").count()
+    assert rows == len([row for row in turns.rows if row.a is not None or row.b is not None])
+    assert "B rebounds" in paired.text_content("#finding")
+    assert "450 r/min" in paired.text_content("#case")
