@@ -112,12 +112,6 @@ class Judge:
         still = np.zeros_like(q)
         return float(np.abs(self.tree.closure(q, still, still, world=True)[0]).max(initial=0.0))
 
-    def links(self, q: Array, v: Array) -> dict[str, tuple[float, float, float]]:
-        """By link: turning rate counter-clockwise [rad/s], velocity (x, z) of its centre [m/s]."""
-        motion = self.tree.motion(q, v, np.zeros_like(v))
-        rates = zip(self.tree.links, motion.spin, motion.com_rate, strict=True)
-        return {link.name: (spin, rate.real, rate.imag) for link, spin, rate in rates}
-
     def places(self, q: Array) -> dict[str, tuple[float, float, float]]:
         """By link: where its joint stands (x, z) [m], and its rotation counter-clockwise [rad]."""
         found = {}

@@ -159,19 +159,6 @@ def test_motion(name: str) -> None:
                 assert stop.gap(motion.q[0]) == near(judge.gap(stop.name, q), DENSE, 1e-10)
 
 
-def test_link_velocities(judge: Judge) -> None:
-    """Turning rate and velocity of the centre of mass of every link, before and after."""
-    for event in judge.hits:
-        for own, v in zip(judge.run.link_velocities(event), (event.v_before, event.v_after),
-                          strict=True):  # fmt: skip
-            wanted = judge.links(event.q, v)
-            largest = max(abs(x) for item in wanted.values() for x in item)
-            assert set(own.links) == set(wanted)
-            for place, link in enumerate(own.links):
-                found = (own.angular[place], *own.centroid[place])
-                assert found == near(wanted[link], 1e-11, 1e-13 * largest)
-
-
 # Gaps, forces, states and indices over time.
 
 

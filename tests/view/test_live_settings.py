@@ -134,14 +134,6 @@ def test_an_unusable_speed_is_refused(e62: Mechanism, speed: float) -> None:
         knobs(e62, speed)
 
 
-def test_sliders_need_the_transition_stop(e62: Mechanism) -> None:
-    """It is enough alone, and no other stop stands in for it."""
-    jaw, steeve = (e62.stop(name) for name in ("jaw", "steeve"))
-    assert knobs(replace(e62, stops=(jaw,)), 650.0)
-    with pytest.raises(InputError, match="no transition stop"):
-        knobs(replace(e62, stops=(steeve,)), 650.0)
-
-
 def test_each_spring_has_sliders_of_its_own(e62: Mechanism) -> None:
     """Of two; what no slider names stays as it is."""
     spring = e62.springs[0]

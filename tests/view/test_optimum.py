@@ -6,7 +6,6 @@ import io
 import json
 import shlex
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,7 +16,7 @@ from snapshots import Words
 from nipper_pin.cli import main
 from nipper_pin.study.optimise import Limit, Optimum, optimise
 from nipper_pin.study.optimise.search.samples import Found
-from nipper_pin.view.studies.front_plot import front_figure, plot_front
+from nipper_pin.view.studies.front_plot import front_figure
 from nipper_pin.view.studies.optimise_report import print_optimum
 from tests.study.optimise.designs import BALL, MASS, problem
 
@@ -42,15 +41,6 @@ def test_words_around_the_front(optimum: Optimum, words: Words) -> None:
     problem = replace(optimum.problem, title="a title " * 20, limits=limits, units=units)
     long, none = (replace(optimum, problem=item) for item in (problem, replace(problem, limits=[])))
     words("\n".join(drawn(front_figure(found)) for found in (optimum, long, none)))
-
-
-@pytest.mark.parametrize(("suffix", "begin"), [
-    ("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF"),
-])  # fmt: skip
-def test_front_as_a_file(optimum: Optimum, tmp_path: Path, suffix: str, begin: bytes) -> None:
-    path = plot_front(optimum, str(tmp_path / f"a.{suffix}"))
-    assert path.read_bytes().startswith(begin)
-    assert [item.name for item in tmp_path.iterdir()] == [f"a.{suffix}"]
 
 
 def test_figure_names_what_holds_each_design_back(optimum: Optimum) -> None:

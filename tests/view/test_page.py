@@ -22,7 +22,6 @@ import nipper_pin as nip
 from nipper_pin import (
     Case,
     Comparison,
-    InputError,
     Mechanism,
     Solution,
     Window,
@@ -332,8 +331,3 @@ def test_machines_of_other_parts_have_lanes_of_their_own(
     alone = {item["label"]: item["values"] is None for item in film["columns"]}
     assert alone["rod stroke"]
     assert not alone["steeve stroke"]
-
-
-def test_both_are_written_as_a_page_alone(transitions: Comparison, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"written as NAME\.html$"):
-        nip.view(transitions, tmp_path / "both.gif")

@@ -25,7 +25,6 @@ from nipper_pin.study.sweep import SweepTable, read_plan, run_sweep
 from nipper_pin.view.studies.sweep_figures import (
     Parameter,
     Quantity,
-    cell_means,
     level_lines,
     main_effects,
 )
@@ -97,21 +96,6 @@ def y_of(table: SweepTable) -> Quantity:
     return Quantity.of(table, "y")
 
 
-def test_cell_means_against_a_loop() -> None:
-    """Empty cells have none; values that are not finite are left out."""
-    random = np.random.default_rng(3)
-    across, upwards = random.integers(0, 4, 50), random.integers(0, 5, 50)
-    y = random.normal(size=50)
-    y[::7] = np.nan
-    across[across == 2] = 3
-    found = cell_means(across, upwards, (4, 5), y)
-    for i, j in np.ndindex(4, 5):
-        inside = y[(across == i) & (upwards == j) & np.isfinite(y)].tolist()
-        mean = sum(inside) / len(inside) if inside else math.nan
-        assert found[i, j] == pytest.approx(mean, rel=1e-12, nan_ok=True)
-    assert np.isnan(found[2]).all()
-
-
 def test_parameters_and_their_cells() -> None:
     """Values of a grid are cells of their own; samples have 4 to 24 of about twelve values.
 
@@ -129,35 +113,34 @@ def test_parameters_and_their_cells() -> None:
     for count, cells in ((12, 4), (191, 4), (300, 5), (12 * 64, 8), (12 * 24**2 * 4, 24)):
         # As many different values, each of them twice.
         x = np.tile(np.linspace(2.0, 32.0, count), 2)
-        for scale in ("linear", "log"):
-            table = made_up([axis("x", 2.0, 32.0, scale=scale)], x=x, y=x)
-            (item,) = parameters(table)
-            assert len(item.centres) == cells
-            edges = np.linspace(2.0, 32.0, cells + 1)
-            middle = 0.5 * (edges[1:] + edges[:-1])
-            if scale == "log":
-                edges = np.geomspace(2.0, 32.0, cells + 1)
-                middle = np.sqrt(edges[1:] * edges[:-1])
-            np.testing.assert_allclose(item.centres, middle, rtol=1e-12)
-            for cell in range(cells):
-                inside = item.x[item.cell == cell]
-                assert inside.min() >= edges[cell] * (1.0 - 1e-12)
-                assert inside.max() <= edges[cell + 1] * (1.0 + 1e-12)
-            assert item.cell.max() == cells - 1
+        for scale, space in (("linear", np.linspace), ("log", np.geomspace)):
+            (item,) = parameters(made_up([axis("x", 2.0, 32.0, scale=scale)], x=x, y=x))
+            # Edges and middles of cells, one after the other.
+            places = space(2.0, 32.0, 2 * cells + 1)
+            np.testing.assert_allclose(item.centres, places[1::2], rtol=1e-12)
+            low, high = (places[0:-1:2] * (1.0 - 1e-12), places[2::2] * (1.0 + 1e-12))
+            assert (item.x >= low[item.cell]).all()
+            assert (item.x <= high[item.cell]).all()
+            assert set(item.cell) == set(range(cells))
 
 
 def test_bands_of_main_effects() -> None:
-    """At every value the mean as a line and the 10th to 90th per cent of scenarios as a band."""
+    """At every value the mean as a line and the 10th to 90th per cent of scenarios as a band.
+
+    Values that are not finite are left out.
+    """
     random = np.random.default_rng(3)
-    x = np.repeat([1.0, 2.0, 4.0], 41)
+    x = np.repeat([1.0, 2.0, 4.0], 44)
     y = x**2 + random.exponential(size=len(x))
+    y[::15] = np.nan
     table = made_up([axis("k", 1.0, 4.0, values=[1.0, 2.0, 4.0])], k=x, y=y)
     (axes,) = main_effects(table, parameters(table), y_of(table)).axes
     (line,) = axes.get_lines()
     (band,) = [item for item in axes.collections if isinstance(item, PolyCollection)]
     corners = {tuple(np.round(row, 9)) for row in band.get_paths()[0].vertices}
     for value, mean in zip([1.0, 2.0, 4.0], line.get_ydata(), strict=True):
-        part = sorted(y[x == value])
+        part = sorted(y[(x == value) & np.isfinite(y)])
+        assert len(part) == 41
         assert mean == pytest.approx(sum(part) / 41.0, rel=1e-12)
         # Of 41 sorted values the 5th and the 37th lie at a tenth and at nine tenths.
         for edge in (part[4], part[36]):
@@ -165,8 +148,14 @@ def test_bands_of_main_effects() -> None:
 
 
 def test_level_lines_are_where_their_value_is() -> None:
-    """Between two values of a the mean goes evenly from 100 a to the next, and b adds up to 3."""
-    table = grid(100.0 * np.repeat([1.0, 2.0, 4.0], 4) + np.tile([0.0, 1.0, 2.0, 3.0], 3))
+    """Between two values of a the mean goes evenly from 100 a to the next, and b adds up to 3.
+
+    Of three values in each cell the mean is that; a fourth one is missing.
+    """
+    once = grid(100.0 * np.repeat([1.0, 2.0, 4.0], 4) + np.tile([0.0, 1.0, 2.0, 3.0], 3))
+    a, b, y = (column(once, name) for name in "aby")
+    values = np.concatenate([y - 40.0, y + 50.0, y - 10.0, np.nan * y])
+    table = made_up(list(once.axes), a=np.tile(a, 4), b=np.tile(b, 4), y=values)
     axes = lines_of(table).axes[0]
     _, lines = [item for item in axes.collections if isinstance(item, QuadContourSet)]
     checked = 0
@@ -177,7 +166,6 @@ def test_level_lines_are_where_their_value_is() -> None:
             wanted = 100.0 * 1e3 * a + math.log10(low) + (b - low) / (high - low)
             assert level == pytest.approx(wanted, abs=1.1)
             checked += 1
-    y = column(table)
     inner = int(np.count_nonzero((lines.levels > y.min()) & (lines.levels < y.max())))
     assert inner >= 5
     assert checked >= 2 * inner
