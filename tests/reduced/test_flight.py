@@ -268,6 +268,19 @@ def test_a_top_behind_the_end_of_a_flight_does_not_count(past: float) -> None:
     assert found == (nodes[NODE_X, number], places[number])
 
 
+@pytest.mark.parametrize("depth", [1e-4, -1e-4])
+def test_a_passage_between_two_nodes_is_found(depth: float) -> None:
+    """A parabola, x'' = w^2 is 9, whose lowest point lies just below zero or just above."""
+    rising = tables_of(level(1.0), low=LOW, high=HIGH, travel=TRAVEL)
+    status, T, rate, *_ = flown(rising, 4.2, 0.5 - depth, -3.0)[0]
+    if depth < 0.0:
+        assert status == LEFT_TRAVEL
+        return
+    assert status == AT_REST
+    assert pytest.approx((3.0 - math.sqrt(18.0 * depth)) / 9.0, rel=1e-10) == T
+    assert rate == pytest.approx(-math.sqrt(18.0 * depth), rel=1e-7)
+
+
 # x'' = -w^2 is -9: x = v t - 4.5 t^2 comes back after t = v / 4.5.
 START, THROWN = 0.5, 3.0
 Gap = Callable[[Any, Any], Any]

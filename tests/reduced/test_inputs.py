@@ -77,7 +77,7 @@ def test_rows_of_springs_that_do_not_fit(parallel: ReducedModel) -> None:
 @pytest.mark.parametrize(
     ("key", "good", "bad"),
     [
-        ("speed_rpm", (RPM, np.float32(RPM), 500), (0.0, -1.0, math.nan, math.inf)),
+        ("speed_rpm", (RPM, np.float32(RPM), np.int64(500), 500), (0.0, -1.0, math.nan, math.inf)),
         ("restitution", (0.0, 0, np.float32(0.25)), (1.1, -0.1, math.nan)),
         ("stiffness", (9000.0, 9000), (-1.0, math.nan, math.inf, [[1.0, 2.0]])),
         ("preload", (0.011, np.float64(0.011)), (math.nan, math.inf)),
@@ -99,15 +99,8 @@ def test_numbers_of_a_case(model: ReducedModel, key: str, good: Any, bad: Any) -
 
 
 def test_one_case_a_call(model: ReducedModel) -> None:
-    """A single call takes one number; whole numbers and those of numpy are numbers."""
     with pytest.raises(InputError, match="speed_rpm"):
         transition(model, speed_rpm=[500.0, 600.0])  # type: ignore[arg-type]
-    expected = transition(model, speed_rpm=500.0, stiffness=9000.0, restitution=0.0)
-    for number in (int, np.float64, np.int64):
-        found = transition(
-            model, speed_rpm=number(500), stiffness=number(9000), restitution=number(0)
-        )
-        assert np.array_equal(found.table, expected.table)
 
 
 def test_cases_of_a_batch_go_together(model: ReducedModel) -> None:

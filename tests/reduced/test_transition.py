@@ -23,15 +23,6 @@ import pytest
 
 from nipper_pin import Case, Mechanism, Resolution, load, simulate
 from nipper_pin.reduced import ReducedModel, Status, build, transition, transitions
-from nipper_pin.reduced.kernels import flight, panel
-from nipper_pin.reduced.kernels.layout import (
-    LEVELS,
-    NODE_A,
-    NODE_V,
-    NODE_X,
-    SCRATCH_ROWS,
-    SIGMA,
-)
 
 CASES = ["450", "550", "650", "650_e0.05", "650_e0.25", "650_e0.5", "650_k7000", "650_k11000"]
 FINE = 1e-12
@@ -273,25 +264,3 @@ def test_a_model_of_another_gravity_has_that_gravity() -> None:
     own = transition(there, speed_rpm=650.0, tolerance=FINE)
     batch = transitions(there, speed_rpm=650.0, gravity=[3.7, 9.81], tolerance=FINE)
     np.testing.assert_allclose([own.duration, *batch.duration], [less, less, more], rtol=1e-9)
-
-
-@pytest.mark.usefixtures("plain")
-@pytest.mark.parametrize(("depth", "found"), [(1e-3, True), (-1e-3, False)])
-def test_a_passage_between_two_nodes_is_found(depth: float, found: bool) -> None:
-    """A parabola whose lowest point lies between two nodes, just below zero or just above."""
-    grids, level = panel.grids(), 1
-    count = LEVELS[level]
-    sigma = grids[SIGMA, level, 0, :count]
-    lowest, bend = 0.5 * (sigma[2] + sigma[3]), 2.0
-    x0, v0 = 0.5 * bend * lowest**2 - depth, -bend * lowest
-    nodes = np.zeros((SCRATCH_ROWS, LEVELS[-1] + 2))
-    nodes[NODE_A, :count] = bend
-    nodes[NODE_V, :count] = v0 + bend * sigma
-    nodes[NODE_X, :count] = x0 + v0 * sigma + 0.5 * bend * sigma**2
-    assert nodes[NODE_X, :count].min() > 0.0
-    panel.coefficients(grids, nodes, level)
-    place = flight._first_zero(grids, nodes, level, 1.0, x0, v0)
-    if found:
-        assert place == pytest.approx(lowest - np.sqrt(2.0 * depth / bend), rel=1e-10)
-    else:
-        assert place == -1.0

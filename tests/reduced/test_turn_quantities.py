@@ -65,28 +65,6 @@ def test_certified_quantities(e62: Mechanism, true: dict[str, Any], name: str) -
     assert (found.turns[0], found.repeats_after[0]) == (1, 1)
 
 
-def forces(run: Solution) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
-    """Times of a fine grid within the rest of the jaw, and forces at the lips there."""
-    (interval,) = [item for item in run.phases if item.closed == {"jaw"}]
-    t = np.linspace(interval.t_start, interval.t_end, 20001)[1:-1]
-    return t, run.trajectory.reactions(t).contacts["jaw"]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "level",
-    [55.0, pytest.param(70.0, marks=pytest.mark.slow), pytest.param(90.0, marks=pytest.mark.slow)],
-)
-def test_time_with_a_force_above_a_level(e62: Mechanism, level: float) -> None:
-    """The share of a fine grid of the direct engine's forces, to the spacing of the grid."""
-    run = simulate(e62, Case(speed_rpm=650.0, window="cycle"))
-    t, force = forces(run)
-    found = turn_quantities(e62, speed_rpm=650.0, least_force=level)
-    above = (force >= level).mean() * (t[-1] - t[0])
-    assert 0.0 < above < t[-1] - t[0]
-    assert found.clamped_time[0] == pytest.approx(above, abs=4.0 * (t[1] - t[0]))
-
-
 def test_a_batch_is_its_cases(e62: Mechanism) -> None:
     """To the last bit, also of cases that need tables with more room."""
     random = np.random.default_rng(8)
@@ -165,6 +143,7 @@ def test_quantities_within_their_stated_errors(
             ("lost", found.lost_at, found.lost_error, true["lost_at"], rate),
             ("opened", found.opened_at, found.opened_error, true["opened_at"], rate),
             ("clamped", found.clamped, found.clamped_error, true["clamped"], rate),
+            ("time", found.clamped_time, found.clamped_time_error, true["clamped"], 1),
             ("least", found.least_force, found.least_force_error, true["least_force"], 1),
             ("most", found.most_force, found.most_force_error, true["most_force"], 1),
             ("gap", found.largest_gap, found.gap_error, true["largest_gap"], 1),
