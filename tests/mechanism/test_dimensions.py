@@ -14,9 +14,9 @@ from small_machines import frame, hinge, machine, slide
 from small_machines import link as body
 
 from nipper_pin import AssemblyError, Mechanism, ModelError, load
-from nipper_pin.mechanism import changed, joint_placements
+from nipper_pin.mechanism import changed, joint_placements, number_of
 from nipper_pin.mechanism.build.closing import closure_gaps
-from nipper_pin.mechanism.edit import Layout, read_dimension, read_layout
+from nipper_pin.mechanism.edit import Layout, read_layout
 from nipper_pin.mechanism.edit.urdf_paths import find_value
 from nipper_pin.mechanism.files import parse_xml
 from tests.refusals.bases import model
@@ -26,10 +26,6 @@ MODELS = ["e62", "e62_offset_guide", "hanging_pendulum"]
 
 def layout(mechanism: Mechanism) -> Layout:
     return read_layout(parse_xml(mechanism.urdf, "urdf"), mechanism.description, "urdf")
-
-
-def value(mechanism: Mechanism, path: str) -> float:
-    return read_dimension(layout(mechanism), path, "urdf")
 
 
 def places(mechanism: Mechanism) -> dict[str, np.ndarray]:
@@ -79,7 +75,9 @@ def test_masses_stay_where_they_are_unless_their_link_turns(name: str) -> None:
     for link in moved.links:
         for key in ("com_x_mm", "com_z_mm", "mass_kg", "inertia_kg_m2"):
             path = f"links.{link}.{key}"
-            assert value(moved, path) == pytest.approx(value(load(name), path), rel=1e-12, abs=1e-9)
+            assert number_of(moved, path) == pytest.approx(
+                number_of(load(name), path), rel=1e-12, abs=1e-9
+            )
     contact, original = (item.stop("jaw").contact for item in (moved, load(name)))
     assert contact is not None
     assert original is not None
@@ -160,7 +158,7 @@ def test_centre_of_mass_is_where_it_was_asked_for_also_when_its_link_moves() -> 
     }
     mechanism = load("e62", values)
     for path, wanted in values.items():
-        assert value(mechanism, path) == pytest.approx(float(wanted), abs=1e-9)  # type: ignore[arg-type]
+        assert number_of(mechanism, path) == pytest.approx(float(wanted), abs=1e-9)  # type: ignore[arg-type]
     model = mechanism.model
     body = model.inertias[model.getJointId("jaw")]
     # Comments of the file stay.
@@ -172,7 +170,7 @@ def test_centre_of_mass_is_where_it_was_asked_for_also_when_its_link_moves() -> 
 def test_axes_and_angles_have_letters_and_places(e62: Mechanism) -> None:
     for path in ("joint.rod_pin.origin.xyz", "link.rocker.collision.rocker_arm_left.origin.rpy"):
         letters, places = (
-            [value(e62, f"urdf.{path}{end}") for end in ends]
+            [number_of(e62, f"urdf.{path}{end}") for end in ends]
             for ends in ([f".{letter}" for letter in path[-3:]], ["[0]", "[1]", "[2]"])
         )
         assert letters == places
@@ -200,7 +198,7 @@ def test_own_values_written_back_change_nothing() -> None:
         values[f"points.{point}.x_mm"], values[f"points.{point}.z_mm"] = found.point_mm(point)
     for link in mechanism.links:
         for key in ("mass_kg", "inertia_kg_m2"):
-            values[f"links.{link}.{key}"] = value(mechanism, f"links.{link}.{key}")
+            values[f"links.{link}.{key}"] = number_of(mechanism, f"links.{link}.{key}")
     again = load("hanging_pendulum", values)
     np.testing.assert_array_equal(
         [item.translation for item in again.model.jointPlacements],

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
-import mpmath
 import pytest
 from snapshots import Words
 
@@ -13,11 +11,6 @@ from nipper_pin import Case, Mechanism, SimulationError, load, simulate
 from nipper_pin.hybrid.result.turns import reported_turn
 from nipper_pin.mechanism import number_of
 from nipper_pin.study.levers import Bounce, Lever, Levers, every_path, levers
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "reference"))
-
-from events import Settings, transition
-from planar import PARAMETERS, Machine
 
 SPEED = 650.0
 GALLERY = Path(__file__).parents[2] / "nipper_pin" / "mechanism" / "gallery"
@@ -88,28 +81,6 @@ def test_levers_are_the_strongest_of_machines_loaded_so(e62: Mechanism, found: L
         turns = Case(speed_rpm=SPEED, window="cycle", cycles=20)
         turn = reported_turn(simulate(load("e62", {path: new}), turns), least_force=0.0)
         assert item.after.clamped_time_s == pytest.approx(turn.clamped_time, rel=1e-9)
-
-
-@pytest.mark.slow
-def test_levers_are_those_of_the_planar_reference(found: Levers) -> None:
-    """Machines that share no equation with the package, by Taylor series in 24 digits."""
-    with mpmath.workdps(24):
-        radius, angle = mpmath.mpf(4), 176 * mpmath.pi / 180
-        old = [mpmath.mpf(PARAMETERS[f"eccentric_pin_{axis}_mm"]) for axis in "xz"]
-        changes = {
-            "points.eccentric_pin.radius_mm": {
-                "eccentric_pin_x_mm": str(old[0] + (radius - 5) * mpmath.cos(angle)),
-                "eccentric_pin_z_mm": str(old[1] + (radius - 5) * mpmath.sin(angle)),
-            },
-            "springs.steeve.preload_length_mm": {"preload_length_mm": "12"},
-        }
-        for item in found.found[:2]:
-            one = Machine(mpmath.mp, {"speed_rpm": "650", **changes[item.path]})
-            settings = Settings(order=16, tolerance="1e-17", shortest="1e-12")
-            true = transition(one, settings)
-            amplitude = float(true.collisions[0].rebound_amplitude)
-            assert item.after.amplitude == pytest.approx(amplitude, rel=1e-8)
-            assert item.after.duration_s == pytest.approx(float(true.rests[0][1]), rel=1e-8)
 
 
 def test_a_document_holds_what_was_found(found: Levers) -> None:

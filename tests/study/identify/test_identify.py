@@ -266,38 +266,16 @@ def test_the_true_transition_is_fitted(tmp_path: Path, capsys: pytest.CaptureFix
     assert "681.27 r/min: the transition of the turn" in capsys.readouterr().out
 
 
-@pytest.fixture
-def impossible(tmp_path: Path) -> Path:
+def test_a_search_without_a_machine(tmp_path: Path) -> None:
     """Nothing approaches the floor in the touch configuration, whatever the numbers."""
     ball = Path(__file__).resolve().parents[2] / "strangers" / "ball_e05"
     target = '[[targets]]\nname = "t"\nquantity = "duration_s"\nvalue = 1.0\nsigma = 0.1\n'
     body = f"{target}at = {{ speed_rpm = 60.0 }}\n{free({'stops.floor.restitution': (0.1, 0.9)})}"
     file = problem_file(tmp_path, body)
     file.write_text(file.read_text(encoding="utf-8").replace("e62", str(ball)), encoding="utf-8")
-    return file
-
-
-def test_a_search_without_a_machine(impossible: Path) -> None:
     said = r"none of 2 starts .*, nor is the model as it is: stop 'floor' is .*; change that first"
     with pytest.raises(SimulationError, match=said):
-        identify(read_problem(impossible), starts=2, workers=1)
-
-
-def test_what_cannot_be_written_is_refused_before_the_search(
-    impossible: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:  # fmt: skip
-    """A search takes minutes; this one would end with another status and other words."""
-    (tmp_path / "taken").mkdir()
-    (tmp_path / "taken" / "notes.txt").write_text("mine", encoding="utf-8")
-    (tmp_path / "file").write_text("mine", encoding="utf-8")
-    before = sorted(tmp_path.rglob("*"))
-    monkeypatch.chdir(tmp_path)
-    for arguments, word in (("--out taken", "not empty"), ("--out file/below", "not a folder"),
-                            ("--json absent/result.json", "no folder")):  # fmt: skip
-        assert main(["identify", str(impossible), *arguments.split()]) == 2
-        assert word in " ".join(capsys.readouterr().err.split())
-    assert sorted(tmp_path.rglob("*")) == before
+        identify(read_problem(file), starts=2, workers=1)
 
 
 def test_command_writes_a_model_that_simulate_accepts(
