@@ -195,12 +195,6 @@ def test_every_chunk_says_what_it_is_of(swept: Path) -> None:
     assert spring.preload == pytest.approx(1e-3 * row["preload"], rel=1e-15)
 
 
-def test_a_comment_in_the_study_changes_no_results(copy: Path) -> None:
-    path = copy / "study.toml"
-    path.write_text(path.read_text(encoding="utf-8") + "# a word\n", encoding="utf-8")
-    assert run_sweep(read_plan(str(path)), copy / "out").found == 12
-
-
 # --- more points -------------------------------------------------------------------------------
 
 POINTS = study_text("sweep_of_points.toml")
