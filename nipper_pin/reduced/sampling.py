@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..arrays import FloatArray
-from ..dynamics import DriveMode, Partition, ShaftMotion, System, assemble, partition
+from ..dynamics import DriveMode, ShaftMotion, System, assemble
 from ..errors import InputError, NipperError
 from ..given import LARGEST, flag, number
 from ..hybrid import comes_back
@@ -118,7 +118,7 @@ def build(
     _check_arguments(mechanism, travel_rad, gap_max, tolerance, drive, turn)
     stop = mechanism.stop(mechanism.transition_stop)
     others = tuple(item for item in mechanism.stops if item.name != stop.name)
-    system, sampler = _touching(mechanism, stop, others)
+    system, sampler = _touching(mechanism, stop)
     closed = mechanism.phase(mechanism.initial_phase).closed
     rate, rounded = _approach_rate(system, closed, stop.index, stop.name)
     _check_opening(mechanism, others, sampler)
@@ -166,12 +166,11 @@ def _check_arguments(
     flag("turn", turn, where=_MODEL)
 
 
-def _touching(mechanism: Mechanism, stop: Stop, others: tuple[Stop, ...]) -> tuple[System, Sampler]:
+def _touching(mechanism: Mechanism, stop: Stop) -> tuple[System, Sampler]:
     """The system whose shaft turns at 1 rad/s from the touch, and the functions of (u, x)."""
     shaft = ShaftMotion(mechanism, 1.0, mechanism.cylinder.angle_at_touch_rad)
     system = System(mechanism, shaft)
-    split = _split(system, stop.index, stop.name)
-    return system, Sampler(system, split, stop, others)
+    return system, Sampler(system, stop)
 
 
 def _check_opening(mechanism: Mechanism, others: tuple[Stop, ...], sampler: Sampler) -> None:
@@ -215,12 +214,11 @@ def _arrival(
     stop, transition = mechanism.stop(name), mechanism.stop(mechanism.transition_stop)
     if opening is None:
         return unknown(f"stop {name!r} does not come back to its place within a turn")
-    others = tuple(item for item in mechanism.stops if item.name != name)
     n, _ = sampler.rates(np.zeros(1), np.zeros((1, sampler.size)))
     throw = float(n[0, stop.index])
     rough = max(tolerance, ARRIVAL_TABLES)
     try:
-        of_stop = Sampler(system, _split(system, stop.index, name), stop, others)
+        of_stop = Sampler(system, stop)
         rate, wrong = _approach_rate(system, frozenset({name}), transition.index, transition.name)
         # The transition stop is stretched to its opening where its domain ends elsewhere.
         if chart.domain.travel != opening.travel:
@@ -234,17 +232,6 @@ def _arrival(
         return arrival(system, sampler, opening, chart, waiting, rough)
     except NipperError as error:
         return unknown(error.message)
-
-
-def _split(system: System, column: int, name: str) -> Partition:
-    """Dependent coordinates with the transition stop independent."""
-    driven = [int(index) for index in system.driven]
-    _, jacobian = system.body.closures(np.zeros((1, system.body.nv)))
-    split = partition(jacobian[0] * system.body.units, driven, [column])
-    if column in split.dependent:
-        message = f"stop {name!r} cannot move freely in the touch configuration"
-        raise InputError(message, stop=name)
-    return split
 
 
 def _approach_rate(

@@ -56,11 +56,6 @@ def system(e62: Mechanism) -> System:
     return System(e62, ShaftMotion(e62, 1.0, e62.cylinder.angle_at_touch_rad))
 
 
-def sampler_of(system: System, name: str) -> Sampler:
-    stop = system.mechanism.stop(name)
-    return Sampler(system, sampling._split(system, stop.index, name), stop, ())
-
-
 def hits(turn: Solution, stop: str) -> Any:
     return next(item for item in turn.collisions if item.stop == stop)
 
@@ -90,7 +85,7 @@ def test_every_number_of_a_model(model: ReducedModel, e62: Mechanism, turn: Solu
     rate = 0.5 * 1.5 * model.approach_rate * SPEED
     fast = System(e62, ShaftMotion(e62, 1.5 * SPEED, e62.cylinder.angle_at_touch_rad))
     q = np.zeros((1, len(e62.joints)))
-    sampler = sampler_of(fast, "jaw")
+    sampler = Sampler(fast, e62.stop("jaw"))
     n, m = sampler.rates(np.zeros(1), q)
     a = fast.accelerations(
         fast.shaft.driven(np.zeros(1)), q, m - rate * n, fast.constraint_set(frozenset())
@@ -115,7 +110,7 @@ def test_bounds_of_values_and_slopes(model: ReducedModel, waiting: bool) -> None
 
 
 def test_tables_between_opening_and_touch(
-    model: ReducedModel, e62: Mechanism, turn: Solution
+    model: ReducedModel, e62: Mechanism, system: System, turn: Solution
 ) -> None:
     """Where they begin, how far they reach, and the collision that throws the jaw open."""
     charts, steeve = model.arrival.charts, e62.stop("steeve")
@@ -136,9 +131,7 @@ def test_tables_between_opening_and_touch(
     assert charts.lever.tolist() == [stop.lever for stop in e62.stops]
     assert numbers[layout.LOW] == pytest.approx(-numbers[layout.HIGH] / 16.0)
     # As high as the steeve goes with the jaw in the touch configuration.
-    n, _ = sampler_of(
-        System(e62, ShaftMotion(e62, 1.0, e62.cylinder.angle_at_touch_rad)), "jaw"
-    ).rates(np.zeros(1), np.zeros((1, len(e62.joints))))
+    n, _ = Sampler(system, e62.stop("jaw")).rates(np.zeros(1), np.zeros((1, len(e62.joints))))
     high = n[0, steeve.index] * model.gap_max
     assert numbers[layout.HIGH] == pytest.approx(high, rel=1e-12)
     assert numbers[layout.THROW] == pytest.approx(n[0, steeve.index], rel=1e-12)
@@ -155,7 +148,7 @@ def test_what_presses_the_stops(
     length = float(charts.numbers[place, layout.TRAVEL_MOST])
     begin = charts.numbers[place, layout.BEGIN] - math.tau * place
     fast = System(e62, ShaftMotion(e62, speed, e62.cylinder.angle_at_touch_rad))
-    sampler = sampler_of(fast, name)
+    sampler = Sampler(fast, e62.stop(name))
     u = begin + share * length
     q = sampler.grid(np.array([u / speed]), np.zeros(1))[0]
     _, m = sampler.rates(np.array([u / speed]), q)
@@ -176,17 +169,18 @@ def test_the_jaw_at_the_touch_by_the_steeve(model: ReducedModel, system: System)
     assert model.arrival.charts is not None
     charts = one_of(model.arrival.charts, 1)
     high, travel = charts.numbers[0, [layout.HIGH, layout.TRAVEL_MOST]]
-    sampler, jaw = sampler_of(system, "steeve"), system.mechanism.stop("jaw").index
+    steeve, jaw = (system.mechanism.stop(name) for name in ("steeve", "jaw"))
+    sampler = Sampler(system, steeve)
     assert charts.gaps.shape[1] == 3
     assert (charts.gap_bounds < 1e-9).all()
     step = 1e-4
     for y in (0.0, 0.3 * high, 0.9 * high):
         x, by_y, by_u = (value(charts, table, travel, y) for table in charts.gaps[0])
-        around = sampler.grid(np.zeros(1), np.array([y - step, y, y + step]))[0, :, jaw]
+        around = sampler.grid(np.zeros(1), np.array([y - step, y, y + step]))[0, :, jaw.index]
         assert x == pytest.approx(around[1], rel=1e-9, abs=1e-12)
         assert by_y == pytest.approx((around[2] - around[0]) / (2.0 * step), rel=1e-4)
         later, before = (
-            sampler.grid(np.array([u]), np.array([y]))[0, 0, jaw] for u in (step, -step)
+            sampler.grid(np.array([u]), np.array([y]))[0, 0, jaw.index] for u in (step, -step)
         )
         assert by_u == pytest.approx((later - before) / (2.0 * step), rel=1e-4, abs=1e-7)
 
@@ -198,17 +192,19 @@ def test_weights_are_shares_of_the_acceleration(system: System, e62: Mechanism) 
     """
     rate, speed = -0.25, 1.5 * SPEED
     w = 0.5 * 0.25 * speed
-    touch = sampler_of(system, "jaw").at(np.zeros(1), np.zeros(1), np.zeros((1, len(e62.joints))))
+    touch = Sampler(system, e62.stop("jaw")).at(
+        np.zeros(1), np.zeros(1), np.zeros((1, len(e62.joints)))
+    )
     terms = np.array([speed**2, speed * w, w**2, 1.0, 9000.0 * 0.011, 9000.0])
     size = np.abs(terms * touch.equation[:, 0]).sum()
-    weights, gap = sampling._nominal(e62, sampler_of(system, "jaw"), rate)
+    weights, gap = sampling._nominal(e62, Sampler(system, e62.stop("jaw")), rate)
     np.testing.assert_allclose(weights, terms / size, rtol=1e-12)
     assert gap == pytest.approx(-1.25 * 0.5 * w**2 / (terms @ touch.equation[:, 0]), rel=1e-12)
     loose = load("e62", {"springs.steeve.preload_length_mm": -11.0})
-    signs, _ = sampling._nominal(loose, sampler_of(system, "jaw"), rate)
+    signs, _ = sampling._nominal(loose, Sampler(system, e62.stop("jaw")), rate)
     np.testing.assert_allclose(signs, weights, rtol=1e-12)
     slack = load("e62", {"springs.steeve.preload_length_mm": 0.0, "cylinder.rated_speed_rpm": 1.0})
-    weights, _ = sampling._nominal(slack, sampler_of(system, "jaw"), rate)
+    weights, _ = sampling._nominal(slack, Sampler(system, e62.stop("jaw")), rate)
     assert weights[4] * abs(touch.equation[4, 0]) == pytest.approx(0.01, rel=1e-12)
 
 

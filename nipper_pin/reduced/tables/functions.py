@@ -27,7 +27,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import FloatArray
-from ...dynamics import INFINITE_INERTIA, Partition, System, close_positions, close_velocities
+from ...dynamics import INFINITE_INERTIA, System, close_positions, close_velocities, partition
+from ...errors import InputError
 from ...mechanism import Mechanism, Stop, rad_s_from_rpm
 from ...tolerances.mechanics import EPS
 
@@ -163,27 +164,35 @@ class Sampler:
 
     Args:
         system: The system; its time is the travel u.
-        split: Dependent coordinates; that of the stop and the drives are independent.
         stop: The stop whose gap is x.
-        others: The other stops.
+        home: A configuration in which it is closed, shape (nv,); None: that of the touch.
         path: Travels and configurations in which x is zero, shapes (W,) and (W, nv), not far from
             one another; of one sampler without it, the configuration zero at travel zero.
+
+    Raises:
+        InputError: The stop's coordinate follows from the drives at home.
     """
 
     def __init__(
         self,
         system: System,
-        split: Partition,
         stop: Stop,
-        others: tuple[Stop, ...],
+        home: FloatArray | None = None,
         path: tuple[FloatArray, FloatArray] | None = None,
     ) -> None:
-        """Store the system."""
+        """Choose dependent coordinates; that of the stop and the drives are independent."""
+        q = np.zeros(system.body.nv) if home is None else home
+        _, jacobian = system.body.closures(q[None])
+        driven = [int(index) for index in system.driven]
+        self._split = partition(jacobian[0] * system.body.units, driven, [stop.index])
+        if stop.index in self._split.dependent:
+            where = " in the touch configuration" if home is None else ": a dead centre is near"
+            message = f"stop {stop.name!r} cannot move freely{where}"
+            raise InputError(message, stop=stop.name)
         self._system = system
-        self._split = split
         self._stop = stop
         self._column = stop.index
-        self._others = others
+        self._others = tuple(item for item in system.mechanism.stops if item.name != stop.name)
         self._path = path
         self._armature = np.zeros(system.body.nv)
         self._armature[[*system.driven, stop.index]] = INFINITE_INERTIA

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import FloatArray
-from ...dynamics import ShaftMotion, System, partition
-from ...errors import InputError, SimulationError
+from ...dynamics import ShaftMotion, System
+from ...errors import SimulationError
 from ...mechanism import Mechanism, Stop
 from ...tolerances.mechanics import KNOT_ANGLE
 from ..tables.functions import Sampler
@@ -52,28 +52,6 @@ def system_at(mechanism: Mechanism, travel: float, start_angle: float) -> System
     return System(mechanism, ShaftMotion(mechanism, 1.0, angle))
 
 
-def sampler_at(
-    system: System, stop: Stop, home: FloatArray, path: tuple[FloatArray, FloatArray] | None = None
-) -> Sampler:
-    """Functions of the travel and the gap of a stop.
-
-    Args:
-        home: A configuration in which the stop is closed, shape (nv,).
-        path: Others, as of :class:`Sampler`.
-
-    Raises:
-        InputError: The stop's coordinate follows from the drives there.
-    """
-    driven = [int(index) for index in system.driven]
-    _, jacobian = system.body.closures(home[None])
-    split = partition(jacobian[0] * system.body.units, driven, [stop.index])
-    if stop.index in split.dependent:
-        message = f"stop {stop.name!r} cannot move freely: a dead centre is near"
-        raise InputError(message, stop=stop.name)
-    others = tuple(item for item in system.mechanism.stops if item.name != stop.name)
-    return Sampler(system, split, stop, others, path)
-
-
 class Walk:
     """Follows stops along a turn.
 
@@ -108,7 +86,7 @@ class Walk:
     def opposite(self, stop: Stop, home: FloatArray) -> tuple[Stop, FloatArray] | None:
         """The stop that ends a flight from another one at the start of a turn, closed."""
         system = system_at(self._mechanism, 0.0, self._start)
-        sampler = sampler_at(system, stop, home)
+        sampler = Sampler(system, stop, home)
         kind = next(item.kind for item in self._mechanism.joints if item.index == stop.index)
         x = np.linspace(0.0, _WIDEST[kind], _ACROSS + 1)[1:]
         q = home[None]
@@ -126,7 +104,7 @@ class Walk:
     def closing(self, stop: Stop, q: FloatArray) -> FloatArray:
         """The configuration at the start of a turn in which an open stop has been closed."""
         system = system_at(self._mechanism, 0.0, self._start)
-        sampler = sampler_at(system, stop, q)
+        sampler = Sampler(system, stop, q)
         rows = q[None]
         for x in np.linspace(stop.gap(q), 0.0, _CLOSING + 1)[1:]:
             (rows,) = sampler.along(np.zeros(1), np.array([x]), rows)
@@ -134,7 +112,7 @@ class Walk:
 
     def _arc(self, stop: Stop, begin: float, home: FloatArray) -> Arc:
         system = system_at(self._mechanism, begin, self._start)
-        sampler = sampler_at(system, stop, home)
+        sampler = Sampler(system, stop, home)
         end = min(begin + self._shaft.smooth_for(begin), TURN)
         others = [item for item in self._mechanism.stops if item.name != stop.name]
         count = max(1, math.ceil((end - begin) / _STEP))
@@ -194,6 +172,6 @@ def _rates_of(sampler: Sampler, others: list[Stop], travel: float, row: FloatArr
 
 def _closed(system: System, stop: Stop, near: FloatArray) -> FloatArray:
     """The configuration near another one in which a stop is closed, shape (nv,)."""
-    sampler = sampler_at(system, stop, near)
+    sampler = Sampler(system, stop, near)
     (rows,) = sampler.along(np.zeros(1), np.zeros(1), near[None])
     return np.asarray(rows[0])

@@ -13,8 +13,9 @@ from ...hybrid.error_estimate.local_error import of_rates
 from ...mechanism import Mechanism
 from ...tolerances.reduced import CORNER_ROUND_OFF, GAP_SHARE
 from ..model import MARGIN, factors
+from ..tables.functions import Sampler
 from ..tables.tables import Chart, Domain, checks, orders_of_gaps, resolved, trimmed
-from .arcs import TURN, Arc, sampler_at, system_at
+from .arcs import TURN, Arc, system_at
 from .rows import on_rows
 
 _PLACES = 9
@@ -38,7 +39,7 @@ class Surroundings:
         """Sample a few places along the stop."""
         self.mechanism, self.arc = mechanism, arc
         self.system = system_at(mechanism, arc.begin, start_angle)
-        self.sampler = sampler_at(self.system, arc.stop, arc.path[0], (arc.travels, arc.path))
+        self.sampler = Sampler(self.system, arc.stop, arc.path[0], (arc.travels, arc.path))
         places = np.unique(np.linspace(0, len(arc.travels) - 1, _PLACES).astype(int))
         u = arc.travels[places]
         self.along = self.sampler.at(u, np.zeros_like(u), arc.path[places])
