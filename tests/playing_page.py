@@ -6,12 +6,17 @@ import io
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from PIL import Image
-from playwright.sync_api import Page
+from playwright.sync_api import Browser, ConsoleMessage, Page
+
+# Chromium says this when a picture of the page is taken while a processor draws.
+BY_PICTURES = "GPU stall due to ReadPixels"
+WAIT = 60_000  # ms; a processor that draws and has other work takes its time
 
 
 def until(page: Page, what: str) -> None:
@@ -22,19 +27,45 @@ def until(page: Page, what: str) -> None:
         time.sleep(0.02)
 
 
+@dataclass
+class Watched:
+    """What a page complains of and asks for."""
+
+    complaints: list[str] = field(default_factory=list)
+    requests: list[str] = field(default_factory=list)
+
+
+def watch(page: Page) -> Watched:
+    """Note all that a page says and asks for from now on, and give it time to answer."""
+    found = Watched()
+
+    def say(message: ConsoleMessage) -> None:
+        if message.type in ("error", "warning") and BY_PICTURES not in message.text:
+            found.complaints.append(message.text)
+
+    page.set_default_timeout(WAIT)
+    page.on("console", say)
+    page.on("pageerror", lambda error: found.complaints.append(str(error)))
+    page.on("request", lambda request: found.requests.append(request.url))
+    return found
+
+
 @contextmanager
-def playing(open_page: Any, file: Path) -> Iterator[Page]:
+def playing(chromium: Browser, file: Path) -> Iterator[Page]:
     """A static page that plays by itself, stopped then: a processor that draws does nothing else.
 
     Whatever it complained of or asked for fails the test.
     """
-    with open_page(file) as opened:
-        opened.page.wait_for_selector("#pane canvas")
-        until(opened.page, "animator.time > 0.2")
-        opened.page.evaluate("animator.pause()")
-        yield opened.page
-        assert opened.complaints == []
-        assert opened.requests == [file.resolve().as_uri()]
+    page = chromium.new_page(viewport={"width": 1100, "height": 900})
+    found = watch(page)
+    page.goto(file.resolve().as_uri())
+    page.wait_for_selector("#pane canvas")
+    until(page, "animator.time > 0.2")
+    page.evaluate("animator.pause()")
+    yield page
+    page.close()
+    assert found.complaints == []
+    assert found.requests == [file.resolve().as_uri()]
 
 
 def _drawn(page: Page, frames: int) -> None:

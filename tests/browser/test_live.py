@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from playing_page import apart, picture, seek, until
+from playing_page import apart, picture, seek, until, watch
 from playwright.sync_api import Browser, Page, ViewportSize
 
 from nipper_pin import Case, Solution, load, simulate
@@ -31,7 +31,7 @@ def address(serving) -> Iterator[str]:
 
 
 @pytest.fixture(scope="module")
-def window(chromium: Browser, watch, address: str) -> Iterator[Page]:
+def window(chromium: Browser, address: str) -> Iterator[Page]:
     """The page, opened once; what it complains of or asks for fails the last test."""
     opened = chromium.new_page(viewport=SIZE)
     found = watch(opened)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from playing_page import apart, cells, picture, playing, seek, until
+from playing_page import apart, cells, picture, playing, seek, until, watch
 from playwright.sync_api import Browser, Page
 
 from nipper_pin import (
@@ -40,23 +40,23 @@ def shown(solution: Solution) -> Film:
 
 
 def shown_page(
-    open_page, folder: Path, what: Solution | Comparison, factor: float
+    chromium: Browser, folder: Path, what: Solution | Comparison, factor: float
 ) -> Iterator[Page]:
     """The static file, opened once; what it complains of or asks for fails the last test."""
-    with playing(open_page, view(what, folder / "page.html", exaggerate=factor)) as page:
+    with playing(chromium, view(what, folder / "page.html", exaggerate=factor)) as page:
         yield page
 
 
 @pytest.fixture(scope="module")
-def page(open_page, solution: Solution, tmp_path_factory) -> Iterator[Page]:
+def page(chromium: Browser, solution: Solution, tmp_path_factory) -> Iterator[Page]:
     """Gaps are drawn ten times as large."""
-    yield from shown_page(open_page, tmp_path_factory.mktemp("page"), solution, 10.0)
+    yield from shown_page(chromium, tmp_path_factory.mktemp("page"), solution, 10.0)
 
 
 @pytest.fixture(scope="module")
-def plain(open_page, solution: Solution, tmp_path_factory) -> Iterator[Page]:
+def plain(chromium: Browser, solution: Solution, tmp_path_factory) -> Iterator[Page]:
     """Gaps are drawn as they are."""
-    yield from shown_page(open_page, tmp_path_factory.mktemp("plain"), solution, 1.0)
+    yield from shown_page(chromium, tmp_path_factory.mktemp("plain"), solution, 1.0)
 
 
 def machine(page: Page) -> np.ndarray:
@@ -179,7 +179,7 @@ def test_the_line_scrubs(page: Page) -> None:
     assert time == pytest.approx(share * duration, rel=0.02)
 
 
-def test_a_served_page_runs_no_script_but_its_own(chromium: Browser, watch, serving) -> None:
+def test_a_served_page_runs_no_script_but_its_own(chromium: Browser, serving) -> None:
     with serving("view", "--speed", "650") as address:
         page = chromium.new_page(viewport={"width": 1100, "height": 900})
         found = watch(page)
@@ -340,8 +340,8 @@ def both(turns: Comparison) -> Pair:
 
 
 @pytest.fixture(scope="module")
-def opened_pair(open_page, turns: Comparison, tmp_path_factory) -> Iterator[Page]:
-    yield from shown_page(open_page, tmp_path_factory.mktemp("pair"), turns, 4.0)
+def opened_pair(chromium: Browser, turns: Comparison, tmp_path_factory) -> Iterator[Page]:
+    yield from shown_page(chromium, tmp_path_factory.mktemp("pair"), turns, 4.0)
 
 
 @pytest.fixture
