@@ -95,14 +95,13 @@ def test_every_part_has_its_name_beside_it(name: str) -> None:
     for part in parts:
         wanted = part if ":" in part else part.replace("_", " ")
         assert wanted in said, part
-    boxes = [Annotation.get_window_extent(item) for item in labels]
-    room = axes.get_window_extent()
-    texts = [item.get_bbox_patch().get_window_extent() for item in labels]
-    assert len(texts) == len(boxes)
-    for place, box in enumerate(texts):
+    room, others = axes.get_window_extent(), list[Any]()
+    for label in labels:
+        box = label.get_bbox_patch().get_window_extent()
         assert room.x0 <= box.x0 < box.x1 <= room.x1
         assert room.y0 <= box.y0 < box.y1 <= room.y1
-        assert not any(box.overlaps(other) for other in texts[:place]), labels[place].get_text()
+        assert box.count_overlaps(others) == 0, label.get_text()
+        others.append(box)
 
 
 def test_the_same_model_gives_the_same_bytes(tmp_path: Path) -> None:
