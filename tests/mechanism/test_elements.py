@@ -67,16 +67,13 @@ ROWS = Characteristic(coordinate=(-2.0, 0.0, 1.0, 4.0, 5.0), force=(-4.0, 0.0, 0
 def test_characteristic_keeps_to_its_rows() -> None:
     """Rows are met, and between two of them a table that rises never falls nor overshoots.
 
-    A cubic spline through these rows falls between the second and the third.
+    A cubic spline through these rows falls between the second and the third. One-sided differences
+    at the inner rows meet as the step goes to zero; linear ones do not.
     """
     x = np.linspace(-2.0, 5.0, 7001)
     f = ROWS.forces(x)
     np.testing.assert_allclose(ROWS.forces(np.array(ROWS.coordinate)), ROWS.force, rtol=1e-15)
     assert (np.diff(f) > 0.0).all()
-
-
-def test_characteristic_has_a_continuous_slope() -> None:
-    """One-sided differences at the inner rows meet as the step goes to zero; linear ones do not."""
     h = 1e-6
     for knot in ROWS.coordinate[1:-1]:
         before, here, after = ROWS.forces(knot + h * np.array([-1.0, 0.0, 1.0]))
