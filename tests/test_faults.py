@@ -42,12 +42,12 @@ COMMANDS = {
     ),
     "new": ("new press", ""),
     "view --html": (
-        "view hanging_pendulum --window transition --html out",
-        "view hanging_pendulum --window transition --slow 20 --html out",
+        "view hanging_pendulum --window transition --html out.html",
+        "view hanging_pendulum --window transition --slow 20 --html out.html",
     ),
     "view --gif": (
-        "view hanging_pendulum --window transition --slow 2 --gif out",
-        "view hanging_pendulum --window transition --slow 1 --gif out",
+        "view hanging_pendulum --window transition --slow 2 --gif out.gif",
+        "view hanging_pendulum --window transition --slow 1 --gif out.gif",
     ),
     "check --json": ("check e62 --speed 650 --json out", "check e62 --json out"),
 }  # fmt: skip
