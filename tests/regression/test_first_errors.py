@@ -87,7 +87,9 @@ def ratios(true: First, run: Any) -> list[float]:
     return [float(abs(off)) / stated for off, stated in wrong if off != 0 or stated != 0.0]
 
 
-@pytest.mark.parametrize("window", [Window.TRANSITION, Window.CYCLE])
+@pytest.mark.parametrize(
+    "window", [Window.TRANSITION, pytest.param(Window.CYCLE, marks=pytest.mark.slow)]
+)
 def test_of_the_direct_engine(window: Window) -> None:
     """A bound on all, and the statement is not idle: the worst true error is a part of it.
 
