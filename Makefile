@@ -41,7 +41,7 @@ PLOTS := $(addprefix $(IMAGES)/,$(addsuffix .png,cycle_650 transition impulses p
 demo: $(VIEW)
 	$(SIMULATE) --out out/demo-transition
 	$(SIMULATE) --window cycle --out out/demo-cycle
-	$(BIN)/nipper-pin view --solution out/demo-cycle/solution.npz --exaggerate 10 --html out/demo.html
+	$(BIN)/nipper-pin view --solution out/demo-cycle/solution.npz --html out/demo.html
 	@echo "open out/demo.html in a browser: the nipper and its rebounds"
 
 test: $(MACHINE_CODE)
@@ -84,7 +84,7 @@ pictures: $(DEV)
 	cp out/pictures/cycle/motion.png $(IMAGES)/cycle_650.png
 	cp out/pictures/cycle/transition.png out/pictures/cycle/impulses.png out/pictures/cycle/phases.png $(IMAGES)/
 	$(BIN)/nipper-pin speed-limit --from 300 --to 2000 --speeds 1000 --plot $(IMAGES)/speed_limit.png
-	$(BIN)/nipper-pin view --window transition --speed 650 --exaggerate 10 --gif $(IMAGES)/rebounds.gif
+	$(BIN)/nipper-pin view --window transition --speed 650 --gif $(IMAGES)/rebounds.gif
 	$(BIN)/python scripts/maintain/measure/measure_conditioning.py --out $(IMAGES)/conditioning.svg
 	$(BIN)/nipper-pin optimise scripts/optimise_rebound.toml --format png --out out/pictures/front
 	cp out/pictures/front/front.png $(IMAGES)/front_e62.png
