@@ -219,6 +219,18 @@ def test_springs_end_at_their_links_and_closed_stops_touch_them(name: str) -> No
             assert apart[1] > apart[0] + 0.01 * size
 
 
+def test_a_shape_of_the_urdf_stands_for_a_stop() -> None:
+    """If it is called so: two of one name would be one node of the page."""
+    made = machine_called("sieve")
+    (old,) = (item for item in pictured(made) if item.name == "stop_rear")
+    link = made.joints[old.body].child
+    shape = '<visual name="stop_rear"><geometry><box size="1 1 1"/></geometry></visual>'
+    urdf = made.urdf.replace(f'<link name="{link}">', f'<link name="{link}">{shape}')
+    other = from_sources("sieve", urdf, made.description, ".")
+    (own,) = (item for item in pictured(other) if item.name == "stop_rear")
+    assert (own.body, own.sizes) == (old.body, (1.0, 1.0, 1.0))
+
+
 # Arrows.
 
 

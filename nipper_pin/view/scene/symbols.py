@@ -30,7 +30,10 @@ def pictured(mechanism: Mechanism) -> tuple[Solid, ...]:
     """
     found = solids(mechanism)
     size = _size(mechanism, found)
-    return (*found, *_coils(mechanism, found, size), *_marks(mechanism, found, size))
+    # A shape of the URDF that is called like one of these stands for it.
+    shown = {(solid.body, solid.name) for solid in found}
+    added = (*_coils(mechanism, found, size), *_marks(mechanism, found, size))
+    return (*found, *(solid for solid in added if (solid.body, solid.name) not in shown))
 
 
 def _coils(mechanism: Mechanism, found: Sequence[Solid], size: float) -> Iterator[Solid]:
