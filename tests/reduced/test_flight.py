@@ -170,6 +170,15 @@ def test_a_motion_that_no_panel_follows(jump: float, expected: int) -> None:
     assert flown(tables, 2.9999, 0.0, 3.0, 1e-12)[0] == (expected, *[0.0] * 9, -1.0)
 
 
+def test_accelerations_without_a_bound_are_no_flight() -> None:
+    """A damping that grows with the rate: what overflows is within no tolerance of itself."""
+    equation = 0.04 * np.random.default_rng(4).normal(size=(6, 1, 5, 3))
+    equation[0, :, 0, 0], equation[3, :, 0, 0], equation[4, :, 0, 0] = -0.8, -1.0, -1.0
+    equation[5, :, 0] -= linear(0.3, LOW, HIGH)
+    tables = bounded(tables_of(equation, low=LOW, high=HIGH, travel=TRAVEL))
+    assert flown(tables, 0.0, 0.0, 3.0, 1e-6)[0] == (UNRESOLVED, *[0.0] * 9, -1.0)
+
+
 def sizes() -> Any:
     """Bounds by residuals, slopes and largest values, and the polynomials that they have to give.
 

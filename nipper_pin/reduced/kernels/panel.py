@@ -245,7 +245,8 @@ def solve_panel(grids: FloatArray, case: FloatArray, source: Source, poly: Float
         _positions(grids, nodes, rows.ZERO, h, x0, v0)
         last = rows.LEVELS[0] - 1
         end_x, end_v = nodes[rows.NODE_X, last], nodes[rows.NODE_V, last]
-        if end_v >= 0.0:
+        # Nor does a motion that overflows tell where its zero is.
+        if not -np.inf < end_v < 0.0 or not np.isfinite(end_x):
             break
         root = 1.0 - end_x / (h * end_v)
         if 0.95 <= root <= 0.999 or (root > 1.0 and h == longest):
@@ -272,17 +273,18 @@ def solve_panel(grids: FloatArray, case: FloatArray, source: Source, poly: Float
             for j in range(count):
                 largest = max(largest, abs(nodes[rows.NODE_A, j]))
             scale = abs(v0) / h + largest
-            if change <= tolerance * scale:
+            # Infinity is within no tolerance of itself.
+            if change <= tolerance * scale < np.inf:
                 converged = True
                 break
             if sweep > 4 and change > 0.5 * previous:
-                converged = change <= ITERATION_FLOOR * scale
+                converged = change <= ITERATION_FLOOR * scale < np.inf
                 break
         if not converged:
             continue
         left = _defect(grids, case, mixed, poly, nodes, degree, level, u, h, x0, v0)
         left *= DEFECT_EFFECT / (count * count)
-        if left <= tolerance * scale:
+        if left <= tolerance * scale < np.inf:
             _positions(grids, nodes, level, h, x0, v0)
             return level, h, change, left + 8.0 * EPS * scale
     return -1, h, np.inf, np.inf
