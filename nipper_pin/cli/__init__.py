@@ -36,9 +36,6 @@ _UNUSABLE = 2
 _INTERRUPTED = 130
 
 
-_OF_ALL = ("-h", "--help", "--version", "--print-completion")
-
-
 class Commands(NamedTuple):
     """The commands of a program.
 
@@ -144,17 +141,22 @@ def _options(words: list[str], named: str | None, commands: Commands) -> argpars
         there = f"{meant(words[0], commands.places)}There are {', '.join(commands.places)}"
         parser.error(f"there is no command {words[0]!r}; {there}")
     option = words[0].partition("=")[0] if words and named is None else ""
-    if option and not any(known.startswith(option) for known in _OF_ALL):
-        parser.error(f"there is no option {option!r}; {meant(option, _OF_ALL)}-h lists them")
+    known = ["-h", "--help", *_long_options(parser)]
+    if option and not any(name.startswith(option) for name in known):
+        parser.error(f"there is no option {option!r}; {meant(option, known)}-h lists them")
     options, left = parser.parse_known_args(words)
     if left:
         of_command = argparse.ArgumentParser(prog=f"{commands.program} {options.command}")
         place, _ = commands.places[options.command]
         import_module(place, __package__).add_arguments(of_command)
-        known = re.findall(r"--[a-z][a-z-]*", of_command.format_usage())
-        near = meant(left[0].partition("=")[0], known)
+        near = meant(left[0].partition("=")[0], _long_options(of_command))
         of_command.error(f"unrecognized arguments: {' '.join(left)}; {near}-h lists the options")
     return options
+
+
+def _long_options(parser: argparse.ArgumentParser) -> list[str]:
+    """Options that a parser takes, but for its help."""
+    return re.findall(r"--[a-z][a-z-]*", parser.format_usage())
 
 
 def _unwritten(error: OSError) -> int:

@@ -239,6 +239,7 @@ def test_unusable_requests(
 ) -> None:
     for arguments, said in (
         (["--quantity", "duration"], "no quantity named 'duration'"),
+        (["--quantity", "premise_holds"], "no quantity named 'premise_holds'"),
         (["--x", "speed"], "no parameter named 'speed'"),
         (["--x", "speed_rpm", "--y", "speed_rpm"], "need two parameters"),
     ):

@@ -5,6 +5,7 @@ CSV files and data frames are written from them, in SI units or in mm and degree
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 
 import numpy as np
@@ -74,14 +75,26 @@ class _Columns:
         if self._in_mm and any(kind in IN_MM for kind in kinds):
             factors = [IN_MM[kind][1] for kind in ([units] if isinstance(units, str) else units)]
             values = np.asarray(values, dtype=float) * (factors or 1.0)
-            bare = name.removesuffix(ending(kinds[0])) if len(kinds) == 1 else name
-            name = bare + "_or".join(ending(IN_MM[kind][0]) for kind in kinds)
+            shown = [IN_MM[kind][0] for kind in kinds]
+            if len(kinds) == 1:
+                name = with_unit(name, kinds[0], shown[0])
+            else:
+                name += "_or".join(map(_ending, shown))
         self.found[name] = values
 
 
-def ending(unit: str) -> str:
+def with_unit(name: str, unit: str, shown: str) -> str:
+    """The name of a column whose unit is shown as another one, which it then ends with.
+
+    The number of a collision stands behind the unit: impulse_N_s_1.
+    """
+    found, times = re.subn(rf"{_ending(unit)}(?=(_\d+)?$)", _ending(shown), name)
+    return found if times else name + _ending(shown)
+
+
+def _ending(unit: str) -> str:
     """The unit at the end of a name."""
-    return unit and "_" + unit.replace("/", "_").replace(" ", "_")
+    return "_" + unit.replace("/", "_").replace(" ", "_")
 
 
 def _collisions(solution: Simulated, table: _Columns) -> None:
@@ -145,7 +158,7 @@ def _motion(solution: Simulated, table: _Columns) -> None:
                                 + [getattr(item, kind) for item in motion])  # fmt: skip
         for place, joint in enumerate(mechanism.joints):
             unit = coordinate_unit(mechanism, joint.index) + per
-            table.add(f"{joint.name}{'_rate' * bool(per)}{ending(unit)}", states[:, place], unit)
+            table.add(f"{joint.name}{'_rate' * bool(per)}{_ending(unit)}", states[:, place], unit)
     for stop in mechanism.stops:
         values = np.concatenate([none, *(item.contacts[stop.name] for item in forces)])
         unit = force_unit(mechanism, stop)

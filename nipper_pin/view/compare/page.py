@@ -32,6 +32,7 @@ def comparison_page(comparison: Comparison, look: Look) -> str:
     machines = [item.solution.mechanism for item in (both.a, both.b)]
     drawn = [pictured(mechanism) for mechanism in machines]
     found = _readings(comparison, both)
+    found["cameras"] = cameras((both.a, drawn[0]), (both.b, drawn[1]))
     if both.a.larger > 1.0:
         plain = pair_in_true_size(both)
         found["true_size"] = {**_drawing(plain), "scene": encoded(_animation(plain, drawn))}
@@ -86,7 +87,6 @@ def _readings(comparison: Comparison, both: Pair) -> _Message:
         "collisions": _collisions(one["collisions"], other["collisions"]),
         "curves": [_lane_record(lane) for lane in lanes(both)],
         "arrows": [*one["arrows"], *([_OTHER, *path[1:]] for path in other["arrows"])],
-        "cameras": cameras(both.a, both.b),
         "compare": {
             "a": {"name": label(comparison.a), "colour": COLOUR_A, "root": [ROOT]},
             "b": {"name": label(comparison.b), "colour": COLOUR_B, "root": [_OTHER],

@@ -76,11 +76,12 @@ def pair(comparison: Comparison, look: Look) -> Pair:
     frames = paced(events, end, max(run.shaft.period for run in runs), look.slow)
     times = [frames.machine + by for by in moved]
     paces = [Pace(frames.playback, t, frames.stretch) for t in times]
-    a, b = (film(run, look, own) for run, own in zip(runs, paces, strict=True))
-    if a.larger != b.larger:
-        # Rebounds are compared to one scale.
-        look = replace(look, exaggerate=min(a.larger, b.larger))
-        a, b = (film(run, look, own) for run, own in zip(runs, paces, strict=True))
+    films = [film(run, look, own) for run, own in zip(runs, paces, strict=True)]
+    # Rebounds are compared to one scale.
+    least = min(item.larger for item in films)
+    look = replace(look, exaggerate=least)
+    a, b = (item if item.larger == least else film(item.solution, look, item.pace)
+            for item in films)  # fmt: skip
     # Round-off of the sum is no time without motion.
     ends = [last * (1.0 + np.finfo(float).eps * 8.0) for last in ends]
     return Pair(a, b, later, (times[0] <= ends[0], times[1] <= ends[1]))

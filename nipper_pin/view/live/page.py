@@ -12,7 +12,7 @@ from ..scene.pace import round_slow, steady
 from ..scene.page import assembled, background, cameras, machine_messages
 from ..scene.tracks import animation
 from .answer import answer
-from .session import Session, Shown, filmed, read
+from .session import Session, Shown, read
 from .settings import RESTITUTION, Knob, knobs, larger_knob
 from .whole_turn import WholeTurns
 
@@ -42,20 +42,20 @@ def shown_live(mechanism: Mechanism, speed_rpm: float) -> tuple[Shown, str]:
         raise InputError(first.message, model=mechanism.name)
     slow = round_slow(shown_until(solution), _LONGEST)
     turns = WholeTurns(mechanism, controls)
-    larger = larger_knob(film(solution, Look(), steady(solution, slow)).larger)
-    shown = Shown(mechanism, controls, pictured(mechanism), slow, turns, larger)
-    played, remark = filmed(shown, solution, larger.start)
+    played = film(solution, Look(), steady(solution, slow))
+    larger, drawn = larger_knob(played.larger), pictured(mechanism)
+    shown = Shown(mechanism, controls, drawn, slow, turns, larger)
     found = {
-        **read(played, remark),
-        "cameras": cameras(played),
+        **read(played),
+        "cameras": cameras((played, drawn)),
         "live": {
             "controls": [_control(item) for item in (*controls, larger)],
             "state": Session(shown).state(),
         },
     }
     files = [resources.files(__package__) / "page_files" / name for name in _FILES]
-    messages = [*background(), *machine_messages(mechanism, shown.drawn)]
-    page = assembled([*messages, animation(played, shown.drawn)], found, files, _CONNECT)
+    messages = [*background(), *machine_messages(mechanism, drawn)]
+    page = assembled([*messages, animation(played, drawn)], found, files, _CONNECT)
     return shown, page
 
 

@@ -19,8 +19,8 @@ from ..reading import shown_until
 from .pace import Pace, pace
 from .rebounds import factors, rebound_flights
 
-LARGEST_EXAGGERATION = 1000.0
 _LONGEST_STRETCH = 1e5
+# On rebounds, the largest first.
 _FACTORS = (1000.0, 500.0, 200.0, 100.0, 50.0, 20.0, 10.0, 5.0, 2.0)
 # A rebound is drawn no larger than this.
 _DRAWN_ANGLE = math.radians(6.0)
@@ -47,7 +47,7 @@ class Look:
 
     def __post_init__(self) -> None:
         """Validate."""
-        for key, most in (("slow", _LONGEST_STRETCH), ("exaggerate", LARGEST_EXAGGERATION)):
+        for key, most in (("slow", _LONGEST_STRETCH), ("exaggerate", _FACTORS[0])):
             value = getattr(self, key)
             if value is not None:
                 number(key, value, 1.0, most, allowed=f"1 to {most:g}", where="view")
@@ -137,7 +137,7 @@ def _enlarged(
         return asked, exaggerated(solution, t, q, asked)
     highest = max((flight.highest for flight in rebound_flights(solution)), default=0.0)
     if highest > 0.0:
-        most = min(_SEEN * drawn_limit(solution.mechanism) / highest, LARGEST_EXAGGERATION)
+        most = _SEEN * drawn_limit(solution.mechanism) / highest
         for factor in (item for item in _FACTORS if item <= most):
             # Where loops do not close so far from the motion, a smaller factor serves.
             with suppress(InputError):

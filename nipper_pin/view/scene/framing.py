@@ -10,7 +10,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from .film import Film, worlds
-from .meshes import mesh_of
+from .meshes import corners_of
 from .solids import Solid
 
 OBLIQUE, ALONG = (0.38, -1.0, 0.34), (0.0, -1.0, 0.0)
@@ -45,8 +45,7 @@ def _boxes(
     drawn: Sequence[Solid], planes: FloatArray, heights: Sequence[float]
 ) -> Iterator[FloatArray]:
     for solid in drawn:
-        points = (mesh_of(solid)[0] * solid.scale) @ solid.placement[:3, :3].T
-        points += solid.placement[:3, 3]
+        points = corners_of(solid)
         # Frame and cylinder stand where they are.
         if solid.body < 0:
             yield points

@@ -67,6 +67,16 @@ def mesh_of(solid: Solid) -> tuple[FloatArray, NDArray[np.intp]]:
     return corners, faces
 
 
+def corners_of(solid: Solid) -> FloatArray:
+    """Corners of a solid in the axes of its body, shape (N, 3) [m].
+
+    Raises:
+        InputError: Its mesh cannot be read.
+    """
+    turned = (mesh_of(solid)[0] * solid.scale) @ solid.placement[:3, :3].T
+    return np.asarray(turned + solid.placement[:3, 3])
+
+
 def _surface(solid: Solid) -> FloatArray:
     """Points whose convex hull is a plain shape, shape (N, 3) [m]."""
     if solid.kind == "box":

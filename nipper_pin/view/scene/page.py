@@ -36,7 +36,7 @@ def scene_page(shown: Film) -> str:
         HTML with script, scene and animation inside.
     """
     drawn = pictured(shown.solution.mechanism)
-    found = {**readings(shown), "cameras": cameras(shown)}
+    found = {**readings(shown), "cameras": cameras((shown, drawn))}
     if shown.larger > 1.0:
         plain = true_size(shown)
         found["true_size"] = {**drawing(plain), "scene": encoded(animation(plain, drawn))}
@@ -107,9 +107,9 @@ def _property(path: str, name: str, value: object) -> dict[str, object]:
     return {"type": "set_property", "path": f"/{path}", "property": name, "value": value}
 
 
-def cameras(*films: Film) -> dict[str, object]:
+def cameras(*shown: tuple[Film, Sequence[Solid]]) -> dict[str, object]:
     """Positions and targets of the cameras (x, y, z) [m], for views of all that is drawn."""
-    points = np.concatenate([corners(item, pictured(item.solution.mechanism)) for item in films])
+    points = np.concatenate([corners(film, drawn) for film, drawn in shown])
     found: dict[str, object] = {}
     for name, direction in (("whole", OBLIQUE), ("side", ALONG)):
         target, place = camera(points, direction)

@@ -89,13 +89,14 @@ def solids(mechanism: Mechanism) -> tuple[Solid, ...]:
             if shapes:
                 found += shapes
                 break
-    for body, joint in enumerate(mechanism.joints):
+    thick = THICK * extent(mechanism)
+    for body in range(len(mechanism.joints)):
         own = [item for item in found if item.body == body]
         # A mesh is taken for the whole link.
         if all(item.path is None for item in own):
-            found += _bars(mechanism, body, mechanism.model.getJointId(joint.name), own)
+            found += _bars(mechanism, body, own, thick)
     if all(item.body >= 0 for item in found):
-        found += _pins(mechanism)
+        found += _pins(mechanism, thick)
     return tuple(found)
 
 
@@ -155,13 +156,14 @@ def _shapes(
         )
 
 
-def _bars(mechanism: Mechanism, body: int, joint: int, shapes: Sequence[Solid]) -> list[Solid]:
+def _bars(mechanism: Mechanism, body: int, shapes: Sequence[Solid], thick: float) -> list[Solid]:
     """Bars from the joint of a link to all that hangs on it, or to its centre of mass.
 
     Args:
         shapes: Those that are drawn of the link; where they are there is no need of a bar.
+        thick: Radius of a bar [m].
     """
-    thick = THICK * extent(mechanism)
+    joint = mechanism.model.getJointId(mechanism.joints[body].name)
     # What slides has no pin at the origin of its joint.
     ends = _ends(mechanism, joint, slides=not shapes)
     if not (ends or shapes):
@@ -193,9 +195,8 @@ def _bars(mechanism: Mechanism, body: int, joint: int, shapes: Sequence[Solid]) 
     return bars
 
 
-def _pins(mechanism: Mechanism) -> Iterator[Solid]:
+def _pins(mechanism: Mechanism, thick: float) -> Iterator[Solid]:
     """Pins of the frame, along the hinges."""
-    thick = THICK * extent(mechanism)
     for place, at in enumerate(_ends(mechanism, 0, slides=False)):
         matrix = np.eye(4)
         matrix[:3, :3] = rotation_from_rpy(np.array([0.5 * np.pi, 0.0, 0.0]))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from ....errors import InputError
 from ....given import whole
-from ....hybrid.result.columns import IN_MM, ending, known_units
+from ....hybrid.result.columns import IN_MM, known_units, with_unit
 from ....outputs import complete_file
 from ....terms import NONE
 from .chunk_file import DamageError, check, read_file
@@ -85,10 +84,8 @@ class SweepTable:
             unit = self._unit(field)
             if unit in IN_MM:
                 shown, factor = IN_MM[unit]
-                # Numbers of a collision stand behind the unit: impulse_N_s_1.
-                name = re.sub(rf"{ending(unit)}(?=_\d+$|$)", ending(shown), field.name)
-                name = name if name != field.name else f"{name}{ending(shown)}"
-                found = found.set_column(place, name, pc.multiply(found[place], factor))
+                values = pc.multiply(found[place], factor)
+                found = found.set_column(place, with_unit(field.name, unit, shown), values)
         return found
 
     def write_csv(self, path: str | Path, units: str = "SI") -> None:
@@ -108,8 +105,9 @@ class SweepTable:
         paths = {axis["name"]: axis["path"] for axis in self.axes}
         heads = []
         for field, name in zip(self.table.schema, table.column_names, strict=True):
-            end = ending(self._unit(field)) if name == field.name else ""
-            heads.append(paths.get(name, name if end in name else f"{name}{end}"))
+            unit = self._unit(field)
+            own = with_unit(name, unit, unit) if unit and name == field.name else name
+            heads.append(paths.get(name, own))
         with complete_file(Path(path)) as partial:
             write_csv(table.rename_columns(heads), partial)
 
