@@ -15,6 +15,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+import small_machines
 from page_words import film_of
 from PIL import Image
 from snapshots import Words, blocks
@@ -37,8 +38,8 @@ def solution(e62: nip.Mechanism) -> nip.Solution:
 
 
 def test_texts_of_a_line_and_of_a_notebook(words: Words) -> None:
-    """Of runs, tables, comparisons and sweeps; long tables are cut, and no text becomes a tag."""
-    text, names = "", {"nip": nip}
+    """Of machines, runs, tables and comparisons; long ones are cut, and no text becomes a tag."""
+    text, names = "", {"nip": nip, **vars(small_machines)}
     for item in blocks(__file__, "test_texts_of_a_line_and_of_a_notebook"):
         shown = eval(item.name, names)
         page = ElementTree.fromstring(f"<page>{shown._repr_html_()}</page>")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ from small_machines import hinge, link, machine, slide, sources
 
 from nipper_pin import Case, InputError, Mechanism, load, simulate
 from nipper_pin.mechanism import (
+    Characteristic,
     Cylinder,
     DriveLaw,
     counted_from,
@@ -138,6 +139,29 @@ def test_a_table_reproduces_a_smooth_law() -> None:
         np.testing.assert_allclose(one, other, rtol=0.0, atol=tolerance)
     for first, last in table.evaluate(np.array([0.2, 0.2 + math.tau])):
         assert first == pytest.approx(last, abs=1e-12)
+
+
+FLAT = tuple(np.linspace(0.0, math.tau, 9).tolist())
+
+
+@pytest.mark.parametrize(
+    ("law", "changes"),
+    [
+        (Geared(of=OFFSET, ratio=2.0), {"of": GUIDE}), (SERIES[0], {"sine": (0.1,)}),
+        (CAMS["cycloidal"], {"dwell_rad": 0.1}),
+        (Table(cylinder_angle_rad=FLAT, coordinate=(0.0,) * 9), {"coordinate": (1.0,) * 9}),
+        (Characteristic(coordinate=(0.0, 0.1, 0.5), force=(0.0, 1.0, 9.0)),
+         {"force": (0.0, 2.0, 9.0)}),
+    ],
+)  # fmt: skip
+def test_laws_are_what_they_are_made_of(law: Any, changes: dict[str, Any]) -> None:
+    """Equal and told by their numbers; what is computed from these is neither."""
+    same, other = replace(law), replace(law, **changes)
+    assert law == same != other
+    assert hash(law) == hash(same)
+    assert repr(law) == repr(same) != repr(other)
+    for item in fields(law):
+        assert (f"{item.name}=" in repr(law)) is not item.name.startswith("_"), item.name
 
 
 def test_knots_of_laws() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import shutil
 import tomllib
 from pathlib import Path
@@ -13,23 +12,7 @@ import pytest
 from nipper_pin import InputError, ModelError, UnknownNameError, load
 from nipper_pin.mechanism import find_model
 from nipper_pin.mechanism.files import toml
-from nipper_pin.mechanism.model_files import check_new_folder, new_folder
 from nipper_pin.texts import no_file
-
-
-def test_index_scale() -> None:
-    mechanism = load()
-    cylinder = mechanism.cylinder
-    assert cylinder.sense == -1
-    assert cylinder.index_from_angle(cylinder.angle_at_touch_rad) == pytest.approx(34.05, abs=0.01)
-    assert cylinder.index_from_angle(cylinder.reference_angle_rad) == pytest.approx(24.0)
-    # Foremost at 24: there the pendulum shaft is furthest clockwise.
-    angles = np.linspace(0.0, math.tau, 4001)
-    lowest = angles[np.argmin(mechanism.drives[0].law.evaluate(angles)[0])]
-    assert cylinder.index_from_angle(float(lowest)) == pytest.approx(24.0, abs=0.01)
-    touch = np.array([cylinder.angle_at_touch_rad])
-    for drive in mechanism.drives:
-        assert drive.law.evaluate(touch)[0][0] - drive.law_at_touch == 0.0
 
 
 def test_overrides_of_the_document() -> None:
@@ -143,49 +126,6 @@ def test_the_urdf_that_counts_is_renamed(copied: Path) -> None:
         load(copied / "fast.toml")
     (copied / "b.urdf").rename(copied / "fast.urdf")
     assert load(copied / "fast.toml").name == "fast"
-
-
-def test_new_folders(tmp_path: Path) -> None:
-    """Whole or not at all; what is there stays, and nothing is left behind."""
-    target = tmp_path / "deep" / "model"
-    with new_folder(target) as partial:
-        assert partial.name == "model"
-        # Renaming is one step within one file system only.
-        assert target.parent in partial.parents
-        (partial / "file").write_text("x", encoding="utf-8")
-        assert not target.exists()
-    assert (target / "file").read_text(encoding="utf-8") == "x"
-    assert [item.name for item in target.parent.iterdir()] == ["model"]
-    for occupied in (target, target / "file"):
-        with pytest.raises(InputError, match="is there already and is not empty") as caught:
-            check_new_folder(occupied)
-        assert caught.value.evidence == {"folder": str(occupied)}
-    (tmp_path / "empty").mkdir()
-    assert check_new_folder(tmp_path / "empty") == (tmp_path / "empty").resolve()
-
-    def fails(error: Exception) -> None:
-        with new_folder(tmp_path / "other") as partial:
-            (partial / "file").write_text("x", encoding="utf-8")
-            raise error
-
-    with pytest.raises(ZeroDivisionError):
-        fails(ZeroDivisionError())
-    with pytest.raises(InputError, match="No space left on device"):
-        fails(OSError(28, "No space left on device"))
-    assert sorted(item.name for item in tmp_path.iterdir()) == ["deep", "empty"]
-
-
-@pytest.mark.parametrize(
-    "name", ["file/below", "file/deep/below", "/proc/model", "/proc/deep/model", "x" * 300]
-)
-def test_folders_that_cannot_be_made(name: str, tmp_path: Path) -> None:
-    """Nor by root; refused with the folder, and nothing is left of them."""
-    (tmp_path / "file").write_text("x", encoding="utf-8")
-    target = tmp_path / name
-    with pytest.raises(InputError, match="cannot be") as caught, new_folder(target):
-        pass
-    assert caught.value.evidence == {"folder": str(target)}
-    assert [item.name for item in tmp_path.iterdir()] == ["file"]
 
 
 def test_any_plain_document_reads_back() -> None:

@@ -42,6 +42,8 @@ def test_document_is_the_schema_of_the_structs() -> None:
         assert (ROOT / "docs" / f"{name}.schema.json").read_text(encoding="utf-8") == text
     jsonschema.Draft202012Validator.check_schema(SCHEMA)
     assert json.loads(schema_text()) == SCHEMA
+    for path in ROOT.glob("models/**/*.toml"):
+        VALID.validate(tomllib.loads(path.read_text(encoding="utf-8")))
 
 
 def test_every_key_says_what_it_means() -> None:
@@ -142,7 +144,6 @@ def loads(document: dict[str, Any]) -> bool | None:
 @pytest.mark.parametrize("model", MODELS)
 def test_the_schema_marks_what_the_loader_refuses(model: str) -> None:
     """For an editor that has it; what is said, and of which place, stands in `refusals`."""
-    assert VALID.is_valid(documents(model))
     refused = 0
     for document in itertools.islice(spoiled(documents(model)), 0, None, 13):
         loaded = loads(document)

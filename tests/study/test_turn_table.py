@@ -45,8 +45,10 @@ def test_certified_turns(e62: Mechanism, engine: Any) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "speeds", "rate"), [("e62", [450.0, 1900.0], 1e-2), ("film_claw", [600.0], 1e-7)]
-)
+    ("name", "speeds", "rate"),
+    [("e62", [450.0, 1900.0], 1e-2), ("film_claw", [600.0], 1e-7),
+     ("hanging_pendulum", [220.0, 280.0], 1e-2), ("e62_offset_guide", [450.0, 650.0], 1e-2)],
+)  # fmt: skip
 def test_engines_agree(name: str, speeds: list[float], rate: float) -> None:
     """Within the errors that both state; the E62 alternates at 1,900 r/min, the claw loses.
 
