@@ -9,8 +9,8 @@ from pathlib import Path
 
 from nipper_pin.errors import InputError
 from nipper_pin.hybrid import Case, Resolution
+from nipper_pin.hybrid.files.archive import mesh_digests
 from nipper_pin.hybrid.files.npz import FORMAT
-from nipper_pin.hybrid.files.own_files import mesh_digests
 from nipper_pin.outputs import complete_file
 from nipper_pin.study.folders import make_folder
 

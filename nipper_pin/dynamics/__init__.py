@@ -2,6 +2,7 @@
 
 from .assembly import (
     Partition,
+    assemble,
     close_positions,
     close_velocities,
     inverses,
@@ -9,15 +10,13 @@ from .assembly import (
     partition,
     weakest,
 )
+from .complementarity import impact_condition
 from .constraint_set import ConstraintSet
 from .elements import Elements
-from .free_mass import impact_condition
 from .impact import Impact, closing_impulse, collide, drive_impulses, no_impact
 from .multibody import INFINITE_INERTIA, Multibody, multibody
-from .multipliers import multipliers
 from .shaft import Driven, ShaftMotion
-from .system import DriveMode, System
-from .touch import assemble
+from .system import DriveMode, System, multipliers
 
 __all__ = [
     "INFINITE_INERTIA",

@@ -1,5 +1,8 @@
 """Closing the loops: positions and velocities that satisfy the closures exactly.
 
+A machine is assembled in the touch configuration, and along its drives from there to where a run
+begins.
+
 Small systems of linear equations are solved one by Eigen, several at once by numpy. For a matrix of
 a few rows numpy's way to LAPACK takes three times as long as Eigen's factorisation,
 which comes with Pinocchio; of many matrices numpy's way is gone once.
@@ -11,56 +14,24 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from eigenpy import PartialPivLU
 from numpy.typing import NDArray
 
-from ..arrays import FloatArray, Jacobians, Vectors
+from ..arrays import FloatArray, Jacobians, Vectors, product
 from ..errors import ConvergenceError, SingularConfigurationError
-from ..tolerances.mechanics import CLOSURE_RESIDUAL, DEAD_CENTRE_SHARE, MAX_CONDITION
+from ..made_once import made_once
+from ..tolerances.mechanics import (
+    CLOSURE_RESIDUAL,
+    DEAD_CENTRE_SHARE,
+    GOOD_CONDITION,
+    MAX_CONDITION,
+    TRACKING_RESIDUAL,
+)
 from ..units import MM_PER_M
 from .multibody import Multibody
-
-
-def inverse_of(matrix: FloatArray) -> FloatArray:
-    """Inverse of one square matrix with rows; not finite throughout if a pivot is zero.
-
-    Args:
-        matrix: Shape (m, m), m at least 1.
-    """
-    inverse: FloatArray = PartialPivLU(matrix).inverse()
-    return inverse
-
-
-def inverses_of(matrices: FloatArray) -> FloatArray:
-    """Inverses of N square matrices, shape (N, m, m).
-
-    Raises:
-        numpy.linalg.LinAlgError: One of them is singular.
-    """
-    if len(matrices) != 1 or not matrices.size:
-        return np.asarray(np.linalg.inv(matrices), dtype=np.float64)
-    inverse = inverse_of(matrices[0])
-    _check(inverse)
-    return inverse[None]
-
-
-def solutions_of(matrices: FloatArray, right: FloatArray) -> FloatArray:
-    """Solutions of N systems of equations, shape (N, m).
-
-    Args:
-        matrices: Shape (N, m, m).
-        right: Finite right sides, shape (N, m).
-
-    Raises:
-        numpy.linalg.LinAlgError: One of the matrices is singular.
-    """
-    if len(matrices) != 1 or not matrices.size:
-        return np.asarray(np.linalg.solve(matrices, right[:, :, None])[:, :, 0], dtype=np.float64)
-    solution: FloatArray = PartialPivLU(matrices[0]).solve(right[0]).reshape(right.shape)
-    _check(solution)
-    return solution
 
 
 def same_sign(one: FloatArray, other: FloatArray) -> bool:
@@ -69,13 +40,6 @@ def same_sign(one: FloatArray, other: FloatArray) -> bool:
         return True
     first, second = PartialPivLU(one).determinant(), PartialPivLU(other).determinant()
     return bool((first > 0.0) == (second > 0.0) and (first < 0.0) == (second < 0.0))
-
-
-def _check(found: FloatArray) -> None:
-    """Refuse what a division by a pivot of zero has left: Eigen does not report it."""
-    if not math.isfinite(np.vdot(found, found)):
-        message = "a matrix of a small system of equations is singular"
-        raise np.linalg.LinAlgError(message)
 
 
 _MAX_ITERATIONS = 25
@@ -195,7 +159,7 @@ def inverted(matrix: FloatArray, units: FloatArray | None = None) -> tuple[float
     """
     if not matrix.size:
         return 1.0, matrix
-    inverse = inverse_of(matrix)
+    inverse: FloatArray = PartialPivLU(matrix).inverse()
     there, back = matrix, inverse
     if units is not None:
         there, back = matrix * units, inverse / units[:, None]
@@ -301,8 +265,11 @@ def inverses(jacobian: Jacobians, split: Partition) -> FloatArray:
     Raises:
         SingularConfigurationError: A block is singular.
     """
+    blocks = jacobian.take(split.columns, 2)
+    if len(blocks) == 1 and blocks.size:
+        return _finite(PartialPivLU(blocks[0]).inverse()[None])
     try:
-        return inverses_of(jacobian.take(split.columns, 2))
+        return np.asarray(np.linalg.inv(blocks), dtype=np.float64)
     except np.linalg.LinAlgError as error:
         raise _singular() from error
 
@@ -314,11 +281,20 @@ def products(matrices: FloatArray, vectors: FloatArray) -> FloatArray:
 
 
 def _solve(matrices: FloatArray, right: FloatArray) -> FloatArray:
-    """Solve N small systems, shapes (N, m, m) and (N, m)."""
+    """Solve N small systems, shapes (N, m, m) and (N, m); the right sides are finite."""
+    if len(matrices) == 1 and matrices.size:
+        return _finite(PartialPivLU(matrices[0]).solve(right[0]).reshape(right.shape))
     try:
-        return solutions_of(matrices, right)
+        return np.asarray(np.linalg.solve(matrices, right[:, :, None])[:, :, 0], dtype=np.float64)
     except np.linalg.LinAlgError as error:
         raise _singular() from error
+
+
+def _finite(found: FloatArray) -> FloatArray:
+    """Refuse what a division by a pivot of zero has left: Eigen does not report it."""
+    if not math.isfinite(np.vdot(found, found)):
+        raise _singular()
+    return found
 
 
 def _singular() -> SingularConfigurationError:
@@ -327,3 +303,113 @@ def _singular() -> SingularConfigurationError:
         "change the dimensions or the drive"
     )
     return SingularConfigurationError(message, condition=np.inf)
+
+
+@dataclass(frozen=True, eq=False)
+class Touch:
+    """The touch configuration, q = 0, with some coordinates given.
+
+    Attributes:
+        jacobian: Closure Jacobian G, shape (m, nv), not writeable.
+        split: The given coordinates and those that follow from them.
+        motion: Rates of all coordinates by those of the given ones, shape (nv, given).
+    """
+
+    jacobian: FloatArray
+    split: Partition
+    motion: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class _Assembled:
+    """Where the last path of a multibody system ended: runs at other speeds start there, too."""
+
+    path: FloatArray
+    given: tuple[int, ...]
+    q: FloatArray
+    jacobian: FloatArray
+    split: Partition
+
+
+_LAST: WeakKeyDictionary[Multibody, _Assembled] = WeakKeyDictionary()
+
+
+@made_once
+def touch(body: Multibody, given: tuple[int, ...]) -> Touch:
+    """The touch configuration of a multibody system; all its runs start from there.
+
+    Args:
+        given: Places in q of the coordinates that are prescribed.
+
+    Raises:
+        SingularConfigurationError: The closures do not determine the others.
+    """
+    jacobian = body.closures(np.zeros((1, body.nv)))[1]
+    jacobian.flags.writeable = False
+    split = partition(jacobian[0] * body.units, given, [])
+    units = np.eye(body.nv)[list(given)]
+    return Touch(jacobian[0], split, close_velocities(units, jacobian, split).T)
+
+
+def assemble(
+    body: Multibody, path: FloatArray, given: Sequence[int], rates: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Assemble the mechanism at the end of a path of given coordinates that starts at q = 0.
+
+    Args:
+        path: Given coordinates along the path, shape (K, given); short steps, the first one near
+            the touch configuration, so that the mechanism stays on its branch. None: q = 0.
+        given: Places of those coordinates in q.
+        rates: Their rates at the end, shape (given,).
+
+    Returns:
+        q, v of shape (nv,) and the closure Jacobian there, shape (m, nv).
+    """
+    if not len(path):
+        start = touch(body, tuple(given))
+        return np.zeros(body.nv), start.motion @ rates, start.jacobian
+    end, columns = _LAST.get(body), list(given)
+    if end is None or end.given != tuple(given) or not np.array_equal(end.path, path):
+        end = _LAST[body] = _followed(body, path, columns)
+    v = np.zeros((1, body.nv))
+    v[0, columns] = rates
+    return end.q.copy(), close_velocities(v, end.jacobian[None], end.split)[0], end.jacobian
+
+
+def _followed(body: Multibody, path: FloatArray, columns: list[int]) -> _Assembled:
+    """Follow a path of given coordinates; arguments as those of :func:`assemble`."""
+    start = touch(body, tuple(columns))
+    q = np.zeros((1, body.nv))
+    jacobian, split, gaps = start.jacobian, start.split, np.zeros(body.closure_rows)
+    before: FloatArray | None = None
+    for target in path:
+        slopes, inverse, known = _slopes(body, jacobian, columns, split)
+        if known != split:
+            before, split = None, known
+        bent = slopes if before is None else 1.5 * slopes - 0.5 * before
+        moved, before = target - q[0, columns], slopes
+        # The step and, by the same matrices, what the last one has left open.
+        q[0, split.columns] += product(bent, moved) - product(inverse, gaps)
+        q[0, columns] = target
+        (gaps,), (jacobian,) = body.closures(q)
+        if np.vdot(gaps, gaps) > TRACKING_RESIDUAL * body.reach_m**2:
+            # One step of Newton's method would leave more than its square.
+            q, (jacobian,) = close_positions(body, q, split, TRACKING_RESIDUAL)
+            gaps = np.zeros(body.closure_rows)
+    q, (jacobian,) = close_positions(body, q, split)
+    _, _, split = _slopes(body, jacobian, columns, split)
+    jacobian.flags.writeable = False
+    return _Assembled(path.copy(), tuple(columns), q[0], jacobian, split)
+
+
+def _slopes(
+    body: Multibody, jacobian: FloatArray, given: list[int], split: Partition
+) -> tuple[FloatArray, FloatArray, Partition]:
+    """Dependent coordinates by the given ones and by gaps; the split, another if it is bad."""
+    columns = split.columns
+    units = body.units.take(columns) if body.scaled else None
+    condition, inverse = inverted(jacobian.take(columns, 1), units)
+    if not condition <= GOOD_CONDITION * max(len(jacobian), 1):
+        split = partition(jacobian * body.units, given, [])
+        _, inverse = inverted(jacobian.take(split.columns, 1))
+    return -product(inverse, jacobian.take(given, 1)), inverse, split

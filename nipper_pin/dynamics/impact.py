@@ -24,8 +24,13 @@ from ..tolerances.mechanics import (
     RESTITUTION_SLACK,
     STILL_GAP_RATE,
 )
-from .free_mass import free_mass_matrix, impact_condition, inverse_mass_roots
-from .pivoting import complementary, delassus
+from .complementarity import (
+    complementary,
+    delassus,
+    free_mass_matrix,
+    impact_condition,
+    inverse_mass_roots,
+)
 from .system import System
 
 _REFINEMENTS = 3

@@ -15,9 +15,8 @@ from ..errors import ImpactError
 from ..mechanism import Simultaneous, Stop
 from ..tolerances.hybrid import JAM_SLOWING
 from ..tolerances.mechanics import EQUAL_APPROACH, STILL_GAP_RATE
-from .free_mass import free_mass_matrix
+from .complementarity import complementary, delassus, free_mass_matrix
 from .impact import Impact, collide, no_impact
-from .pivoting import complementary, delassus
 from .system import System
 
 MOST_STRIKES = 1_000_000

@@ -1,8 +1,12 @@
-"""A mechanism at one speed: its shaft, its forces and its accelerations in every phase."""
+"""A mechanism at one speed: its shaft, its forces and its accelerations in every phase.
+
+Forces of constraint (closures, closed stops and drives) follow by inverse dynamics.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
@@ -11,14 +15,7 @@ from numpy.typing import NDArray
 from ..arrays import FloatArray, Jacobian, Jacobians, Vector, Vectors, product
 from ..mechanism import Mechanism, Stop
 from ..tolerances.mechanics import GOOD_CONDITION, MAX_CONDITION, REPARTITION_GAIN
-from .assembly import (
-    Partition,
-    close_velocities,
-    inverses,
-    inverted,
-    partition,
-    products,
-)
+from .assembly import Partition, close_velocities, inverses, inverted, partition, products
 from .constraint_set import ConstraintSet, coefficients, constraint_set
 from .elements import elements
 from .multibody import INFINITE_INERTIA, multibody
@@ -285,16 +282,15 @@ class System:
         motion: Driven,
         q: Vectors,
         v: Vectors,
-        jacobian: Jacobians,
         phase: ConstraintSet,
         split: Partition,
-        inverse: FloatArray | None = None,
+        inverse: FloatArray,
     ) -> Vectors:
         """Accelerations of a phase without freedom: G a + G_dot v = 0, whatever the forces are.
 
         Args:
             phase: The phase; every independent coordinate is a held drive or a closed stop.
-            inverse: What :func:`inverses` gives for them, where it is known already.
+            inverse: What :func:`inverses` gives for them.
         """
         a = np.zeros(q.shape)
         if self.held:
@@ -302,7 +298,56 @@ class System:
         if phase.stops:
             a[:, phase.columns] = 0.0
         if split.dependent:
-            if inverse is None:
-                inverse = inverses(jacobian, split)
             a[:, split.columns] = -products(inverse, self.body.closure_accelerations(q, v, a))
         return a
+
+
+@dataclass(frozen=True, eq=False)
+class Multipliers:
+    """Forces of constraint of N states.
+
+    Attributes:
+        la_g: Closure forces on the body of each closure's frame a, in that frame's axes,
+            shape (N, m) [N].
+        la_N: Forces of the closed stops along their gaps, positive when they push,
+            shape (N, closed) [N m or N], in the order of ``ConstraintSet.stops``.
+        drive: Torques on the driven joints, shape (N, drives) [N m]; those of the elastic trains
+            where the shafts may change their speed.
+    """
+
+    la_g: FloatArray
+    la_N: FloatArray
+    drive: FloatArray
+
+
+def multipliers(
+    system: System,
+    motion: Driven,
+    q: Vectors,
+    v: Vectors,
+    a: Vectors,
+    jacobian: Jacobians,
+    phase: ConstraintSet,
+    split: Partition,
+    inverse: FloatArray | None = None,
+) -> Multipliers:
+    """Solve M a + h = tau + G' la_g + W' la_N for the forces of constraint.
+
+    The rows of the dependent coordinates, on which only known forces act, determine la_g; the rows
+    of stops and held drives then give their forces. The torque of an elastic drive train is known,
+    and the inertia of its shaft stands beside that of the links.
+
+    Args:
+        split: Dependent and independent coordinates; no given one may be dependent.
+        inverse: What :func:`inverses` gives for them, where it is known already.
+    """
+    missing = system.body.inverse_dynamics(q, v, a) - system.applied_forces(q, v)
+    trains = 0.0 if system.held else system.train_torques(motion, q, v)
+    if not system.held:
+        missing[:, system.driven_columns] += system.inertia * a[:, system.driven_columns] - trains
+    if inverse is None:
+        inverse = inverses(jacobian, split)
+    la_g = products(inverse.transpose(0, 2, 1), missing.take(split.columns, 1))
+    rest = missing - products(jacobian.transpose(0, 2, 1), la_g)
+    drive = rest[:, system.driven_columns] + trains
+    return Multipliers(la_g, rest[:, phase.columns] * phase.senses, drive)

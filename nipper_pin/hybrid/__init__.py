@@ -8,9 +8,8 @@ from .result.solution import Solution
 from .result.tables import Collision, PhaseInterval, Transition
 from .run.start import initial_state
 from .run.windows import comes_back
-from .segment import Segment
+from .segment import Segment, State
 from .simulation import simulate
-from .state import State
 
 __all__ = [
     "FASTEST_RPM",

@@ -30,8 +30,8 @@ from nipper_pin.dynamics import (
     drive_impulses,
     impact_condition,
 )
+from nipper_pin.dynamics.complementarity import complementary
 from nipper_pin.dynamics.impact_laws import solve_impact
-from nipper_pin.dynamics.pivoting import complementary
 from nipper_pin.hybrid.contact.active_set import active_set
 from nipper_pin.mechanism import Stop
 

@@ -11,8 +11,13 @@ import numpy as np
 
 from ...arrays import FloatArray, Jacobian, Vector
 from ...dynamics import ConstraintSet, Driven, System
-from ...dynamics.free_mass import force_size, inverse_mass_roots
-from ...dynamics.pivoting import complementary, delassus, independent
+from ...dynamics.complementarity import (
+    complementary,
+    delassus,
+    force_size,
+    independent,
+    inverse_mass_roots,
+)
 from ...errors import SimulationError
 from ...mechanism import Stop
 from ...tolerances.hybrid import ACCELERATION_LOOKAHEAD, ACTIVE_SET_ROUND_OFF, GAP_ROUND_OFF

@@ -32,7 +32,7 @@ from ..segment import Segment
 from .freedoms import Freedoms, Part, free_coordinates, parts_of
 from .linear_maps import ImpactMap, LinearMaps, PanelMaps, pushing
 from .local_error import at_start, of_closures, round_off, unsure
-from .together import StrikeError, after_all, beside, stated, still_apart
+from .saltation import StrikeError, after_all, beside, stated, still_apart
 from .variational import tangents
 from .zonotope import Zonotope
 

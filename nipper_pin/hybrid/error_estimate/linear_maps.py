@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from ...arrays import FloatArray
 from ...dynamics import System, close_velocities, impact_condition
-from ...dynamics.free_mass import inverse_mass_roots
+from ...dynamics.complementarity import inverse_mass_roots
 from ...dynamics.impact_laws import same_by_every_law
 from ...errors import ImpactError, SingularConfigurationError
 from ...mechanism import Stop

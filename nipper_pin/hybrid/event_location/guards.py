@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from ...arrays import FloatArray, product
 from ...chebyshev import Series, interpolant, nodes
 from ...dynamics import ConstraintSet, System
-from ...dynamics.free_mass import force_size
+from ...dynamics.complementarity import force_size
 from ...errors import SimulationError
 from ...mechanism import Stop
 from ...tolerances.hybrid import (

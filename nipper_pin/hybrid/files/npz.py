@@ -34,8 +34,7 @@ from ..event import Event, EventKind, Outcome
 from ..motion.panel import Panel
 from ..result.solution import Solution
 from ..segment import Segment
-from .archive import need_readable, read_archive
-from .own_files import mesh_digests, need_own_files
+from .archive import mesh_digests, need_own_files, need_readable, read_archive
 
 FORMAT = 3
 # Versions that read other formats.

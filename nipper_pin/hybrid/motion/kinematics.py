@@ -59,9 +59,9 @@ def kinematic_panel(
     v_nodes = close_velocities(rates, jacobian, split, inverse)
     # Stops may lock links through closures, or all of them while drive trains wind up: what these
     # would have of the accelerations of the dynamics is round-off of the forces on them.
-    known = jacobian, phase, split, inverse
+    known = phase, split, inverse
     a_nodes = system.determined_accelerations(motion, q_nodes, v_nodes, *known)
-    forces = multipliers(system, motion, q_nodes, v_nodes, a_nodes, *known).la_N
+    forces = multipliers(system, motion, q_nodes, v_nodes, a_nodes, jacobian, *known).la_N
     panel = Panel(t, h, q_nodes, v_nodes, a_nodes, split, integrated=False)
     if not resolution.adaptive:
         return Attempt(panel, forces, 1.0)

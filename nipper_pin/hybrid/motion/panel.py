@@ -27,7 +27,7 @@ from ...dynamics import (
     partition,
 )
 from ...dynamics.assembly import same_sign
-from ...dynamics.multipliers import Multipliers
+from ...dynamics.system import Multipliers
 from ...errors import SingularConfigurationError
 from ...tolerances.hybrid import COORDINATE_ROUND_OFF, SMALLEST
 
@@ -235,13 +235,13 @@ def _forces(
 ) -> tuple[FloatArray, FloatArray, FloatArray, Multipliers]:
     """Accelerations and forces of constraint of exact states; value as of :func:`forces_at`."""
     q, v, jacobian, motion = exact
-    known = jacobian, phase, panel.split, inverse
+    known = phase, panel.split, inverse
     if panel.integrated:
         a = system.accelerations(motion, q, v, phase)
     else:
         # Near a dead centre, and of links of very different masses, those of the dynamics differ.
         a = system.determined_accelerations(motion, q, v, *known)
-    return q, v, a, multipliers(system, motion, q, v, a, *known)
+    return q, v, a, multipliers(system, motion, q, v, a, jacobian, *known)
 
 
 def defect(system: System, phase: ConstraintSet, panel: Panel, sigma: FloatArray) -> FloatArray:

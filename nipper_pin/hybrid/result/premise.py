@@ -21,8 +21,7 @@ from ..contact.active_set import active_set
 from ..event import Event, EventKind
 from ..run.phase_manager import go_on
 from ..run.windows import comes_back, winding
-from ..segment import Segment
-from ..state import State
+from ..segment import Segment, State
 from .trajectory import Trajectory
 
 MOST_IN_TURN = 10_000

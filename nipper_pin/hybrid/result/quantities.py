@@ -12,7 +12,7 @@ from typing import Any, Generic, TypeVar
 from ...errors import UnknownNameError
 from ...mechanism import Mechanism, Stop
 from ...terms import SUBJECTS, Term, term_of
-from ..error_estimate.together import StrikeError
+from ..error_estimate.saltation import StrikeError
 from ..event import EventKind
 from .simulated import Simulated
 from .tables import Collision, Transition

@@ -13,10 +13,10 @@ from ...mechanism.parallel import led
 from ..case import Case
 from ..event import Event, Outcome
 from ..segment import Segment
-from .rebounds import Rebounds
 from .tables import (
     Collision,
     PhaseInterval,
+    Rebounds,
     Transition,
     collision_table,
     phase_intervals,

@@ -14,7 +14,7 @@ from ...terms.shown import counted
 from ...units import MS_PER_S
 from ..event import Event, EventKind, found_after
 from ..run.phase_manager import PhaseManager, go_on
-from ..state import State
+from ..segment import State
 from .columns import TABLES, columns
 from .simulated import Simulated
 

@@ -1,13 +1,171 @@
-"""Tables of a run: collisions with their rebounds, phases and the transition."""
+"""Collisions of a run with their rebounds, its phases and its transition.
+
+A rebound tells how far a stop opens after a collision, and for how long.
+"""
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+
+from ...chebyshev import Series, nodes
 from ...dynamics import System
+from ...mechanism import Stop
+from ..advance import advance
+from ..case import Case
 from ..event import Event, EventKind
-from .rebounds import Rebounds
+from ..event_location.roots import first_descent, polish
+from ..motion.panel import Panel
+from ..run.phase_manager import PhaseManager
+from ..segment import Segment, State
+
+
+class Rebounds:
+    """Amplitudes and times of rebounds, found when asked for; those of copied turns only once.
+
+    Args:
+        case: The case, for motion that a run has left out.
+        led: The system with leaders alone; by default the same.
+    """
+
+    def __init__(
+        self,
+        system: System,
+        segments: Sequence[Segment],
+        events: Sequence[Event],
+        case: Case,
+        led: System | None = None,
+    ) -> None:
+        """Store what a rebound is looked up in."""
+        self._system, self._case, self._led = system, case, led or system
+        self._segments, self._events = segments, events
+        self._starts = [segment.t_start for segment in segments]
+        self._highest_gaps: dict[tuple[int, str], float] = {}
+        self._flights: dict[tuple[int, str], tuple[Segment, ...]] = {}
+
+    def time(self, event: Event, name: str) -> float | None:
+        """Time of the rebound of a stop that a collision struck [s]; None if unknown."""
+        stop, end = self._end(event, name)
+        if end is None:
+            return None
+        if not self._left_out(event, end):
+            return end.t - event.t
+        # Copies of a turn share the flight of the turn that they are copies of.
+        flown = self._followed(event, stop)
+        return flown[-1].t_end - flown[0].t_start if flown else None
+
+    def amplitude(self, event: Event, name: str) -> float | None:
+        """Largest gap of that rebound [rad or m]; None if unknown."""
+        stop, end = self._end(event, name)
+        if end is None:
+            return None
+        if self._left_out(event, end):
+            flown = self._followed(event, stop)
+            return max((_highest_of(segment, stop) for segment in flown), default=None)
+        key = event.source, name
+        if key not in self._highest_gaps:
+            self._highest_gaps[key] = self._highest(event.t, end.t, stop)
+        return self._highest_gaps[key]
+
+    def until(self, event: Event, name: str) -> tuple[Event | None, tuple[Segment, ...] | None]:
+        """The end of a rebound, None if unknown, and the flight to it if a run leaves that out."""
+        stop, end = self._end(event, name)
+        if end is None or not self._left_out(event, end):
+            return end, None
+        return end, self._followed(event, stop)
+
+    def _end(self, event: Event, name: str) -> tuple[Stop, Event | None]:
+        """The stop, and the next event at which it takes part; the same event if it does not open.
+
+        None if the window ends before.
+        """
+        stop = self._system.mechanism.stop(name)
+        if stop.rate(event.v_after) <= 0.0:
+            return stop, event
+        later = (self._events[place] for place in range(event.number, len(self._events)))
+        return stop, next((item for item in later if name in item.P_N), None)
+
+    @staticmethod
+    def _left_out(event: Event, following: Event) -> bool:
+        """True if the run did not follow the rebound, because rest was known already."""
+        return following.kind is EventKind.REST and np.array_equal(following.q, event.q)
+
+    def _highest(self, begin: float, end: float, stop: Stop) -> float:
+        """Largest gap of a stop between two times."""
+        highest = 0.0
+        for place in range(bisect_left(self._starts, begin), len(self._segments)):
+            segment = self._segments[place]
+            if segment.t_end > end:
+                break
+            highest = max(highest, _highest_of(segment, stop))
+        return highest
+
+    def _followed(self, event: Event, stop: Stop) -> tuple[Segment, ...]:
+        """The flight of a rebound that a run leaves out; empty if it does not end."""
+        key = event.source, stop.name
+        if key not in self._flights:
+            self._flights[key] = self._flight(event, stop)
+        return self._flights[key]
+
+    def _flight(self, event: Event, stop: Stop) -> tuple[Segment, ...]:
+        system, leader = self._led, stop.leader or stop.name
+        leaders = {item.name for item in system.mechanism.stops}
+        closed = (event.closed_after & leaders) - {leader}
+        start = State.at(system, event.t, event.q, event.v_after, closed)
+        phase = system.constraint_set(closed)
+        a = system.accelerations(start.motion, start.q[None], start.v[None], phase)[0]
+        limit, part = event.t + system.shaft.period, system.coupled([leader])
+        reached = advance(system, start, a, limit, self._case.resolution, watched=part)
+        struck = [trigger.stop for trigger in reached.triggers]
+        if leader in struck or not struck:
+            return (reached.segment,) if struck else ()
+        # Of stops that bounce in step another one is back first.
+        return _past_others(PhaseManager(system, self._case, start), leader, limit)
+
+
+def _past_others(manager: PhaseManager, name: str, limit: float) -> tuple[Segment, ...]:
+    """Motion until a stop is struck, past events of other stops; empty if it is not."""
+    while manager.step(limit):
+        if any(name in event.P_N for event in manager.events):
+            return tuple(manager.segments)
+    return ()
+
+
+def _highest_of(segment: Segment, stop: Stop) -> float:
+    """Largest gap of a stop on a segment."""
+    return max((_highest(*piece, stop) for piece in segment.pieces()), default=0.0)
+
+
+def _highest(panel: Panel, begin: float, end: float, stop: Stop) -> float:
+    """Largest gap of a stop on a part of a panel: at its ends or where its rate is zero."""
+    grid, h = nodes(panel.order), panel.h
+    left, right = (begin - panel.t) / h, (end - panel.t) / h
+    if panel.integrated:
+        a, gap, slope = stop.rates(panel.a), stop.gap(panel.q[0]), h * stop.rate(panel.v[0])
+        coefficients = h**2 * (grid.integrals[2] @ a)
+        coefficients[:2] += gap + 0.5 * slope, 0.5 * slope
+        rates = h**2 * (grid.integrals[1] @ a)
+        rates[0] += slope
+    else:
+        coefficients = grid.integrals[0] @ stop.gaps(panel.q)
+        rates = h * (grid.integrals[0] @ stop.rates(panel.v))
+    value, rate = Series(coefficients), Series(rates)
+    single = rate.falls_once(left, right)
+    if single is not None:
+        return value.value(polish(rate.value_and_slope, *single))
+    found = [value.value(left), value.value(right)]
+    sampled = h * (grid.sample_value @ stop.rates(panel.v))
+    first = 0
+    while bracket := first_descent(grid.samples[first:], sampled[first:], rate.value):
+        peak = polish(rate.value_and_slope, *bracket)
+        if left < peak < right:
+            found.append(value.value(peak))
+        # Behind a crest there may be a higher one.
+        first = int(np.searchsorted(grid.samples, bracket[1]))
+    return max(found)
 
 
 @dataclass(frozen=True)

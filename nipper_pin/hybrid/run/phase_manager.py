@@ -27,8 +27,7 @@ from ..contact.active_set import (
 from ..event import Event, EventKind
 from ..event_location.guards import TriggerKind
 from ..motion.panel import Panel
-from ..segment import Segment
-from ..state import State
+from ..segment import Segment, State
 from .series.bounces import ImpactOutcome, Rest, Series
 from .series.rules import series_rules
 

@@ -8,13 +8,13 @@ from math import ceil, tau
 import numpy as np
 
 from ...dynamics import System, assemble
-from ...dynamics.touch import touch
+from ...dynamics.assembly import touch
 from ...errors import ConvergenceError, InputError, SimulationError, SingularConfigurationError
 from ...mechanism import Start, Stop
 from ...tolerances.hybrid import GAP_ROUND_OFF
 from ...units import coordinate_text
 from ..case import Case, Window
-from ..state import State
+from ..segment import State
 from .phase_manager import located
 
 # Steps of the assembly: for a turn of the cylinder, and at least if stops or starts move, too.

@@ -13,8 +13,7 @@ from ...mechanism import Mechanism
 from ...tolerances.hybrid import SAME_POSITION, SAME_RATE, SHORTEST_PANEL
 from ...units import coordinate_text, rate_text
 from ..event import Event, EventKind, Outcome
-from ..segment import Segment
-from ..state import State
+from ..segment import Segment, State
 from .phase_manager import PhaseManager
 
 

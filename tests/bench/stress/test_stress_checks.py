@@ -25,7 +25,7 @@ from benchmarks.stress.machines.small_machines import e62 as e62_source
 from benchmarks.stress.machines.small_machines import flaps
 from nipper_pin import Case, EventKind, Mechanism, Outcome, Solution, Window, simulate
 from nipper_pin.dynamics import System
-from nipper_pin.hybrid.result.rebounds import Rebounds
+from nipper_pin.hybrid.result.tables import Rebounds
 from nipper_pin.mechanism import from_sources, gallery
 
 # A planted error is beyond the limit that it breaks by at most this factor.

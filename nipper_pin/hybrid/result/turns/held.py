@@ -12,7 +12,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from ....arrays import FloatArray
-from ....dynamics.multipliers import Multipliers
+from ....dynamics.system import Multipliers
 from ....mechanism.parallel import force_shares
 from ....tolerances.hybrid import FORCE_RESOLVED, REAL_ROOT
 from ...motion.panel import Panel, forces_at

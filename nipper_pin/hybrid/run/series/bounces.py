@@ -23,7 +23,7 @@ from ....tolerances.mechanics import EPS
 from ...case import Case
 from ...contact.active_set import Closed, active_set
 from ...contact.bounce_series import BounceSeries
-from ...state import State
+from ...segment import State
 
 Series = tuple[BounceSeries, ...]
 

@@ -35,7 +35,7 @@ from ...case import Case
 from ...contact.active_set import Closed
 from ...contact.bounce_series import NestedSeries
 from ...event import Event, EventKind
-from ...state import State
+from ...segment import State
 from .bounces import (
     UNKNOWN,
     Bounces,
