@@ -153,12 +153,13 @@ def test_a_setting_without_rest_shows_its_reason_instead_of_numbers(page: Page) 
 
 
 def test_the_film_is_that_of_the_setting_and_plays_on(page: Page) -> None:
-    """It stands while something is moved; then it goes on from where it stood."""
+    """It stands while something is moved, then plays on; time and pace are kept."""
     page.click("#play")
     enter(page, "speed", "700")
     assert not page.evaluate("animator.playing")
     until(page, "film.case.startsWith('700')")
     until(page, "animator.playing")
+    page.click("#play")
     seek(page, 4.0)
     page.select_option("#pace", "0.5")
     enter(page, "speed", "690")
