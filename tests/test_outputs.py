@@ -8,10 +8,11 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -331,55 +332,18 @@ def test_old_files_come_back_where_a_new_one_cannot(
 
 # What else an output folder holds stays what it is, links above all, however it is written.
 
-
-def text(content: str, mode: int = 0o644) -> Callable[[Path], None]:
-    def make(path: Path) -> None:
-        path.write_text(content)
-        path.chmod(mode)
-
-    return make
-
-
-def link(to: str) -> Callable[[Path], None]:
-    return lambda path: path.symlink_to(to)
-
-
-def holding(**parts: Callable[[Path], None]) -> Callable[[Path], None]:
-    def make(path: Path) -> None:
-        path.mkdir()
-        for name, part in parts.items():
-            part(path / name)
-
-    return make
-
-
-def listening(path: Path) -> None:
-    with socket.socket(socket.AF_UNIX) as place:
-        # Names of sockets are short.
-        here = os.open(path.parent, os.O_RDONLY)
-        place.bind(f"/proc/self/fd/{here}/{path.name}")
-        os.close(here)
-
-
-# Outside stand a file and a folder, "mine" and "ours"; the output folder is beside them.
-KEPT: dict[str, Callable[[Path], None]] = {
-    "a file": text("kept"),
-    "a private file": text("kept", 0o600),
-    "a program": text("#!/bin/sh", 0o755),
-    ".hidden": text("kept"),
-    "an empty folder": holding(),
-    "a folder": holding(one=text("1"), two=holding(three=text("3"))),
-    "a link to a file": link("../mine"),
-    "a link to a folder": link("../ours"),
-    "a link to nothing": link("nowhere"),
-    "a link to itself": link("a link to itself"),
-    "a link upwards": link(".."),
-    "a whole path": link("/dev/null"),
-    "a folder of links": holding(one=link("../../mine"), two=link("../../ours"), three=link("x")),
-    "a pipe": os.mkfifo,
-    "a folder with a pipe": holding(pipe=os.mkfifo),
-    "a socket": listening,
-}
+# By name their permissions, and where they lead; beside the folder stand a file and a folder.
+FILES = {
+    "a file": 0o644, "a private file": 0o600, "a program": 0o755, ".hidden": 0o644,
+    "a folder/one": 0o640, "a folder/two/three": 0o644,
+}  # fmt: skip
+LINKS = {
+    "to a file": "../mine", "to a folder": "../ours", "to nothing": "nowhere",
+    "to itself": "to itself", "upwards": "..", "a whole path": "/dev/null",
+    "a folder/to a file": "../../mine", "a folder/to a folder": "../../ours", "a folder/no": "x",
+    # By the name of a result: these are replaced, and what they lead to stays.
+    "b": "../mine", "c": "../ours", "d": "nowhere",
+}  # fmt: skip
 
 
 def described(path: Path) -> dict[str, tuple[int, str]]:
@@ -393,62 +357,43 @@ def described(path: Path) -> dict[str, tuple[int, str]]:
     return found
 
 
-@pytest.fixture
-def target(tmp_path: Path) -> Path:
-    """An output folder with a file of ours, and what links in it lead to."""
-    text("mine")(tmp_path / "mine")
-    holding(one=text("1"), two=link("one"))(tmp_path / "ours")
-    holding(a=text("old"))(tmp_path / "out")
-    return tmp_path / "out"
-
-
-def without_links(*_: object, **__: object) -> None:
-    raise PermissionError(1, "no hard links here")
-
-
-HOWS = ["exchanged", "no hard links", "no such call", "working directory"]
-
-
-def prepared(how: str, target: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    if how == "no hard links":
-        monkeypatch.setattr(os, "link", without_links)
-    elif how == "no such call":
-        monkeypatch.setattr(folder, "_swapped", lambda *_: False)
-    elif how == "working directory":
-        monkeypatch.chdir(target)
-
-
-# Of what is no file and no link there is no copy, only another name.
-ONLY_NAMED = ("a pipe", "a folder with a pipe", "a socket")
-
-
-@pytest.mark.parametrize(
-    ("name", "how"),
-    [(name, how) for name in KEPT for how in HOWS if (how, name in ONLY_NAMED) != (HOWS[1], True)],
-)
+@pytest.mark.parametrize("how", ["exchanged", "no hard links", "no such call", "working directory"])
 def test_what_a_folder_holds_stays(
-    name: str, how: str, target: Path, monkeypatch: pytest.MonkeyPatch
+    how: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Links are not followed, neither to be copied nor to be written, and nothing outside moves.
 
     An old file that is not made anew goes; the folder has the permissions that it had.
     """
-    KEPT[name](target / name)
-    # A link by the name of a result is replaced, and what it leads to stays.
-    if name in ("a link to a file", "a link to a folder", "a link to nothing"):
-        KEPT[name](target / "b")
+    target = tmp_path / "out"
+    for name, mode in {"a": 0o644, "../mine": 0o644, "../ours/one": 0o644, **FILES}.items():
+        (target / name).parent.mkdir(parents=True, exist_ok=True)
+        (target / name).write_text(name)
+        (target / name).chmod(mode)
+    for name, to in LINKS.items():
+        (target / name).symlink_to(to)
+    (target / "an empty folder").mkdir()
+    if how == "no hard links":
+        monkeypatch.setattr(os, "link", Mock(side_effect=PermissionError(1, "no hard links here")))
+    else:
+        # Of what is no file and no link there is no copy, only another name.
+        for name in ("a pipe", "a folder/pipe"):
+            os.mkfifo(target / name)
+        with socket.socket(socket.AF_UNIX) as place:
+            # Names of sockets are short.
+            here = os.open(target, os.O_RDONLY)
+            place.bind(f"/proc/self/fd/{here}/a socket")
+            os.close(here)
     target.chmod(0o750)
-    before, outside = described(target), described(target.parent / "ours")
-    prepared(how, target, monkeypatch)
-    with complete_folder(target, ("a", "b")) as new:
-        (new / "b").write_text("new")
-    del before["a"]
-    assert described(target) == {**before, "b": (0o100644, "new")}
-    assert stat.S_IMODE(target.stat().st_mode) == 0o750
+    if how == "no such call":
+        monkeypatch.setattr(folder, "_swapped", lambda *_: False)
+    elif how == "working directory":
+        monkeypatch.chdir(target)
+    kept = described(tmp_path)
+    with complete_folder(target, tuple("abcde")) as new:
+        for name in "bcde":
+            (new / name).write_text("new")
+    del kept["out/a"]
+    assert described(tmp_path) == {**kept, **{f"out/{x}": (0o100644, "new") for x in "bcde"}}
     # Whoever is in the folder still is.
-    assert how != "working directory" or set(os.listdir()) == {
-        item.name for item in target.iterdir()
-    }
-    assert described(target.parent / "ours") == outside
-    assert (target.parent / "mine").read_text() == "mine"
-    assert sorted(item.name for item in target.parent.iterdir()) == ["mine", "ours", "out"]
+    assert how != "working directory" or {*os.listdir()} == {x.name for x in target.iterdir()}

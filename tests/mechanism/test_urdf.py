@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import codecs
 import logging
+import re
 import shutil
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,7 @@ import yourdfpy
 from scipy.integrate import solve_ivp
 from small_machines import hinge, link, machine, slide, sources, turn
 
-from nipper_pin import Case, Mechanism, ModelError, Window, load, simulate
+from nipper_pin import Mechanism, ModelError, load
 from nipper_pin.mechanism import (
     changed,
     collision_model,
@@ -111,20 +112,12 @@ def test_another_reader_agrees(e62: Mechanism, caplog: pytest.LogCaptureFixture)
             )
 
 
-JOINTS = (
-    '<robot name="r"><link name="f"/><link name="a"><inertial><mass value="1"/>'
-    '<inertia ixx="1" iyy="1" izz="1"/></inertial></link><link name="b"><inertial>'
-    '<mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial></link>'
-    '<joint name="p" type="revolute"><parent link="f"/><child link="a"/><axis xyz="0 -1 0"/>'
-    "</joint>"
-    '<joint name="j" type="{}"><parent link="a"/><child link="b"/><origin rpy="{}"/>{}</joint>'
-    "</robot>"
-)
-
-
 def joint_of(kind: str, rpy: str, axis: str | None) -> urdf_parts.UrdfJoint:
+    joint = slide("j", "a", "b").replace("prismatic", kind)
+    joint = joint.replace("<origin ", f'<origin rpy="{rpy}" ')
     written = "" if axis is None else f'<axis xyz="{axis}"/>'
-    root = parse_xml(JOINTS.format(kind, rpy, written), "x.urdf")
+    parts = [link("a"), hinge("p", "frame", "a"), link("b"), re.sub("<axis .*?/>", written, joint)]
+    root = parse_xml(sources(parts, 0)[0], "x.urdf")
     return check_urdf(root, "x.urdf", Path()).joints["j"]
 
 
@@ -176,19 +169,15 @@ def test_damping_of_a_joint_slows_it_as_the_closed_form_says() -> None:
     wheel = with_dynamics(hinge("wheel", "shaft", "wheel"), f'damping="{DAMPING}" friction="0"')
     parts = [link("shaft"), hinge("shaft", "frame", "shaft"), link("wheel", inertia=INERTIA), wheel]
     drives = {"shaft": {"joint": "shaft", "law": "fourier", "sine_rad": [SWING]}}
-    mechanism = machine(parts, 2, drives=drives)
-    solution = turn(mechanism)
+    solution = turn(machine(parts, 2, drives=drives))
     t = np.linspace(0.0, 1.0, 21)
-    v = solution.trajectory.evaluate(t).v
+    rates = solution.trajectory.evaluate(t).rates
     w, k = 2.0 * np.pi, DAMPING / INERTIA
     # p = u' obeys p' + k p = A w^2 sin w t, whose steady part is below.
-    shaft, wheel = (
-        next(j.index for j in mechanism.joints if j.name == n) for n in ("shaft", "wheel")
-    )
     steady = SWING * w**2 * (k * np.sin(w * t) - w * np.cos(w * t)) / (k**2 + w**2)
-    expected = steady + (v[0, wheel] - steady[0]) * np.exp(-k * t)
-    assert v[:, shaft] == pytest.approx(SWING * w * np.cos(w * t), abs=1e-12)
-    assert v[:, wheel] == pytest.approx(expected, abs=1e-11)
+    expected = steady + (rates["wheel"][0] - steady[0]) * np.exp(-k * t)
+    assert rates["shaft"] == pytest.approx(SWING * w * np.cos(w * t), abs=1e-12)
+    assert rates["wheel"] == pytest.approx(expected, abs=1e-11)
 
 
 def test_it_adds_to_the_dampers_of_the_file_and_has_a_path() -> None:
@@ -206,7 +195,6 @@ def test_it_adds_to_the_dampers_of_the_file_and_has_a_path() -> None:
 JAW = '<origin xyz="0.1226 0 0.0561" rpy="0 0 0"/>\n    <axis xyz="0 -1 0"/>'
 OF_THE_JAW = 'iyy="0.001142"'
 FOOT, FRAME = '<link name="rocker_foot"/>', '<link name="frame">'
-NO_INERTIA = 'ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"'
 ENDED, ROBOT, HEAD = "</robot>", "<robot", '<?xml version="1.0"?>'
 LIMITED = f'{JAW}\n    <limit lower="-3.2" upper="3.2"'
 
@@ -295,32 +283,17 @@ def test_marks_at_the_start_of_the_other_files(tmp_path: Path) -> None:
     assert len(found.tabulated_springs) == 1
 
 
-def machine_of(urdf: str, freedom: int, **tables: Any) -> Mechanism:
-    _, document = sources([], freedom, gravity=9.81, **tables)
-    return from_sources("other", urdf, document, ".")
-
-
-def followed(mechanism: Mechanism, times: Any) -> Any:
-    found = simulate(mechanism, Case(speed_rpm=60.0, window=Window.CYCLE, cycles=1))
-    return found.trajectory.evaluate(times).q
+def started(stranger: str, joint: str, at_deg: float) -> Mechanism:
+    """A machine of others, with a joint turned at its start."""
+    own = load(Path(__file__).parents[1] / "strangers" / stranger)
+    document = {**own.description, "initial": {joint: {"at_deg": at_deg}}}
+    return from_sources(stranger, own.urdf, document, ".")
 
 
 def test_a_pendulum_of_points_welded_together() -> None:
     """Two halves of its mass are links of their own: 1 kg at 0.5 m, and the damper of the file."""
-    point = (
-        f'<inertial><origin xyz="0 0 -.5"/><mass value="0.5"/><inertia {NO_INERTIA}/></inertial>'
-    )
-    urdf = (
-        f'<robot name="P"><link name="world"/><link name="base">{point}</link>'
-        '<joint name="up" type="fixed"><origin xyz="0 0 1"/><parent link="world"/>'
-        f'<child link="base"/></joint><link name="arm">{point}</link>'
-        '<joint name="th" type="continuous"><axis xyz="0 -1 0"/><dynamics damping="0.1"/>'
-        f'<parent link="base"/><child link="arm"/></joint><link name="com">{point}</link>'
-        '<joint name="aw" type="fixed"><parent link="arm"/><child link="com"/></joint></robot>'
-    )
-    mechanism = machine_of(urdf, 1, initial={"th": {"at_deg": 30.0}})
     times = np.linspace(0.0, 0.99, 12)
-    found = followed(mechanism, times)[:, 0]
+    found = turn(started("u08_pendulum", "th", 30.0)).trajectory.evaluate(times).joints["th"]
     right = solve_ivp(
         lambda _, y: [y[1], -9.81 / 0.5 * np.sin(y[0]) - 0.1 / 0.25 * y[1]],
         (0.0, 1.0), [np.pi / 6, 0.0], t_eval=times, rtol=1e-12, atol=1e-13, method="DOP853",
@@ -330,21 +303,11 @@ def test_a_pendulum_of_points_welded_together() -> None:
 
 def test_a_cart_with_a_pole_that_grows_clockwise() -> None:
     """The public one: its hinge turns about +y, so the pole falls towards +x as its angle grows."""
-    inertia = 'ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"'
-    urdf = (
-        f'<robot name="p"><link name="bar"><inertial><mass value="0"/><inertia {inertia}/>'
-        '</inertial></link><link name="cart"><inertial><mass value="1"/>'
-        f'<inertia {inertia}/></inertial></link><joint name="s" type="prismatic">'
-        '<axis xyz="1 0 0"/><parent link="bar"/><child link="cart"/></joint><link name="pole">'
-        f'<inertial><origin xyz="0 0 0.5"/><mass value="10"/><inertia {inertia}/></inertial></link>'
-        '<joint name="h" type="continuous"><axis xyz="0 1 0"/><parent link="cart"/>'
-        '<child link="pole"/></joint></robot>'
-    )
-    mechanism = machine_of(urdf, 2, initial={"h": {"at_deg": 5.0}})
+    mechanism = started("u03_cartpole", "h", 5.0)
     assert mechanism.side_view.startswith("coordinates of h grow clockwise")
     times = np.linspace(0.0, 0.99, 12)
-    places = {joint.name: joint.index for joint in mechanism.joints}
-    found = followed(mechanism, times)[:, [places["s"], places["h"]]]
+    q = turn(mechanism).trajectory.evaluate(times).joints
+    found = np.column_stack([q["s"], q["h"]])
 
     def rates(_: float, y: Any) -> list[float]:
         m, big, arm, turning = 10.0, 1.0, 0.5, 1.0

@@ -154,22 +154,26 @@ def stays(name: str) -> None:
     assert np.abs(solution.trajectory.evaluate(np.array([0.7])).q).max() < 1e-12
 
 
+def coordinates(solution: nip.Solution, turns: float = 1.0) -> dict[str, np.ndarray]:
+    """Fifty values of every coordinate from the start on, by joint."""
+    times = np.linspace(0.0, turns * solution.shaft.period, 50)
+    return solution.trajectory.evaluate(times).joints
+
+
+def meeting(pin: np.ndarray, base: complex, coupler: float, bar: float) -> np.ndarray:
+    """From the rocker's pin to where circles about it and about the crank's pin meet, x + i z."""
+    side = base - pin
+    along = (coupler**2 - bar**2 + np.abs(side) ** 2) / (2.0 * np.abs(side))
+    return side / np.abs(side) * (along + 1j * np.sqrt(coupler**2 - along**2)) - side
+
+
 def four_bar(name: str, sense: float = 1.0) -> None:
-    """The rocker is where circles about crank pin and frame pin meet."""
-    solution = run(name)
-    mechanism = solution.mechanism
-    columns = {joint.name: joint.index for joint in mechanism.joints}
-    motion = solution.trajectory.evaluate(np.linspace(0.0, solution.shaft.period, 50))
-    crank, rocker = (sense * motion.q[:, columns[joint]] for joint in ("O", "C"))
-    # The points of the file, as complex numbers x + i z.
-    frame_pin, coupler, bar = 0.12 + 0.0j, abs(0.1 + 0.05j), abs(0.01 + 0.09j)
-    pin = (0.03 + 0.04j) * np.exp(1j * crank)
-    base = frame_pin - pin
-    along = (coupler**2 - bar**2 + np.abs(base) ** 2) / (2.0 * np.abs(base))
-    across = np.sqrt(coupler**2 - along**2)
-    meeting = pin + base / np.abs(base) * (along + 1j * across)
-    turned = np.angle((meeting - frame_pin) / (0.01 + 0.09j))
-    np.testing.assert_allclose(np.exp(1j * (rocker - turned)), 1.0, rtol=0.0, atol=1e-12)
+    """The rocker is where the points of the file have it."""
+    q = coordinates(run(name))
+    crank, arm = sense * q["O"], 0.01 + 0.09j
+    end = meeting((0.03 + 0.04j) * np.exp(1j * crank), 0.12, abs(0.1 + 0.05j), abs(arm))
+    turned = np.exp(1j * sense * q["C"])
+    np.testing.assert_allclose(turned, end / arm, rtol=0.0, atol=1e-12)
     assert crank[-1] - crank[0] == pytest.approx(sense * 2.0 * math.pi, rel=1e-12)
 
 
@@ -187,48 +191,40 @@ def clamps(name: str) -> None:
 def rounded_four_bar(name: str) -> None:
     """Five digits: the motion of the same machine with all of them, to 1e-3 rad."""
     found, whole = run(name), run("sw_fourbar_16")
-    times = np.linspace(0.0, whole.shaft.period, 50)
-    q = [item.trajectory.evaluate(times).q for item in (found, whole)]
-    np.testing.assert_allclose(q[0], q[1], rtol=0.0, atol=1e-3)
+    right = coordinates(whole)
+    for joint, values in coordinates(found).items():
+        np.testing.assert_allclose(values, right[joint], rtol=0.0, atol=1e-3)
     assert "0.00421 mm" in found.warnings[0]
     assert whole.warnings == ()
 
 
 def whole_four_bar(name: str) -> None:
     """The coupler's end stays where crank and rocker have it: lengths of the drawing, in m."""
-    solution = run(name)
-    columns = {joint.name: joint.index for joint in solution.mechanism.joints}
-    q = solution.trajectory.evaluate(np.linspace(0.0, 1.0, 50)).q
-    crank = math.radians(62.0) + q[:, columns["crank_joint"]]
-    base = 0.21 + 0.03j - 0.06 * np.exp(1j * crank)
-    along = (0.17**2 - 0.13**2 + np.abs(base) ** 2) / (2.0 * np.abs(base))
-    meeting = base / np.abs(base) * (along + 1j * np.sqrt(0.17**2 - along**2))
-    rocker = np.angle(meeting - base)
-    turned = q[:, columns["rocker_joint"]]
-    off = np.exp(1j * (turned - (rocker - rocker[0])))
-    np.testing.assert_allclose(off, 1.0, rtol=0.0, atol=1e-12)
+    q = coordinates(run(name))
+    crank = math.radians(62.0) + q["crank_joint"]
+    end = meeting(0.06 * np.exp(1j * crank), 0.21 + 0.03j, 0.17, 0.13)
+    turned = np.exp(1j * q["rocker_joint"])
+    np.testing.assert_allclose(turned, end / end[0], rtol=0.0, atol=1e-12)
 
 
 def five_bar(name: str) -> None:
     """Six digits: an independent integration of the whole file in maximal coordinates."""
     solution = run(name)
-    columns = {joint.name: joint.index for joint in solution.mechanism.joints}
-    (q,) = solution.trajectory.evaluate(np.array([1.0])).q
-    assert q[columns["motor1"]] == pytest.approx(0.16869084, abs=1e-5)
-    assert q[columns["motor2"]] == pytest.approx(-0.08508413, abs=1e-5)
+    q = solution.trajectory.evaluate(1.0).joints
+    assert q["motor1"] == pytest.approx(0.16869084, abs=1e-5)
+    assert q["motor2"] == pytest.approx(-0.08508413, abs=1e-5)
     assert "0.00179 mm" in solution.warnings[0]
 
 
 def turned_yoke(name: str) -> None:
     """The slot's line, 12 degrees off the upright, goes through the pin of the crank."""
     solution = run(name)
-    columns = {joint.name: joint.index for joint in solution.mechanism.joints}
-    q = solution.trajectory.evaluate(np.linspace(0.0, 0.5, 50)).q
-    pin = (0.026188 + 0.022765j) * np.exp(1j * q[:, columns["Rev1"]])
+    q = coordinates(solution, 0.5)
+    pin = (0.026188 + 0.022765j) * np.exp(1j * q["Rev1"])
     slope = math.tan(math.radians(12.0))
     expected = pin.real - slope * (pin.imag - 0.003202) - 0.02203
     # Six decimals: half a micrometre of each length, and of the angle by the length of the slot.
-    np.testing.assert_allclose(q[:, columns["Slide"]], expected, rtol=0.0, atol=3e-6)
+    np.testing.assert_allclose(q["Slide"], expected, rtol=0.0, atol=3e-6)
     assert "0.000248 mm" in solution.warnings[0]
 
 
