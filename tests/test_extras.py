@@ -43,19 +43,8 @@ def run_without(
     )  # fmt: skip
 
 
-def packages(requirements):
-    return {canonicalize_name(Requirement(text).name) for text in requirements}
-
-
 def distribution(module):
     return canonicalize_name(PACKAGES.get(module, module))
-
-
-@pytest.mark.parametrize("extra", EXTRAS)
-def test_the_table_is_that_of_the_project(extra: str) -> None:
-    found = {distribution(name) for name in EXTRAS[extra]}
-    assert found == packages(PROJECT["optional-dependencies"][extra])
-    assert not found & packages(PROJECT["dependencies"])
 
 
 def test_all_is_all_that_the_commands_use() -> None:

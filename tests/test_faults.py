@@ -16,6 +16,7 @@ import pytest
 from programs import study_text
 
 import nipper_pin as nip
+from tests.fuzz.refusals import files
 
 # Modules that keep files of their own are imported, and have written them, before the limit comes.
 PROGRAM = """
@@ -63,12 +64,6 @@ def run(words: str, place: Path, limit: int = -1, end: str = "refused") -> tuple
     return done.returncode, done.stderr
 
 
-def content(place: Path) -> dict[str, bytes]:
-    """Bytes of all files of a folder by their names, hidden ones too."""
-    files = (file for file in sorted(place.rglob("*")) if file.is_file())
-    return {str(file.relative_to(place)): file.read_bytes() for file in files}
-
-
 @pytest.mark.parametrize("end", ["refused", "killed"])
 @pytest.mark.parametrize(
     "name",
@@ -82,15 +77,15 @@ def test_a_write_that_cannot_be_finished(name: str, end: str, tmp_path: Path) ->
     words, before = COMMANDS[name]
     (tmp_path / "whole").mkdir()
     assert run(words, tmp_path / "whole")[0] == 0
-    whole = content(tmp_path / "whole")
+    whole = files(tmp_path / "whole")
     sizes = sorted(len(data) for data in whole.values())
     place = tmp_path / "place"
     place.mkdir()
     assert not before or run(before, place)[0] == 0
-    old = content(place)
+    old = files(place)
     for limit in sorted({1, sizes[len(sizes) // 2] // 2, sizes[-1] // 2}):
         status, said = run(words, place, limit, end)
-        found = content(place)
+        found = files(place)
         if end == "killed":
             assert status == -signal.SIGXFSZ
             found = {key: data for key, data in found.items() if ".partial" not in key}
@@ -100,8 +95,8 @@ def test_a_write_that_cannot_be_finished(name: str, end: str, tmp_path: Path) ->
             assert said.count("\n") == 1
         assert found == old
     assert run(words, place)[0] == 0
-    assert content(place).keys() == whole.keys()
-    assert content(place) != old
+    assert files(place).keys() == whole.keys()
+    assert files(place) != old
 
 
 @pytest.mark.campaign
@@ -111,13 +106,13 @@ def test_a_sweep_that_cannot_be_finished_goes_on(end: str, tmp_path: Path) -> No
     (tmp_path / "sweep.toml").write_text(SWEEP, encoding="utf-8")
     words = "sweep sweep.toml --workers 1 --out "
     assert run(words + "whole", tmp_path)[0] == 0
-    sizes = sorted(len(data) for data in content(tmp_path / "whole").values())
+    sizes = sorted(len(data) for data in files(tmp_path / "whole").values())
     for limit in (1, sizes[len(sizes) // 2] // 2, sizes[-1] // 2):
         assert run(words + "out", tmp_path, limit, end)[0] not in (0, 1)
     assert run(words + "out", tmp_path)[0] == 0
     rows, whole = (nip.read_sweep(tmp_path / each).table.to_pydict() for each in ("out", "whole"))
     assert rows == whole
-    assert not [name for name in content(tmp_path / "out") if ".partial" in name]
+    assert not [name for name in files(tmp_path / "out") if ".partial" in name]
 
 
 @pytest.mark.sampled(2)

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import io
+import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
+import numpy as np
 from programs import main
 
 from nipper_pin import NipperError
@@ -54,6 +56,20 @@ def one_line(read: Callable[..., _T], *arguments: object) -> _T | NipperError:
 def taken(use: Callable[[], object]) -> bool:
     """Whether an input was taken; refused it may be by one line alone."""
     return not isinstance(one_line(use), NipperError)
+
+
+def stored_run(file: Path) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+    """The document of a saved run, and its arrays."""
+    with np.load(file) as stored:
+        arrays = {name: stored[name] for name in stored.files}
+    return json.loads(str(arrays.pop("document"))), arrays
+
+
+def packed(document: Any, arrays: dict[str, np.ndarray]) -> bytes:
+    """A saved run of these."""
+    stream = io.BytesIO()
+    np.savez(stream, document=np.array(json.dumps(document)), **arrays)  # type: ignore[arg-type]
+    return stream.getvalue()
 
 
 def files(folder: Path) -> dict[str, bytes]:

@@ -7,12 +7,11 @@ is not an error of the package comes through and fails the test.
 from __future__ import annotations
 
 import copy
-import io
 import json
 import os
 import tempfile
 import tomllib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -22,7 +21,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from refusals import assert_clear, files, one_line
+from refusals import assert_clear, files, one_line, packed, stored_run
 
 from nipper_pin import (
     Case,
@@ -40,7 +39,7 @@ from nipper_pin.mechanism.files import toml
 from nipper_pin.study import identify, optimise
 from nipper_pin.study.identify.problem.problem import BUILT_IN
 from nipper_pin.study.sweep import read_plan
-from tests.refusals.bases import right
+from tests.refusals.bases import places, right
 
 E62 = known_models()["e62"]
 URDF, TOML = ((E62 / f"e62.{kind}").read_text(encoding="utf-8") for kind in ("urdf", "toml"))
@@ -57,15 +56,6 @@ VALUES = st.recursive(
 )
 GONE = object()
 Path_ = tuple[Any, ...]
-
-
-def places(value: object, path: Path_ = ()) -> Iterator[Path_]:
-    """Paths of everything inside a document."""
-    if path:
-        yield path
-    items = value.items() if isinstance(value, dict) else ()
-    for step, item in enumerate(value) if isinstance(value, list) else items:
-        yield from places(item, (*path, step))
 
 
 def changed(document: Any, path: Path_, value: object) -> Any:
@@ -99,19 +89,11 @@ def asked(path: Path) -> None:
     one_line(lambda: [solution.collisions, solution.phases, solution.transitions])
 
 
-def packed(document: Any, arrays: dict[str, np.ndarray]) -> bytes:
-    stream = io.BytesIO()
-    np.savez(stream, document=np.array(json.dumps(document)), **arrays)  # type: ignore[arg-type]
-    return stream.getvalue()
-
-
 @pytest.fixture(scope="module")
 def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Any, dict[str, np.ndarray]]:
     """Document and arrays of a small stored run."""
     solution = simulate(load("e62"), Case(speed_rpm=650.0, max_collisions=2))
-    with np.load(save(solution, tmp_path_factory.mktemp("run") / "run.npz")) as stored:
-        arrays = {name: stored[name] for name in stored.files}
-    return json.loads(str(arrays.pop("document"))), arrays
+    return stored_run(save(solution, tmp_path_factory.mktemp("run") / "run.npz"))
 
 
 Used = Callable[[Any], object]

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from refusals import packed, stored_run
 from small_machines import frame, hinge, link, sources
 
 from nipper_pin import Case, load, save, simulate
@@ -142,9 +143,7 @@ def long_run(folder: Path) -> Path:
     mechanism = load("e62")
     case = Case(speed_rpm=650.0, window="cycle", cycles=20, reuse_cycles=False)
     path = save(simulate(mechanism, case), folder / "run.npz")
-    with np.load(path) as stored:
-        arrays = {name: stored[name] for name in stored.files}
-    document = json.loads(str(arrays.pop("document")))
+    document, arrays = stored_run(path)
     whole, count = document["segments"], len(arrays) - 1
     # A little more than a copy lasts: round-off must not make them overlap.
     span = 1.001 * (whole[-1]["t_end"] - whole[0]["t_start"])
@@ -166,7 +165,7 @@ def long_run(folder: Path) -> Path:
     for copy in range(1, copies):
         for name, rows in panels.items():
             arrays[f"panel{int(name.removeprefix('panel')) + copy * count}"] = rows
-    np.savez(path, document=np.array(json.dumps(document)), **arrays)
+    path.write_bytes(packed(document, arrays))
     return path
 
 

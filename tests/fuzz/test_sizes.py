@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from refusals import packed, stored_run
 from snapshots import Words
 
 from nipper_pin import (
@@ -134,14 +135,6 @@ def test_every_reader_has_the_limit(
     assert caught.value.evidence == {"file": str(file), "most": getattr(texts, limit)}
 
 
-def saved_run(file: Path) -> tuple[dict[str, Any], Callable[[], None]]:
-    """The document of a saved run, and what writes the run with the changed document."""
-    with np.load(RUN) as stored:
-        found = {name: stored[name] for name in stored.files}
-    document: dict[str, Any] = json.loads(str(found.pop("document")))
-    return document, lambda: np.savez(file, document=np.array(json.dumps(document)), **found)
-
-
 @pytest.mark.parametrize(
     ("table", "place", "key", "value"),
     [("events", 1, "number", 7), ("events", 1, "t", -1e3), ("segments", 0, "t_end", 1e3),
@@ -152,9 +145,9 @@ def test_runs_out_of_order_are_refused(
 ) -> None:
     """Found by the fuzzer: errors of events divided by a time that went backwards."""
     file = tmp_path / "run.npz"
-    document, write = saved_run(file)
+    document, arrays = stored_run(RUN)
     document[table][place][key] = value
-    write()
+    file.write_bytes(packed(document, arrays))
     with pytest.raises(InputError, match=r"not in order|<= 1e\+30"):
         load_solution(file)
 
@@ -162,15 +155,15 @@ def test_runs_out_of_order_are_refused(
 def test_copies_of_a_turn_may_overlap_by_round_off(tmp_path: Path) -> None:
     """Turns that are copies begin at a sum of turns, which is rounded."""
     file = tmp_path / "run.npz"
-    document, write = saved_run(file)
+    document, arrays = stored_run(RUN)
     first, second = document["segments"][:2]
     assert first["t_end"] == second["t_start"] > 0.0
     first["t_end"] *= 1.0 + 4e-16
     assert first["t_end"] > second["t_start"]
-    write()
+    file.write_bytes(packed(document, arrays))
     assert load_solution(file).segments[0].t_end == first["t_end"]
     first["t_end"] *= 1.0 + 1e-12
-    write()
+    file.write_bytes(packed(document, arrays))
     with pytest.raises(InputError, match="not in order"):
         load_solution(file)
     copies = Case(speed_rpm=650.0, window="cycle", cycles=60)

@@ -11,10 +11,9 @@ from collections.abc import Callable
 from pathlib import Path
 from unicodedata import category
 
-import numpy as np
 import pytest
 from matplotlib.figure import Figure
-from refusals import answer
+from refusals import answer, packed, stored_run
 
 import nipper_pin
 from nipper_pin import Case, InputError, load, save, save_case, simulate
@@ -47,11 +46,8 @@ def in_case(folder: Path) -> None:
 
 
 def in_run(folder: Path) -> None:
-    with np.load(folder / "run.npz") as archive:
-        stored = {name: archive[name] for name in archive.files}
-    document = json.loads(str(stored["document"]))
-    stored["document"] = np.array(json.dumps({**document, "format": CODES}))
-    np.savez(folder / "run.npz", **stored)
+    document, arrays = stored_run(folder / "run.npz")
+    (folder / "run.npz").write_bytes(packed({**document, "format": CODES}, arrays))
 
 
 def in_plan(folder: Path) -> None:

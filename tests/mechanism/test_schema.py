@@ -24,6 +24,7 @@ from nipper_pin.mechanism.files.schema import (
 )
 from nipper_pin.mechanism.gallery import GALLERY, drawn
 from nipper_pin.mechanism.skeleton import write_skeleton
+from tests.refusals.bases import places
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -96,15 +97,6 @@ def documents(name: str) -> dict[str, Any]:
     """The model's TOML."""
     (file,) = find_model(name).glob("*.toml")
     return tomllib.loads(file.read_text())
-
-
-def places(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
-    """Every place in a document."""
-    members = value.items() if isinstance(value, dict) else ()
-    members = enumerate(value) if isinstance(value, list) else members
-    for step, item in members:
-        yield (*path, step)
-        yield from places(item, (*path, step))
 
 
 def spoiled(document: dict[str, Any]) -> Iterator[dict[str, Any]]:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from small_machines import frame, hinge, link, slide, sources
 
@@ -62,6 +63,14 @@ def edited(texts: Mapping[str, str], edits: Sequence[str]) -> dict[str, str]:
         (kind,) = (kind for kind, text in changed.items() if old in text)
         changed[kind] = changed[kind].replace(old, new, 1)
     return changed
+
+
+def places(document: object, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+    """The path of everything inside a document."""
+    members = document.items() if isinstance(document, dict) else ()
+    for step, item in enumerate(document) if isinstance(document, list) else members:
+        yield (*path, step)
+        yield from places(item, (*path, step))
 
 
 # Files of a study by name; a command reads the first.
