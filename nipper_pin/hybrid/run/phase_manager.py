@@ -29,7 +29,7 @@ from ..event_location.guards import TriggerKind
 from ..motion.panel import Panel
 from ..segment import Segment, State
 from .series.bounces import ImpactOutcome, Rest, Series
-from .series.rules import series_rules
+from .series.rules import NestedBounces, series_rules
 
 
 class EventLog:
@@ -185,7 +185,8 @@ class PhaseManager:
         self.collisions = 0
         self.end = math.inf
         self._log = EventLog(system.coupled)
-        self._rules = series_rules(system, case, self._log.events)
+        self._nested = NestedBounces(system, case)
+        self._rules = series_rules(system, case, self._log.events, self._nested)
         self._known: tuple[FloatArray | None, FloatArray] = (None, np.empty(0))
 
     @property
@@ -325,19 +326,18 @@ class PhaseManager:
 
     def _go_on(self, struck: ImpactOutcome) -> None:
         """Go on with the series that a collision belongs to, or end it."""
-        for rule in self._rules:
-            if rule.concerns(struck):
-                series, rests = rule.followed(struck, self._acceleration(struck.after))
-                rests = [rest for rest in rests if rest.t <= self.end]
-                self.state = self.state._replace(series=series)
-                for rest in rests:
-                    self._rest(rest)
-                if rests:
-                    at_rest = self.system.coupled([name for rest in rests for name in rest.stops])
-                    left = [stop for stop in struck.rebounding if stop.name not in at_rest]
-                    if not left:
-                        return
-                    struck = struck._replace(after=self.state, rebounding=left)
+        for follow in self._rules:
+            series, rests = follow(struck, self._acceleration)
+            rests = [rest for rest in rests if rest.t <= self.end]
+            self.state = self.state._replace(series=series)
+            for rest in rests:
+                self._rest(rest)
+            if rests:
+                at_rest = self.system.coupled([name for rest in rests for name in rest.stops])
+                left = [stop for stop in struck.rebounding if stop.name not in at_rest]
+                if not left:
+                    return
+                struck = struck._replace(after=self.state, rebounding=left)
 
     def _rest(self, rest: Rest) -> None:
         """End a series at its limit, or at the threshold of the case."""
@@ -375,8 +375,7 @@ class PhaseManager:
         state = self.state
         closed = after_release(state.closed, released)
         # Stops that are not pressed shut are no series any more.
-        for rule in self._rules:
-            rule.forget(released)
+        self._nested.forget(released)
         still = no_impact(self.system, state.v)
         self._log.record(EventKind.RELEASE, state, state.t, sorted(released), still, closed)
         self.state = state._replace(closed=closed, series=self._apart(released))

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from math import inf, isfinite, tau
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
@@ -86,33 +86,11 @@ class Limit(NamedTuple):
         return frozenset(stop.name for stop in self.stops)
 
 
-class ZenoRule(Protocol):
-    """One kind of series."""
-
-    def concerns(self, struck: ImpactOutcome) -> bool:
-        """Return whether a collision may belong to such a series."""
-        ...
-
-    def followed(self, struck: ImpactOutcome, a: FloatArray) -> tuple[Series, Sequence[Rest]]:
-        """Add a collision to its series.
-
-        Args:
-            a: Acceleration just after it, shape (nv,).
-
-        Returns:
-            All series of bounces after it; and the ends of those whose end is known, in order of
-            time.
-        """
-        ...
-
-    def forget(self, opened: Collection[str]) -> None:
-        """End the series of stops that stay in contact, where one of these is pressed no more.
-
-        Rules that keep nothing have nothing to forget.
-        """
-        del opened
-
-
+Acceleration = Callable[[State], FloatArray]
+"""Acceleration of a state, shape (nv,): found only where a rule asks for it."""
+Followed = tuple[Series, Sequence[Rest]]
+"""All series of bounces after a collision; and the ends that are known, in order of time."""
+Rule = Callable[[ImpactOutcome, Acceleration], Followed]
 UNKNOWN = inf, inf
 
 
@@ -215,62 +193,50 @@ def latest_error(limits: Sequence[Limit]) -> float:
 _MANY = 200
 
 
-class Bounces(ZenoRule):
-    """Bounces of stops, each of which has a series of its own.
+def bounces(
+    system: System, case: Case, struck: ImpactOutcome, acceleration: Acceleration
+) -> Followed:
+    """Bounces of stops, each of which has a series of its own, in the state of a run.
 
     A collision goes on with the series of every stop that it throws open, and ends those of the
     other stops in its part of the machine, whose motion it changes. So stops that do not touch one
     another bounce each for itself, and stops of one part that are struck together, again and again.
     """
+    state = struck.after
+    if not struck.rebounding:
+        return state.series, ()
+    a, found, known = acceleration(state), list[BounceSeries](), list[Limit]()
+    for stop in struck.rebounding:
+        own = [item for item in struck.before.series if item.stop == stop.name]
+        series = own[0] if own else BounceSeries(stop.name, state.t)
+        if series.times and knot_between(system, series.times[-1], state.t):
+            series = series.anew()
+        series = series.bounced(state.t, stop.rate(state.v), -stop.rate(a))
+        found.append(series)
+        t_rest, error = accumulation_point(system, case, state, a, stop, series, struck.rebounding)
+        if isfinite(t_rest):
+            known.append(Limit((stop,), t_rest, error, series.start))
+    parts: dict[frozenset[str], list[Limit]] = {}
+    for limit in known:
+        parts.setdefault(system.coupled(limit.names), []).append(limit)
+    bouncing = {stop.name for stop in struck.rebounding}
+    # Of a part all bouncing stops come to rest, as one.
+    at_rest = [
+        limits
+        for part, limits in parts.items()
+        if len(limits) == len(bouncing & part)
+        and (len(limits) == 1 or _as_one(system, case, limits))
+    ]
+    return (*state.series, *found), rests_of(system, state, at_rest)
 
-    def __init__(self, system: System, case: Case) -> None:
-        """The series themselves are part of the state of a run."""
-        self._system, self._case = system, case
 
-    def concerns(self, struck: ImpactOutcome) -> bool:
-        """Return whether a stop rebounds."""
-        return bool(struck.rebounding)
-
-    def followed(self, struck: ImpactOutcome, a: FloatArray) -> tuple[Series, Sequence[Rest]]:
-        """Add the bounces of a collision; see :meth:`.ZenoRule.followed`."""
-        system, state = self._system, struck.after
-        before = struck.before.series
-        found: list[BounceSeries] = []
-        known: list[Limit] = []
-        for stop in struck.rebounding:
-            own = [item for item in before if item.stop == stop.name]
-            series = own[0] if own else BounceSeries(stop.name, state.t)
-            if series.times and knot_between(system, series.times[-1], state.t):
-                series = series.anew()
-            series = series.bounced(state.t, stop.rate(state.v), -stop.rate(a))
-            found.append(series)
-            t_rest, error = accumulation_point(
-                system, self._case, state, a, stop, series, struck.rebounding
-            )
-            if isfinite(t_rest):
-                known.append(Limit((stop,), t_rest, error, series.start))
-        rests = rests_of(system, state, self._in_step(struck, known)) if known else ()
-        return (*state.series, *found), rests
-
-    def _in_step(self, struck: ImpactOutcome, known: Sequence[Limit]) -> list[list[Limit]]:
-        """The limits by part, of parts all of whose bouncing stops come to rest, as one."""
-        parts: dict[frozenset[str], list[Limit]] = {}
-        for limit in known:
-            parts.setdefault(self._system.coupled(limit.names), []).append(limit)
-        bouncing = {stop.name for stop in struck.rebounding}
-        return [
-            limits
-            for part, limits in parts.items()
-            if len(limits) == len(bouncing & part) and (len(limits) == 1 or self._as_one(limits))
-        ]
-
-    def _as_one(self, limits: Sequence[Limit]) -> bool:
-        """True if stops of one part come to rest at one time, as far as the tolerance tells."""
-        if self._case.rest_rate is not None:
-            return True
-        lasts = latest(limits) - min(limit.start for limit in limits)
-        shortest = TIME_ROUND_OFF * self._system.shaft.period
-        return latest_error(limits) <= max(self._case.resolution.tolerance * lasts, shortest)
+def _as_one(system: System, case: Case, limits: Sequence[Limit]) -> bool:
+    """True if stops of one part come to rest at one time, as far as the tolerance tells."""
+    if case.rest_rate is not None:
+        return True
+    lasts = latest(limits) - min(limit.start for limit in limits)
+    shortest = TIME_ROUND_OFF * system.shaft.period
+    return latest_error(limits) <= max(case.resolution.tolerance * lasts, shortest)
 
 
 def accumulation_point(

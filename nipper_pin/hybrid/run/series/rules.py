@@ -17,6 +17,7 @@ do so for ever.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
+from functools import partial
 from math import inf, isfinite
 
 from ....arrays import FloatArray
@@ -38,12 +39,12 @@ from ...event import Event, EventKind
 from ...segment import State
 from .bounces import (
     UNKNOWN,
-    Bounces,
+    Acceleration,
+    Followed,
     ImpactOutcome,
     Limit,
-    Rest,
-    Series,
-    ZenoRule,
+    Rule,
+    bounces,
     knot_between,
     other_stop_meets,
     rests_of,
@@ -53,54 +54,44 @@ from .bounces import (
 _JAM = 20
 
 
-class Jams(ZenoRule):
-    """Collisions in one instant that do not become slower.
+def need_no_jam(
+    system: System, log: Sequence[Event], struck: ImpactOutcome, acceleration: Acceleration
+) -> Followed:
+    """Refuse to go on from a jam: collisions in one instant that do not become slower.
 
     Args:
-        system: The system.
-        events: The events of the run, as they are written down.
+        log: The events of the run, as they are written down.
+
+    Raises:
+        ImpactError: The last collisions are one.
     """
-
-    def __init__(self, system: System, events: Sequence[Event]) -> None:
-        """Times nearer than an instant are one."""
-        self._mechanism, self._events = system.mechanism, events
-        self._instant = SIMULTANEOUS * system.shaft.period
-
-    def concerns(self, struck: ImpactOutcome) -> bool:
-        """Return whether there are as many events within one instant."""
-        first = struck.number - _JAM
-        events = self._events
-        return first >= 0 and events[struck.number - 1].t - events[first].t <= self._instant
-
-    def followed(self, struck: ImpactOutcome, a: FloatArray) -> tuple[Series, Sequence[Rest]]:
-        """Refuse to go on from a jam.
-
-        Raises:
-            ImpactError: The last collisions are one.
-        """
-        del a
-        events, mechanism = self._events[: struck.number], self._mechanism
-        hits = [event for event in events[-2 * _JAM :] if event.kind is EventKind.COLLISION]
-        hits = hits[-_JAM:]
-        if len(hits) < _JAM or hits[-1].t - hits[0].t > self._instant:
-            return struck.after.series, ()
-        stops = sorted({name for event in hits for name in event.stops})
-        series = {name: _approaches(mechanism, name, hits) for name in stops}
-        jammed = {name: rates for name, rates in series.items() if rates}
-        fastest = (max(_approaches(mechanism, name, events)) for name in jammed)
-        # Contacts without approach strike nothing.
-        least = SLOWEST_JAM_RATE * max(fastest, default=0.0)
-        if len(jammed) > 1 and all(
-            len(rates) > 1 and rates[-1] >= max((1.0 - JAM_SLOWING) * rates[0], least)
-            for rates in jammed.values()
-        ):
-            message = (
-                f"the stops {', '.join(jammed)} are struck {_JAM} times within "
-                f"{self._instant:.1g} s and nothing gets slower: they jam what moves between them "
-                "against its drives; give it room, or let the drives be inertial"
-            )
-            raise ImpactError(message, stops=list(jammed), rates_before=series)
-        return struck.after.series, ()
+    del acceleration
+    nothing, mechanism = (struck.after.series, ()), system.mechanism
+    # Times nearer than an instant are one.
+    first, instant = struck.number - _JAM, SIMULTANEOUS * system.shaft.period
+    if first < 0 or log[struck.number - 1].t - log[first].t > instant:
+        return nothing
+    events = log[: struck.number]
+    hits = [event for event in events[-2 * _JAM :] if event.kind is EventKind.COLLISION][-_JAM:]
+    if len(hits) < _JAM or hits[-1].t - hits[0].t > instant:
+        return nothing
+    stops = sorted({name for event in hits for name in event.stops})
+    series = {name: _approaches(mechanism, name, hits) for name in stops}
+    jammed = {name: rates for name, rates in series.items() if rates}
+    fastest = (max(_approaches(mechanism, name, events)) for name in jammed)
+    # Contacts without approach strike nothing.
+    least = SLOWEST_JAM_RATE * max(fastest, default=0.0)
+    if len(jammed) > 1 and all(
+        len(rates) > 1 and rates[-1] >= max((1.0 - JAM_SLOWING) * rates[0], least)
+        for rates in jammed.values()
+    ):
+        message = (
+            f"the stops {', '.join(jammed)} are struck {_JAM} times within {instant:.1g} s and "
+            "nothing gets slower: they jam what moves between them against its drives; give it "
+            "room, or let the drives be inertial"
+        )
+        raise ImpactError(message, stops=list(jammed), rates_before=series)
+    return nothing
 
 
 def _approaches(mechanism: Mechanism, name: str, events: Iterable[Event]) -> list[float]:
@@ -115,7 +106,7 @@ def _approaches(mechanism: Mechanism, name: str, events: Iterable[Event]) -> lis
 _MANY_EVENTS = 1000
 
 
-class NestedBounces(ZenoRule):
+class NestedBounces:
     """Collisions, one in a part, that throw others open, which were at rest."""
 
     def __init__(self, system: System, case: Case) -> None:
@@ -123,17 +114,15 @@ class NestedBounces(ZenoRule):
         self._system, self._case = system, case
         self._known: dict[tuple[str, Closed], NestedSeries] = {}
 
-    def concerns(self, struck: ImpactOutcome) -> bool:
-        """Return whether collisions open other stops, which were at rest."""
-        return any(struck.rates.get(name, 0.0) > 0.0 for name in struck.before.closed)
-
-    def followed(self, struck: ImpactOutcome, a: FloatArray) -> tuple[Series, Sequence[Rest]]:
-        """Add such collisions, one a part; see :meth:`.ZenoRule.followed`."""
-        hit = [self._system.mechanism.stop(name) for name in struck.hit]
+    def followed(self, struck: ImpactOutcome, acceleration: Acceleration) -> Followed:
+        """Add such collisions, one a part."""
+        state = struck.after
+        if not any(struck.rates.get(name, 0.0) > 0.0 for name in struck.before.closed):
+            return state.series, ()
+        a, hit = acceleration(state), [self._system.mechanism.stop(name) for name in struck.hit]
         alone = [group[0] for group in self._system.apart(hit) if len(group) == 1]
         limits = [limit for stop in alone if (limit := self._limit(struck, a, stop)) is not None]
-        rests = rests_of(self._system, struck.after, [[limit] for limit in limits])
-        return struck.after.series, rests
+        return state.series, rests_of(self._system, state, [[limit] for limit in limits])
 
     def _limit(self, struck: ImpactOutcome, a: FloatArray, stop: Stop) -> Limit | None:
         """Where the collisions of a stop end that throw others of its part open, once known."""
@@ -205,41 +194,32 @@ def rest_of_nested(
     return t_rest, error
 
 
-class VanishingBounces(ZenoRule):
-    """Collisions after which no stop of a part opens further than by round-off."""
+def vanishing_bounces(
+    system: System, struck: ImpactOutcome, acceleration: Acceleration
+) -> Followed:
+    """Rests after collisions after which no stop of a part opens further than by round-off."""
+    state = struck.after
+    if not struck.rebounding:
+        return state.series, ()
+    a = acceleration(state)
+    parts = [system.coupled([group[0].name]) for group in system.apart(struck.rebounding)]
+    limits = [limit for part in parts if (limit := _vanished(system, state, a, part))]
+    return state.series, rests_of(system, state, [[limit] for limit in limits])
 
-    def __init__(self, system: System, case: Case) -> None:
-        """Places of stops tell the round-off of all coordinates of their part."""
-        self._system, self._case = system, case
-        units = system.body.unit_of
-        self._least: dict[str, float] = {}
-        for group in system.apart(system.mechanism.stops):
-            farthest = max(abs(stop.at) / units[stop.index] for stop in group)
-            for stop in group:
-                self._least[stop.name] = VANISHED_REBOUND * farthest * units[stop.index]
 
-    def concerns(self, struck: ImpactOutcome) -> bool:
-        """Return whether a stop rebounds."""
-        return bool(struck.rebounding) and self._case.rest_rate is None
-
-    def followed(self, struck: ImpactOutcome, a: FloatArray) -> tuple[Series, Sequence[Rest]]:
-        """End the bounces of a part; see :meth:`.ZenoRule.followed`."""
-        system = self._system
-        parts = [system.coupled([group[0].name]) for group in system.apart(struck.rebounding)]
-        limits = [limit for part in parts if (limit := self._limit(struck.after, a, part))]
-        return struck.after.series, rests_of(system, struck.after, [[limit] for limit in limits])
-
-    def _limit(self, state: State, a: FloatArray, part: Closed) -> Limit | None:
-        """Where a part comes to rest; None if one of its open stops is still on its way."""
-        stops = [stop for stop in self._system.mechanism.stops if stop.name in part]
-        still = [stop for stop in stops if stop.name not in state.closed]
-        if any(stop.restitution >= 1.0 for stop in still):
-            # One that loses nothing rests by what the others lose, if at all.
-            return None
-        lasts = max(_lasts(stop, state, a) for stop in still)
-        if any(_rise(stop, state, a, lasts) > self._least[stop.name] for stop in still):
-            return None
-        return Limit(tuple(stops), state.t + lasts, lasts, state.t)
+def _vanished(system: System, state: State, a: FloatArray, part: Closed) -> Limit | None:
+    """Where a part comes to rest; None if one of its open stops is still on its way."""
+    stops = [stop for stop in system.mechanism.stops if stop.name in part]
+    still = [stop for stop in stops if stop.name not in state.closed]
+    if any(stop.restitution >= 1.0 for stop in still):
+        # One that loses nothing rests by what the others lose, if at all.
+        return None
+    lasts, units = max(_lasts(stop, state, a) for stop in still), system.body.unit_of
+    # Places of stops tell the round-off of all coordinates of their part.
+    least = VANISHED_REBOUND * max(abs(stop.at) / units[stop.index] for stop in stops)
+    if any(_rise(stop, state, a, lasts) > least * units[stop.index] for stop in still):
+        return None
+    return Limit(tuple(stops), state.t + lasts, lasts, state.t)
 
 
 def _lasts(stop: Stop, state: State, a: FloatArray) -> float:
@@ -256,12 +236,14 @@ def _rise(stop: Stop, state: State, a: FloatArray, lasts: float) -> float:
     return gap + rate * min(lasts, 0.5 * rate / deceleration if deceleration > 0.0 else lasts)
 
 
-def series_rules(system: System, case: Case, events: Sequence[Event]) -> tuple[ZenoRule, ...]:
+def series_rules(
+    system: System, case: Case, events: Sequence[Event], nested: NestedBounces
+) -> tuple[Rule, ...]:
     """Return the rules of a machine, in the order in which they are asked."""
-    bounces = Bounces(system, case)
+    single = partial(bounces, system, case)
     if len(system.mechanism.stops) < 2:
-        return (bounces,)
-    rules: list[ZenoRule] = [Jams(system, events), NestedBounces(system, case)]
-    if any(stop.at for stop in system.mechanism.stops):
-        rules.append(VanishingBounces(system, case))
-    return (*rules, bounces)
+        return (single,)
+    rules: list[Rule] = [partial(need_no_jam, system, events), nested.followed]
+    if case.rest_rate is None and any(stop.at for stop in system.mechanism.stops):
+        rules.append(partial(vanishing_bounces, system))
+    return (*rules, single)
