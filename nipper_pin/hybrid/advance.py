@@ -19,7 +19,7 @@ from ..mechanism import Stop
 from ..tolerances.hybrid import ROOT_GAP_ROUND_OFF, SHORTEST_PANEL
 from .case import Resolution
 from .contact.active_set import touching
-from .event_location.guards import Trigger, TriggerKind, triggers
+from .event_location.guards import Trigger, triggers
 from .motion.kinematics import kinematic_panel
 from .motion.panel import Begin, Exact, Panel, one_state_at, serves, suited_split
 from .motion.picard import flight_panel
@@ -195,7 +195,7 @@ class _Way:
         state = self._state
         closed, kinematic = self.phase.closed, self.kinematic
         segment = Segment(state.t, end.t, closed, tuple(panels), kinematic, place)
-        names = [item.stop for item in end.found if item.kind is TriggerKind.GAP]
+        names = [item.stop for item in end.found if item.closes]
         hit = [self._system.mechanism.stop(name) for name in names]
         if hit:
             hit += touching(self._system, end.exact.q, end.exact.v, self.phase.open, names)

@@ -54,14 +54,6 @@ def opened(jacobian: FloatArray, split: Partition) -> FloatArray:
     return inverted(jacobian.take(split.columns, 1))[1]
 
 
-def _between(system: System, phase: ConstraintSet, panel: Panel) -> FloatArray:
-    """Largest difference of the dynamics from the interpolant between the nodes, (nv,).
-
-    The last coefficients may be small by chance; what is wrong between the nodes is not.
-    """
-    return np.asarray(defect(system, phase, panel, nodes(panel.order).between).max(axis=0))
-
-
 def unresolved(system: System, phase: ConstraintSet, panel: Panel) -> tuple[FloatArray, FloatArray]:
     """Unresolved parts of all positions and velocities of a flight panel, each (nv,)."""
     grid, h, a = nodes(panel.order), panel.h, panel.a
@@ -70,7 +62,8 @@ def unresolved(system: System, phase: ConstraintSet, panel: Panel) -> tuple[Floa
     swept = again - a
     there = system.accelerations(motion, *nearby(system, panel.q, panel.v, panel.split), phase)
     rough = np.abs(there - again).max(axis=0)
-    missing = _between(system, phase, panel)
+    # The last coefficients may be small by chance; what is wrong between the nodes is not.
+    missing = defect(system, phase, panel, grid.between).max(axis=0)
     if system.mechanism.knots:
         # Across a row of a table coefficients decay by powers: of k^-3 that all follow, twice
         # integrated, a quarter of their number times the last one is missing.
@@ -93,11 +86,7 @@ def at_start(
     v: Vector,
     split: Partition | None = None,
 ) -> Zonotope:
-    """Deviations of a state with which a motion begins.
-
-    Args:
-        t: When [s].
-    """
+    """Deviations of a state with which a motion begins, at time t [s]."""
     split = _split(system, closed, q) if split is None else split
     # In the touch configuration nothing is turned, and only lengths and their sums are rounded.
     length = INDEPENDENT_ROUND_OFF if q.any() else LENGTH_ROUND_OFF

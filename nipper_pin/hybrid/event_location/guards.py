@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Sequence
-from enum import StrEnum
 from functools import cache
 from typing import NamedTuple
 
@@ -43,23 +42,17 @@ _FARTHEST = 0.5 * 3.7
 _MARGIN = 100.0
 
 
-class TriggerKind(StrEnum):
-    """Kind of a root function."""
-
-    GAP = "gap"
-    FORCE = "force"
-
-
 class Trigger(NamedTuple):
     """A root: the gap of an open stop, or the force of a closed one, falls through zero.
 
     Attributes:
         t: Time [s].
+        closes: True for a gap, False for a force.
     """
 
     t: float
-    kind: TriggerKind
     stop: str
+    closes: bool
 
 
 def triggers(
@@ -84,14 +77,14 @@ def triggers(
         t = _gap_root(system, phase, panel, stop)
         if t is not None:
             latest = min(latest, t + instant)
-            found.append(Trigger(t, TriggerKind.GAP, stop.name))
+            found.append(Trigger(t, stop.name, closes=True))
     vanishing = may_vanish(forces).tolist()
     for column, stop in enumerate(phase.shut):
         if (watched is not None and stop.name not in watched) or not vanishing[column]:
             continue
         t = _force_root(system, phase, panel, forces[:, column], column)
         if t is not None and not _is_nothing(system, panel, stop, forces[:, column]):
-            found.append(Trigger(t, TriggerKind.FORCE, stop.name))
+            found.append(Trigger(t, stop.name, closes=False))
     if not found:
         return ()
     earliest = min(trigger.t for trigger in found)
@@ -145,7 +138,6 @@ def _flight_root(panel: Panel, stop: Stop, gap: float, rate: float, nothing: flo
 
     Args:
         gap: Gap of the stop, an open one, at the start of the panel [rad or m].
-        rate: The rate of the gap there.
         nothing: Gap that is round-off.
     """
     grid, h, a = nodes(panel.order), panel.h, panel.a[:, stop.index]
@@ -251,7 +243,8 @@ def _force_root(
 
     first, last = (panel.t + panel.h * end for end in bracket)
     near = panel.t + panel.h * polish(series.value_and_slope, *bracket)
-    if _surely_within(first, last, near, *exact(near)):
+    value, slope = exact(near)
+    if slope < 0.0 and _MARGIN * abs(value / slope) < min(near - first, last - near):
         return polish(exact, first, last, near)
     while bracket is not None:
         left, right = bracket
@@ -284,11 +277,6 @@ def _is_nothing(system: System, panel: Panel, stop: Stop, force: FloatArray) -> 
     resists = math.sqrt(system.body.mass_matrix(q)[stop.index, stop.index])
     nothing = ACTIVE_SET_ROUND_OFF * resists * force_size(system, motion, q, v, a, stop.index)
     return float(np.abs(force).max()) <= nothing
-
-
-def _surely_within(left: float, right: float, t: float, value: float, slope: float) -> bool:
-    """True if a function falls through zero well inside a bracket, by its value at a time."""
-    return slope < 0.0 and _MARGIN * abs(value / slope) < min(t - left, right - t)
 
 
 def _polished(

@@ -31,7 +31,8 @@ def unusual(mechanism: Mechanism, case: Case) -> str:
             f"{case.speed_rpm:g} r/min is {case.speed_rpm / rated:.3g} times the rated speed of "
             f"{rated:g} r/min: is it meant?"
         )
-    shut = {mechanism.stop(name).index for name in _initially(mechanism)}
+    closed = mechanism.phase(mechanism.initial_phase).closed
+    shut = {mechanism.stop(name).index for name in closed}
     for spring in mechanism.springs:
         if spring.preload < 0.0 and spring.index in shut:
             told.append(
@@ -39,11 +40,6 @@ def unusual(mechanism: Mechanism, case: Case) -> str:
                 "closed in the initial phase."
             )
     return " ".join(told)
-
-
-def _initially(mechanism: Mechanism) -> frozenset[str]:
-    """Stops that are closed in the initial phase."""
-    return mechanism.phase(mechanism.initial_phase).closed
 
 
 def law_that_matters(system: System, events: Sequence[Event]) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import astuple
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -39,11 +40,7 @@ def _residuals(solution: Simulated, allowed: float) -> Iterator[tuple[str, str, 
     """Name, unit, size and bound of each residual."""
     system, energy = solution.system, solution.energy
     yield "the closures gape by", "m", solution.checks.closure_m, allowed * system.body.reach_m
-    terms = (
-        energy.drive_work, energy.drive_impulse_work, energy.gravity_work, energy.spring_change,
-        energy.kinetic_change, energy.impact_losses, energy.dissipated, energy.kinetic_peak,
-    )  # fmt: skip
-    most = allowed * sum(map(abs, terms)) + STORED_ENERGY * _stored(solution)
+    most = allowed * sum(map(abs, astuple(energy))) + STORED_ENERGY * _stored(solution)
     yield "the energy balance leaves over", "J", abs(energy.residual), most
 
 

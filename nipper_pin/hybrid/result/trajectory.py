@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from ...arrays import FloatArray
+from ...arrays import FloatArray, Vectors
 from ...dynamics import System
 from ...errors import InputError
 from ...given import refuse
@@ -100,24 +100,6 @@ class Reactions:
         return {**self.__dict__, "_wrenches": partial(tuple, found)}
 
 
-class _States(NamedTuple):
-    """States at K times, with the forces that act on them.
-
-    Attributes:
-        q: Configurations, shape (K, nv).
-        v: Velocities, shape (K, nv).
-        a: Accelerations, shape (K, nv).
-        la_g: Closure forces as of :class:`.Multipliers`, shape (K, m) [N].
-        stops: Forces of the stops along their gaps, shape (K, stops) [N m or N].
-    """
-
-    q: FloatArray
-    v: FloatArray
-    a: FloatArray
-    la_g: FloatArray
-    stops: FloatArray
-
-
 @dataclass(frozen=True, eq=False)
 class Impulses:
     """Impulses of an event; sides and axes as of ``Reactions``.
@@ -189,7 +171,6 @@ class Trajectory:
         stops = np.zeros((count, len(mechanism.stops)))
         la_g = np.empty((count, body.closure_rows))
         q, v, a = np.empty((3, count, body.nv))
-        states = _States(q, v, a, la_g, stops)
         places = {stop.name: i for i, stop in enumerate(mechanism.stops)}
         for segment, panel, chosen in self._groups(times, left):
             phase = self.system.constraint_set(segment.closed)
@@ -208,20 +189,25 @@ class Trajectory:
             contacts={
                 stop.name: stops[:, i] / stop.lever for i, stop in enumerate(mechanism.stops)
             },
-            _wrenches=partial(self._wrenches, states),
+            _wrenches=partial(self._wrenches, q, v, a, la_g, stops),
         )
 
-    def _wrenches(self, states: _States) -> tuple[dict[str, FloatArray], dict[str, FloatArray]]:
-        """Forces of the joints and of the cut joints, each by name."""
+    def _wrenches(
+        self, q: Vectors, v: Vectors, a: Vectors, la_g: FloatArray, stops: FloatArray
+    ) -> tuple[dict[str, FloatArray], dict[str, FloatArray]]:
+        """Forces of the joints and of the cut joints, each by name.
+
+        Args:
+            la_g: Closure forces as of :class:`.Multipliers`, shape (K, m) [N].
+            stops: Forces of the stops along their gaps, shape (K, stops) [N m or N].
+        """
         mechanism, body = self.system.mechanism, self.system.body
         lips, levers = _with_point(mechanism)
-        pulls = self.system.point_forces(states.q, states.v)
+        pulls, pushes = self.system.point_forces(q, v), stops[:, lips] / levers
         wrenches = np.empty((len(pulls), len(mechanism.joints), 3))
         cuts = np.empty((len(pulls), len(mechanism.closures), 2))
-        for row, (q, v, a, la_g, stops) in enumerate(zip(*states, strict=True)):
-            wrenches[row], cuts[row] = body.joint_wrenches(
-                q, v, a, la_g, pulls[row], stops[lips] / levers
-            )
+        for row, state in enumerate(zip(q, v, a, la_g, pulls, pushes, strict=True)):
+            wrenches[row], cuts[row] = body.joint_wrenches(*state)
         return (
             {joint.name: wrenches[:, i] for i, joint in enumerate(mechanism.joints)},
             {closure.name: cuts[:, i] for i, closure in enumerate(mechanism.closures)},

@@ -25,7 +25,6 @@ from ..contact.active_set import (
     touching,
 )
 from ..event import Event, EventKind
-from ..event_location.guards import TriggerKind
 from ..motion.panel import Panel
 from ..segment import Segment, State
 from .series.bounces import ImpactOutcome, Rest, Series
@@ -212,7 +211,10 @@ class PhaseManager:
     def _settle(self, still: Closed) -> None:
         """Close the open stops with neither gap nor rate that are pressed shut."""
         state = self.state
-        closed = self._active_set(state, state.v, state.closed | still, still)
+        at_rest = state.closed | still
+        closed = active_set(
+            self.system, state.motion, state.q, state.v, state.jacobian, at_rest, still
+        )
         opened = state.closed - closed
         if opened:
             state = self._open(opened)
@@ -255,8 +257,8 @@ class PhaseManager:
         state = self.state = reached.end
         if not reached.triggers:
             return False
-        hit = {item.stop for item in reached.triggers if item.kind is TriggerKind.GAP}
-        released = {item.stop for item in reached.triggers if item.kind is TriggerKind.FORCE}
+        hit = {item.stop for item in reached.triggers if item.closes}
+        released = {item.stop for item in reached.triggers if not item.closes}
         if released:
             state = self._release(released, reached.segment.panels[-1])
         if hit:
@@ -296,7 +298,9 @@ class PhaseManager:
         impact = solve_impact(self.system, state.q, state.v, state.jacobian, contacts)
         rates = {stop.name: stop.rate(impact.v_after) for stop in contacts}
         at_rest = after_collision(state.closed, rates)
-        closed = self._active_set(state, impact.v_after, at_rest, met)
+        closed = active_set(
+            self.system, state.motion, state.q, impact.v_after, state.jacobian, at_rest, met
+        )
         struck = _struck(impact, hit)
         number = self._log.record(EventKind.COLLISION, state, state.t, struck, impact, closed)
         after = State(
@@ -405,13 +409,6 @@ class PhaseManager:
             a = self.system.accelerations(state.motion, state.q[None], state.v[None], phase)[0]
             self._known = state.v, a
         return a
-
-    def _active_set(
-        self, state: State, v: FloatArray, at_rest: Closed, about: Collection[str]
-    ) -> Closed:
-        if not at_rest:
-            return at_rest
-        return active_set(self.system, state.motion, state.q, v, state.jacobian, at_rest, about)
 
 
 def _struck(impact: Impact, hit: set[str]) -> list[str]:

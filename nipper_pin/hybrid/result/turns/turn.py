@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 
@@ -364,38 +363,27 @@ def reported_turn(solution: Solution, least_force: float = 0.0) -> Turn:
     if not solution.mechanism.transition_stop:
         message = f"{solution.mechanism.name} has no stop that could clamp"
         raise InputError(message, model=solution.mechanism.name)
-    found = repetition(solution)
+    turn, after = _repetition(solution)
     # Errors of events far beyond the turn would cost as much as the turns.
-    end = (found.turn + 1) * solution.shaft.period
+    end = (turn + 1) * solution.shaft.period
     short = replace(
         solution,
         segments=tuple(item for item in solution.segments if item.t_start < end),
         events=tuple(item for item in solution.events if item.t <= end),
     )
-    return Turn(short, found.turn, found.after, least_force)
+    return Turn(short, turn, after, least_force)
 
 
-class Repetition(NamedTuple):
-    """How turns go on.
-
-    Attributes:
-        turn: Number of the first turn that ends as an earlier one did, or of the last one.
-        after: After how many turns it repeats that one; 0 if none was met.
-    """
-
-    turn: int
-    after: int
-
-
-def repetition(solution: Solution) -> Repetition:
+def _repetition(solution: Solution) -> tuple[int, int]:
     """Find the first turn that ends like an earlier one, so that all further ones are known.
 
     Ends are alike if the same stops are closed and the states differ by no more than the engines
     call the same turn, relative to the largest change of coordinates of their kind. Shafts that
     move on their own have their rates in the state, too.
 
-    Args:
-        solution: A run of whole turns, followed to its end.
+    Returns:
+        Number of that turn, or of the last one; and after how many turns it repeats the earlier
+        one, 0 if none was met.
     """
     turns = solution.repeated_from or solution.case.cycles
     period = solution.shaft.period
@@ -413,8 +401,8 @@ def repetition(solution: Solution) -> Repetition:
             wound = winding(solution.mechanism, q[old], q[turn], np.inf)
             moved = q[turn] - q[old] - (0.0 if wound is None else wound)
             if (np.abs(moved) <= within_q).all() and (np.abs(v[turn] - v[old]) <= within_v).all():
-                return Repetition(turn, back)
-    return Repetition(turns, 0 if solution.repeated_from is None else 1)
+                return turn, back
+    return turns, 0 if solution.repeated_from is None else 1
 
 
 def _closed_before(solution: Solution, times: FloatArray) -> list[frozenset[str]]:
