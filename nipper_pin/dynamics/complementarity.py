@@ -1,7 +1,7 @@
 """How coordinates answer impulses, and which unilateral contacts push: pivoting finds it.
 
 xi = A P + b >= 0, P >= 0, xi P = 0, with the Delassus matrix A = W' M^-1 W of the motions that
-closures and held drives leave. Work grows with the cube of the number of stops.
+closures and held drives leave: these do not yield. Work grows with the cube of the number of stops.
 """
 
 from __future__ import annotations
@@ -27,7 +27,6 @@ def impact_condition(system: System, q: Vector, jacobian: Jacobian, stops: Seque
     and badly conditioned where bodies of very different mass pull at one another.
 
     Args:
-        system: The system; held drives do not yield.
         stops: Coordinates of the closed stops; with any, the matrix is that of their parts.
 
     Returns:
@@ -60,9 +59,6 @@ def inverse_mass_roots(system: System, q: Vector, stops: Sequence[int]) -> Float
     An impulse times this is the root of twice the energy that it gives to a machine at rest whose
     loops are open [sqrt(J)], whatever the unit of the coordinate is.
 
-    Args:
-        system: The system; held drives do not yield.
-
     Raises:
         ImpactError: The mass matrix is singular.
     """
@@ -78,9 +74,6 @@ def inverse_mass_roots(system: System, q: Vector, stops: Sequence[int]) -> Float
 
 def free_mass_matrix(system: System, q: Vector) -> tuple[list[int], FloatArray]:
     """Coordinates that impulses move, and their mass matrix with the inertia of the shafts.
-
-    Args:
-        system: The system; held drives do not yield.
 
     Returns:
         Their numbers, and the matrix, shape (moving, moving).
@@ -124,9 +117,7 @@ _ROUNDS = 50
 def delassus(system: System, q: Vector, jacobian: Jacobian, stops: Sequence[Stop]) -> FloatArray:
     """Rates of the gaps of stops by the impulses at them, A, shape (stops, stops).
 
-    Args:
-        system: The system; held drives do not yield.
-        stops: The stops. Rows of those that closures and drives do not let move are zero.
+    Rows of stops that closures and drives do not let move are zero.
 
     Raises:
         SingularConfigurationError: The closures do not determine the dependent coordinates.
@@ -182,7 +173,6 @@ def independent(matrix: FloatArray, carrying: Sequence[int], other: int) -> bool
     Args:
         matrix: A, shape (n, n).
         carrying: Places of stops that do not depend on one another.
-        other: Place of another one.
     """
     across = matrix[other, carrying]
     inner = matrix[np.ix_(carrying, carrying)]

@@ -41,7 +41,7 @@ def sequential_impacts(
     Args:
         v: Velocity before, G v = 0, shape (nv,).
         contacts: Stops with zero gap: the colliding ones and those that touch.
-        most: Number of strikes at which to give up.
+        most: Strikes at which to give up.
 
     Returns:
         The sum of all strikes. A series that does not end has its limit: rates that have fallen to
@@ -197,7 +197,6 @@ def same_by_every_law(
     Args:
         v: Velocity before, shape (nv,).
         v_after: Velocity after, shape (nv,).
-        P_N: Their impulses, by name.
     """
     approaching = sum(stop.rate(v) < 0.0 for stop in contacts)
     struck = sum(P_N[stop.name] > 0.0 for stop in contacts)

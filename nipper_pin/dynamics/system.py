@@ -38,6 +38,7 @@ class System:
     Attributes:
         parts: Number of the part of each coordinate, shape (nv,); held shafts have their own.
         whole: True if all stops are in one part, as in most machines.
+        turning: How far links turn by one unit of each coordinate, shape (nv,) [rad].
     """
 
     def __init__(
@@ -50,7 +51,7 @@ class System:
         self.held = drive is DriveMode.HELD
         numbers = self._numbers = coefficients(mechanism, self.held)
         self.driven, self.driven_columns = numbers.driven, numbers.columns
-        self.inertia = numbers.inertia
+        self.inertia, self.turning = numbers.inertia, numbers.turning
         self.drive_armature, self.free = numbers.armature, numbers.free
         self.held_coordinates = tuple(self.driven.tolist()) if self.held else ()
         self.body = multibody(mechanism)
@@ -116,14 +117,9 @@ class System:
         allowed = REPARTITION_GAIN * self.condition(split, jacobian)
         return other if self.condition(other, jacobian) < allowed else split
 
-    @property
-    def turning(self) -> FloatArray:
-        """How far links turn by one unit of each coordinate, shape (nv,) [rad]."""
-        return self._numbers.turning
-
     def turns(self, moved: FloatArray) -> FloatArray:
         """How far links turn as coordinates move, shape of ``moved`` [rad]; slides by the reach."""
-        return np.abs(moved) * self._numbers.turning
+        return np.abs(moved) * self.turning
 
     def lift(self, jacobian: Jacobian, split: Partition, v: FloatArray) -> FloatArray:
         """Velocities with G v = 0, shape of ``v``: dependent rates from independent ones.

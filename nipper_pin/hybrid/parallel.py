@@ -8,15 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from ..mechanism import Mechanism, Stop
 from ..mechanism.parallel import group, impulse_shares, led, together
+from .error_estimate.event_errors import EventError
 from .event import Event
 from .segment import Segment
-
-if TYPE_CHECKING:
-    from .error_estimate.event_errors import EventError
 
 
 def for_all(

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from functools import wraps
+from typing import Any, NamedTuple, TypeVar, TypeVarTuple
 
 from ..arrays import FloatArray
 from ..dynamics import Driven, System
 from .contact.active_set import Closed
 from .contact.bounce_series import BounceSeries
+from .event import Event
 from .motion.panel import Panel
 
 
@@ -80,3 +82,25 @@ class Segment:
     def panel_number(self, t: float) -> int:
         """Return the place of the panel that holds time t [s]."""
         return max(bisect_right(self.panels, t, key=lambda panel: panel.t) - 1, 0)
+
+
+_Item = TypeVar("_Item", Event, Segment)
+_Found = TypeVar("_Found")
+_Rest = TypeVarTuple("_Rest")
+
+
+def once_a_source(
+    find: Callable[[Any, _Item, *_Rest], _Found],
+) -> Callable[[Any, _Item, *_Rest], _Found]:
+    """Keep what a method finds of an event or a segment, for all copies of it."""
+    name = f"{find.__name__} of sources"
+
+    @wraps(find)
+    def found(owner: Any, item: _Item, *rest: *_Rest) -> _Found:
+        known: dict[tuple[object, ...], _Found] = vars(owner).setdefault(name, {})
+        key = item.source, *rest
+        if key not in known:
+            known[key] = find(owner, item, *rest)
+        return known[key]
+
+    return found

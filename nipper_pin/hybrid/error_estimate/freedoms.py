@@ -62,11 +62,7 @@ class Freedoms:
 
     @classmethod
     def of_one(cls, system: System, columns: Sequence[int], members: NDArray[np.intp]) -> Freedoms:
-        """Coordinates of one part, held shafts that move it among them.
-
-        Args:
-            members: All coordinates of the part.
-        """
+        """Coordinates of one part, whose members are, held shafts that move it among them."""
         return cls(system.body.units, tuple(columns), (0,) * len(columns), (members,))
 
     @classmethod

@@ -32,7 +32,7 @@ from ...tolerances.hybrid import DIFFERENCE_STEP, SMALLEST
 from ...tolerances.mechanics import EPS
 from ..event import Event, EventKind
 from ..motion.panel import Panel
-from ..segment import Segment
+from ..segment import Segment, once_a_source
 from .freedoms import Part, free_coordinates
 from .local_error import at_end, unresolved, unsure
 from .saltation import impact_map, sequence_map
@@ -64,31 +64,25 @@ class PanelMaps:
         self._at: dict[float, list[Event]] = {}
         for event in events:
             self._at.setdefault(event.t, []).append(event)
-        self._pieces: dict[int, list[PanelMap]] = {}
-        self._ends: dict[int, Zonotope] = {}
-        self._free: dict[int, NDArray[np.bool_]] = {}
 
+    @once_a_source
     def pieces(self, segment: Segment) -> list[PanelMap]:
         """The panels of a segment with freedom."""
-        if segment.source not in self._pieces:
-            pieces = segment.pieces()
-            found = [self._piece(segment, panel, end - begin) for panel, begin, end in pieces]
-            self._pieces[segment.source] = found
-        return self._pieces[segment.source]
+        pieces = segment.pieces()
+        return [self._piece(segment, panel, end - begin) for panel, begin, end in pieces]
 
+    @once_a_source
     def end(self, segment: Segment) -> Zonotope:
         """Deviations at the end of a segment, where drives determine a part."""
-        if segment.source not in self._ends:
-            self._ends[segment.source] = at_end(self.system, segment)
-        return self._ends[segment.source]
+        return at_end(self.system, segment)
 
+    @once_a_source
     def free(self, segment: Segment) -> NDArray[np.bool_]:
         """Whether coordinates of a segment are free, shape (nv,)."""
-        if segment.source not in self._free:
-            phase = self.system.constraint_set(segment.closed)
-            found = self._free[segment.source] = np.zeros(self.system.body.nv, dtype=np.bool_)
-            found[free_coordinates(phase, segment.panels[0].split)] = True
-        return self._free[segment.source]
+        phase = self.system.constraint_set(segment.closed)
+        found = np.zeros(self.system.body.nv, dtype=np.bool_)
+        found[free_coordinates(phase, segment.panels[0].split)] = True
+        return found
 
     def _piece(self, segment: Segment, panel: Panel, length: float) -> PanelMap:
         system, phase = self.system, self.system.constraint_set(segment.closed)
@@ -210,31 +204,15 @@ class LinearMaps:
     def __init__(self, part: Part, panels: PanelMaps) -> None:
         """Begin with none."""
         self.system, self.part, self._all = panels.system, part, panels
-        self._flights: dict[int, FlightMap] = {}
-        self._ends: dict[int, Zonotope] = {}
-        self._impacts: dict[int, ImpactMap] = {}
 
     def determined(self, segment: Segment) -> bool:
         """True if drives and closed stops determine the motion of the part."""
         return segment.kinematic or not self._all.free(segment)[self.part.coordinates].any()
 
-    def flight(self, segment: Segment) -> FlightMap:
-        """A segment of some length in which the part has freedom."""
-        if segment.source not in self._flights:
-            self._flights[segment.source] = self._flight(segment)
-        return self._flights[segment.source]
-
+    @once_a_source
     def end(self, segment: Segment) -> Zonotope:
         """Deviations at the end of a segment that determines the part, and forgets those before."""
-        if segment.source not in self._ends:
-            self._ends[segment.source] = self.part.of(self._all.end(segment).states)
-        return self._ends[segment.source]
-
-    def impact(self, event: Event) -> ImpactMap:
-        """An event with impulses at some of its stops."""
-        if event.source not in self._impacts:
-            self._impacts[event.source] = self._impact(event)
-        return self._impacts[event.source]
+        return self.part.of(self._all.end(segment).states)
 
     def left_out(self, rest: Event, remaining: float) -> Zonotope:
         """Deviations by bounces that are not computed, in a time before a rest [s]."""
@@ -255,7 +233,9 @@ class LinearMaps:
         pieces = self._all.pieces(segment)
         return float(pieces[-1].position[index]) if pieces else 0.0
 
-    def _flight(self, segment: Segment) -> FlightMap:
+    @once_a_source
+    def flight(self, segment: Segment) -> FlightMap:
+        """A segment of some length in which the part has freedom."""
         part, first = self.part, segment.panels[0]
         piece, *others = self._all.pieces(segment)
         matrix, own = piece.matrix[part.square], part.of(piece.made).merged()
@@ -268,7 +248,9 @@ class LinearMaps:
         rates = np.concatenate([first.v[0], first.a[0]])[part.rows]
         return FlightMap(matrix, own, rates)
 
-    def _impact(self, event: Event) -> ImpactMap:
+    @once_a_source
+    def impact(self, event: Event) -> ImpactMap:
+        """An event with impulses at some of its stops."""
         system, part, rows = self.system, self.part, self.part.rows
         phase = system.constraint_set(event.closed_before)
         motion = system.shaft.driven(np.array([event.t]))

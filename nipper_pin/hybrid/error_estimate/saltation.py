@@ -288,7 +288,6 @@ def after_all(
     """Deviations after an event, back at the times at which its first stop is struck.
 
     Args:
-        stops: The stops that it strikes beside that one.
         after: Deviations after the impacts, of each part when it is struck itself.
     """
     if not stops:
@@ -305,12 +304,7 @@ def after_all(
 def stated(
     first: StrikeError, stops: list[Beside], event: Event, impulses: Mapping[str, float]
 ) -> dict[str, StrikeError]:
-    """Errors of each stop that an event strikes, by name; nothing if it strikes one alone.
-
-    Args:
-        first: Errors of its first stop.
-        impulses: Errors of its impulses, by stop.
-    """
+    """Errors of each stop that an event strikes, by name; nothing if it strikes one alone."""
     found = {event.stops[0]: first} if stops else {}
     for stop in stops:
         size = abs(event.P_N[stop.name])

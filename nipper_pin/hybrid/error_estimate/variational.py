@@ -64,10 +64,7 @@ def tangents(
 def flight_map(
     system: System, phase: ConstraintSet, panel: Panel, length: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Carries deviations of positions and velocities over the first part of a flight panel.
-
-    Args:
-        length: How much of it belongs to the segment [s].
+    """Carries deviations of a state over the first part of a flight panel, of a length [s].
 
     Returns:
         Deviations (dq, dv) at the end by those at the start, shape (2 nv, 2 nv); and by dy and dy'

@@ -65,65 +65,50 @@ def kinematic_panel(
     panel = Panel(t, h, q_nodes, v_nodes, a_nodes, split, integrated=False)
     if not resolution.adaptive:
         return Attempt(panel, forces, 1.0)
-    shown = _Shown.of(panel, forces)
+    columns = np.concatenate([q_nodes, v_nodes, a_nodes, forces], 1)
+    sizes, tails = (_Columns.of(found(columns), len(q)) for found in (largest, tail))
     # What no shorter panel would resolve either must not advise one.
-    round_off = _round_off(system, shown.q, split, inverse[0])
-    rough_a = _rough_accelerations(panel, shown, round_off, resolution) * phase.moving
+    round_off = _round_off(system, sizes.q, split, inverse[0])
+    rough_a = _rough_accelerations(panel, sizes, tails, round_off, resolution) * phase.moving
     roughest = max(rough_a.tolist(), default=0.0)
-    excess = _excess(h, shown, round_off, resolution)
+    excess = _excess(h, sizes, tails, round_off, resolution)
     if roughest > 1.0:
-        still = h * shown.v + h**2 * shown.a
+        still = h * sizes.v + h**2 * sizes.a
         nothing = h * rates_of_closures(system, v_nodes)
         nothing += h**2 * of_closures(system, v_nodes, a_nodes)
         nothing += _of_drives(system, h)[1]
         rough_a[still <= ROUND_OFF_SAFETY * nothing] = 0.0
         roughest = float(rough_a.max())
     if excess > 1.0:
-        clock = CLOCK_ROUND_OFF * (abs(t) + system.shaft.period) * shown.v
+        clock = CLOCK_ROUND_OFF * (abs(t) + system.shaft.period) * sizes.v
         round_off += ROUND_OFF_SAFETY * (_of_drives(system, h)[0] + clock)
-        excess = _excess(h, shown, round_off, resolution)
+        excess = _excess(h, sizes, tails, round_off, resolution)
     excess = max(excess, roughest)
     if system.mechanism.struts:
         excess = max(excess, _rough_pulls(system, panel, resolution))
     return judged(panel, forces, excess, resolution.kinematic_nodes)
 
 
-class _Shown(NamedTuple):
-    """Largest values at the nodes of a panel, and sizes of the last Chebyshev coefficients.
+class _Columns(NamedTuple):
+    """A number of each column of positions, velocities, accelerations and stop forces at nodes.
 
-    Attributes:
-        q: Of the positions, shape (nv,).
-        v: Of the velocities, likewise.
-        a: Of the accelerations, likewise.
-        forces: Of the stop forces, shape (closed,).
-        tail_q: Last coefficients of the positions, shape (nv,).
-        tail_a: Of the accelerations, likewise.
-        tail_forces: Of the stop forces, shape (closed,).
+    Shapes (nv,) and, of forces, (closed,).
     """
 
     q: FloatArray
     v: FloatArray
     a: FloatArray
     forces: FloatArray
-    tail_q: FloatArray
-    tail_a: FloatArray
-    tail_forces: FloatArray
 
     @classmethod
-    def of(cls, panel: Panel, forces: FloatArray) -> _Shown:
-        """Find all of them at once: the arrays are small, and each call costs more than its sums.
-
-        Args:
-            forces: Stop forces at its nodes, shape (N, closed).
-        """
-        nv = panel.q.shape[1]
-        columns = np.concatenate([panel.q, panel.v, panel.a, forces], 1)
-        sizes, tails = largest(columns), tail(columns)
-        places = slice(0, nv), slice(nv, 2 * nv), slice(2 * nv, 3 * nv), slice(3 * nv, None)
-        return cls(*(sizes[place] for place in places), *(tails[places[k]] for k in (0, 2, 3)))
+    def of(cls, numbers: FloatArray, nv: int) -> _Columns:
+        """Numbers found at once: the arrays are small, and each call costs more than its sums."""
+        return cls(numbers[:nv], numbers[nv : 2 * nv], numbers[2 * nv : 3 * nv], numbers[3 * nv :])
 
 
-def _excess(h: float, shown: _Shown, round_off: FloatArray, resolution: Resolution) -> float:
+def _excess(
+    h: float, sizes: _Columns, tails: _Columns, round_off: FloatArray, resolution: Resolution
+) -> float:
     """Unresolved parts of positions and stop forces of a panel, in units of the tolerance.
 
     Stop forces are second derivatives: they are resolved less far than positions, and their roots
@@ -131,11 +116,13 @@ def _excess(h: float, shown: _Shown, round_off: FloatArray, resolution: Resoluti
 
     Args:
         h: Length of the panel [s].
+        sizes: Largest values at its nodes.
+        tails: Sizes of their last Chebyshev coefficients.
         round_off: Round-off of the positions, shape (nv,).
     """
-    left_over = np.maximum(shown.tail_q - round_off, 0.0)
-    rough = left_over / (resolution.tolerance * h * shown.v + SMALLEST)
-    rough_force = shown.tail_forces / (math.sqrt(resolution.tolerance) * (shown.forces + SMALLEST))
+    left_over = np.maximum(tails.q - round_off, 0.0)
+    rough = left_over / (resolution.tolerance * h * sizes.v + SMALLEST)
+    rough_force = tails.forces / (math.sqrt(resolution.tolerance) * (sizes.forces + SMALLEST))
     return float(max(*rough.tolist(), *rough_force.tolist(), 0.0))
 
 
@@ -147,23 +134,21 @@ def _rough_pulls(system: System, panel: Panel, resolution: Resolution) -> float:
 
 
 def _rough_accelerations(
-    panel: Panel, shown: _Shown, round_off: FloatArray, resolution: Resolution
+    panel: Panel, sizes: _Columns, tails: _Columns, round_off: FloatArray, resolution: Resolution
 ) -> FloatArray:
     """Unresolved part of the accelerations of a panel, in units of the tolerance, shape (nv,).
 
     They are second derivatives: they are resolved less far than positions, by what they change.
-    Near a dead centre they rise within the round-off of the positions.
-
-    Args:
-        round_off: Round-off of the positions, shape (nv,).
+    Near a dead centre they rise within the round-off of the positions. Arguments as of
+    :func:`_excess`.
     """
     h, v = panel.h, panel.v
-    changed = h * shown.v + h**2 * shown.a + SMALLEST
+    changed = h * sizes.v + h**2 * sizes.a + SMALLEST
     # The last coefficients of round-off may be small by chance, but rates, found without them, are
     # then not the integral of accelerations.
     apart = largest(v - v[0] - h * product(nodes(len(v)).once, panel.a))
     apart = np.maximum(h * apart - round_off, 0.0)
-    left_over = np.maximum(h**2 * shown.tail_a, apart)
+    left_over = np.maximum(h**2 * tails.a, apart)
     return np.asarray(left_over / (math.sqrt(resolution.tolerance) * changed))
 
 
@@ -207,11 +192,8 @@ def _inverses(system: System, jacobian: FloatArray, split: Partition) -> FloatAr
 def _of_drives(system: System, h: float) -> FloatArray:
     """Round-off that laws of drives leave where they hardly move, shape (2, nv).
 
-    Args:
-        h: Length of a panel [s].
-
-    Returns:
-        Of the coordinates, and of what their rates and accelerations add to these on the panel.
+    Of the coordinates, and of what their rates and accelerations add to these on a panel of the
+    length h [s].
     """
     found = np.zeros((2, system.body.nv))
     at, rates, accelerations = COORDINATE_ROUND_OFF * system.shaft.sizes

@@ -16,14 +16,7 @@ from ...tolerances.hybrid import COORDINATE_ROUND_OFF
 
 
 def roughness(system: System, phase: ConstraintSet, t: float, q: Vector, v: Vector) -> FloatArray:
-    """Largest differences of accelerations under forces that are the same but for round-off.
-
-    Args:
-        t: Time [s].
-
-    Returns:
-        Not negative, shape (nv,).
-    """
+    """Largest differences of accelerations at t [s], forces the same but for round-off, (nv,)."""
     forcing = system.forcing(system.shaft.driven(np.array([t])), phase)[0]
     terms = np.abs(forcing) + _terms(system, q, v)
     unsure = COORDINATE_ROUND_OFF * terms + _of_lengths(system, q, v)

@@ -158,19 +158,14 @@ class Exact(NamedTuple):
     motion: Driven
 
 
-def state_at(system: System, phase: ConstraintSet, panel: Panel, t: FloatArray) -> Exact:
-    """Exact states on a panel.
+def state_at(
+    system: System, phase: ConstraintSet, panel: Panel, t: FloatArray
+) -> tuple[Exact, FloatArray]:
+    """Exact states on a panel, and the :func:`inverses` that led to their velocities.
 
     Args:
         t: Times within it, shape (K,) [s].
     """
-    return _closed(system, phase, panel, t)[0]
-
-
-def _closed(
-    system: System, phase: ConstraintSet, panel: Panel, t: FloatArray
-) -> tuple[Exact, FloatArray]:
-    """States as :func:`state_at`, and the inverses that led to their velocities."""
     q, v = panel.interpolate(t)
     motion = system.shaft.driven(t, panel.middle)
     system.prescribe(motion, q, v, phase)
@@ -208,17 +203,14 @@ def forces_at(
     Returns:
         q, v, a of shape (K, nv) and the forces of constraint.
     """
-    exact, inverse = _closed(system, phase, panel, t)
+    exact, inverse = state_at(system, phase, panel, t)
     return _forces(system, phase, panel, exact, inverse)
 
 
 def stop_forces_at(system: System, phase: ConstraintSet, panel: Panel, t: float) -> FloatArray:
-    """Forces of the closed stops at one time, to round-off of the motion itself.
+    """Forces of the closed stops at a time t [s], to round-off of the motion itself.
 
     What the interpolated positions leave of the closures would show near a dead centre.
-
-    Args:
-        t: Time within it [s].
 
     Returns:
         Shape (closed,) [N m or N], in the order of ``ConstraintSet.stops``.

@@ -308,9 +308,6 @@ def _swept(
 
     Args:
         a: Acceleration at the first node, shape (1, nv).
-        finest: Number of nodes of the finest grid.
-        tolerance: Relative accuracy of the positions.
-        nested: True if there are coarser grids.
 
     Returns:
         Accelerations at the nodes and what they leave over; or None and the ratio of the length of

@@ -96,12 +96,9 @@ def shows_forces(system: System, phase: ConstraintSet, panel: Panel, tolerance: 
 def shows_end(
     system: System, phase: ConstraintSet, panel: Panel, tolerance: float, t_end: float
 ) -> bool:
-    """True if a flight panel obeys its equations where an event ends it.
+    """True if a flight panel obeys its equations where an event ends it, at t_end [s].
 
     Points of a strut may be at one place where a stop closes, and only there.
-
-    Args:
-        t_end: Time of the event [s].
     """
     if not system.mechanism.struts:
         return True
@@ -171,9 +168,6 @@ def shows_elements(system: System, phase: ConstraintSet, panel: Panel, tolerance
 
     Forces beyond the rows of a table bend the motion to its start, however early the event is that
     ends it.
-
-    Args:
-        tolerance: Relative accuracy of its positions.
     """
     elements = system.elements
     return elements is None or (

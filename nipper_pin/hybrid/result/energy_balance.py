@@ -110,11 +110,9 @@ def energy_balance(
 def _exchanged(
     system: System, phase: ConstraintSet, panel: Panel, begin: float, end: float, before: float
 ) -> tuple[float, float, float]:
-    """Work of the drives, heat and largest kinetic energy on a part of a panel, all [J].
+    """Work of the drives, heat and largest kinetic energy from begin to end [s], all [J].
 
     Args:
-        begin: Begin of the part [s].
-        end: Its end [s].
         before: Largest kinetic energy before, by the length of the run [W].
     """
     # Forces bend at the rows of tables, and quadrature wants them smooth.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import astuple
 from typing import TYPE_CHECKING
 
@@ -25,7 +24,12 @@ def need_sound(solution: Simulated) -> None:
         SelfCheckError: A residual is not a number, or far above the tolerance of the run.
     """
     allowed = SELF_CHECK + SELF_CHECK_TOLERANCES * solution.case.resolution.tolerance
-    for name, unit, found, most in _residuals(solution, allowed):
+    system, energy = solution.system, solution.energy
+    work = allowed * sum(map(abs, astuple(energy))) + STORED_ENERGY * _stored(solution)
+    for name, unit, found, most in (
+        ("the closures gape by", "m", solution.checks.closure_m, allowed * system.body.reach_m),
+        ("the energy balance leaves over", "J", abs(energy.residual), work),
+    ):
         if found <= most:
             continue
         message = (
@@ -34,14 +38,6 @@ def need_sound(solution: Simulated) -> None:
             "of the model, or report it with the model"
         )
         raise SelfCheckError(message, check=name, residual=found, tolerance=most)
-
-
-def _residuals(solution: Simulated, allowed: float) -> Iterator[tuple[str, str, float, float]]:
-    """Name, unit, size and bound of each residual."""
-    system, energy = solution.system, solution.energy
-    yield "the closures gape by", "m", solution.checks.closure_m, allowed * system.body.reach_m
-    most = allowed * sum(map(abs, astuple(energy))) + STORED_ENERGY * _stored(solution)
-    yield "the energy balance leaves over", "J", abs(energy.residual), most
 
 
 def _stored(solution: Simulated) -> float:

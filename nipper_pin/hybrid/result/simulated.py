@@ -11,7 +11,9 @@ from ...dynamics import ShaftMotion, System
 from ...mechanism import Mechanism
 from ...mechanism.parallel import led
 from ..case import Case
+from ..error_estimate.event_errors import EventError, event_errors
 from ..event import Event, Outcome
+from ..parallel import errors_for_all, of_leaders
 from ..segment import Segment
 from .tables import (
     Collision,
@@ -24,7 +26,6 @@ from .tables import (
 )
 
 if TYPE_CHECKING:
-    from ..error_estimate.event_errors import EventError
     from .energy_balance import EnergyBalance
     from .premise import Premise
     from .trajectory import Trajectory
@@ -95,8 +96,6 @@ class Simulated:
     @cached_property
     def led_events(self) -> tuple[Event, ...]:
         """The events of that system."""
-        from ..parallel import of_leaders
-
         return of_leaders(self.mechanism, self.events)
 
     @cached_property
@@ -164,9 +163,6 @@ class Simulated:
     @cached_property
     def errors(self) -> tuple[EventError, ...]:
         """Estimated errors of the events, in their order."""
-        from ..error_estimate.event_errors import event_errors
-        from ..parallel import errors_for_all
-
         found = event_errors(self.led_system, self.segments, self.led_events)
         return errors_for_all(self.mechanism, found)
 

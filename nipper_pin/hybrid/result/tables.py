@@ -20,7 +20,7 @@ from ..event import Event, EventKind
 from ..event_location.roots import first_descent, polish
 from ..motion.panel import Panel
 from ..run.phase_manager import PhaseManager
-from ..segment import Segment, State
+from ..segment import Segment, State, once_a_source
 
 
 class Rebounds:
@@ -44,17 +44,15 @@ class Rebounds:
         self._segments, self._events = segments, events
         self._starts = [segment.t_start for segment in segments]
         self._highest_gaps: dict[tuple[int, str], float] = {}
-        self._flights: dict[tuple[int, str], tuple[Segment, ...]] = {}
 
     def time(self, event: Event, name: str) -> float | None:
         """Time of the rebound of a stop that a collision struck [s]; None if unknown."""
-        stop, end = self._end(event, name)
+        _, end = self._end(event, name)
         if end is None:
             return None
         if not self._left_out(event, end):
             return end.t - event.t
-        # Copies of a turn share the flight of the turn that they are copies of.
-        flown = self._followed(event, stop)
+        flown = self._flight(event, name)
         return flown[-1].t_end - flown[0].t_start if flown else None
 
     def amplitude(self, event: Event, name: str) -> float | None:
@@ -63,7 +61,7 @@ class Rebounds:
         if end is None:
             return None
         if self._left_out(event, end):
-            flown = self._followed(event, stop)
+            flown = self._flight(event, name)
             return max((_highest_of(segment, stop) for segment in flown), default=None)
         key = event.source, name
         if key not in self._highest_gaps:
@@ -72,10 +70,10 @@ class Rebounds:
 
     def until(self, event: Event, name: str) -> tuple[Event | None, tuple[Segment, ...] | None]:
         """The end of a rebound, None if unknown, and the flight to it if a run leaves that out."""
-        stop, end = self._end(event, name)
+        _, end = self._end(event, name)
         if end is None or not self._left_out(event, end):
             return end, None
-        return end, self._followed(event, stop)
+        return end, self._flight(event, name)
 
     def _end(self, event: Event, name: str) -> tuple[Stop, Event | None]:
         """The stop, and the next event at which it takes part; the same event if it does not open.
@@ -103,15 +101,10 @@ class Rebounds:
             highest = max(highest, _highest_of(segment, stop))
         return highest
 
-    def _followed(self, event: Event, stop: Stop) -> tuple[Segment, ...]:
+    @once_a_source
+    def _flight(self, event: Event, name: str) -> tuple[Segment, ...]:
         """The flight of a rebound that a run leaves out; empty if it does not end."""
-        key = event.source, stop.name
-        if key not in self._flights:
-            self._flights[key] = self._flight(event, stop)
-        return self._flights[key]
-
-    def _flight(self, event: Event, stop: Stop) -> tuple[Segment, ...]:
-        system, leader = self._led, stop.leader or stop.name
+        system, leader = self._led, self._system.mechanism.stop(name).leader or name
         leaders = {item.name for item in system.mechanism.stops}
         closed = (event.closed_after & leaders) - {leader}
         start = State.at(system, event.t, event.q, event.v_after, closed)

@@ -157,7 +157,7 @@ class Trajectory:
         v = np.empty_like(q)
         for segment, panel, chosen in self._groups(times, left):
             phase = self.system.constraint_set(segment.closed)
-            exact = state_at(self.system, phase, panel, times[chosen])
+            exact, _ = state_at(self.system, phase, panel, times[chosen])
             q[chosen], v[chosen] = exact.q, exact.v
         names = tuple(joint.name for joint in self.system.mechanism.joints)
         return Motion(times, self.system.shaft.angle(times), q, v, names)
@@ -197,9 +197,7 @@ class Trajectory:
     ) -> tuple[dict[str, FloatArray], dict[str, FloatArray]]:
         """Forces of the joints and of the cut joints, each by name.
 
-        Args:
-            la_g: Closure forces as of :class:`.Multipliers`, shape (K, m) [N].
-            stops: Forces of the stops along their gaps, shape (K, stops) [N m or N].
+        Closure forces have the shape (K, m) [N], those of the stops along their gaps (K, stops).
         """
         mechanism, body = self.system.mechanism, self.system.body
         lips, levers = _with_point(mechanism)

@@ -24,9 +24,6 @@ _STEPS_A_TURN, _STEPS_OF_STOPS = 18, 12
 def start_of(system: System, case: Case) -> State:
     """State in which a run begins: in the touch configuration, or at the start index.
 
-    Args:
-        system: The system; its shaft has the start angle.
-
     Raises:
         InputError: The machine is not in its initial phase there.
         SimulationError: Its loops do not close there.
@@ -75,8 +72,7 @@ def initial_state(system: System, start_index: float, starts: Sequence[Start] = 
     leave free stay zero, as in the touch position, and have no rate.
 
     Args:
-        system: The system; its shaft has the start angle.
-        start_index: Index that belongs to that angle, for the message.
+        start_index: Index that belongs to the start angle of the shaft, for the message.
         starts: Coordinates and rates that are given for the start.
 
     Raises:

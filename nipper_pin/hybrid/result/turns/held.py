@@ -67,11 +67,7 @@ def held(
 
 
 def largest_torque(solution: Solution, drive: str, begin: float, end: float) -> float:
-    """Largest magnitude of the torque of a drive between the events of a stretch.
-
-    Args:
-        begin: Begin of the stretch [s].
-        end: Its end [s].
+    """Largest magnitude of the torque of a drive between the events from begin to end [s].
 
     Returns:
         The torque [N m], or the force of a drive along a slide [N].

@@ -131,7 +131,6 @@ def rests_of(system: System, state: State, parts: Iterable[list[Limit]]) -> list
     """The rests at some limits, in order of time.
 
     Args:
-        state: State just after the last collision.
         parts: The limits of each part; parts that move alike come to rest as one.
     """
     instant = SIMULTANEOUS * system.shaft.period
