@@ -21,13 +21,6 @@ from ..units import DEG_PER_RAD, MM_PER_M
 from .multibody import Multibody
 
 
-def elements(mechanism: Mechanism, body: Multibody) -> Elements | None:
-    """Tables, struts and force laws of a mechanism; None if it has none of them."""
-    if mechanism.tabulated_springs or mechanism.struts or mechanism.forces:
-        return Elements(mechanism, body)
-    return None
-
-
 class Elements:
     """Forces, energy and losses of tables, struts and force laws."""
 

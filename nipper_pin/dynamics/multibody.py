@@ -156,14 +156,7 @@ _ITERATIONS = 200
 _MANY = 4
 
 
-class _OfThread(threading.local):
-    """Multibody systems of one thread."""
-
-    def __init__(self) -> None:
-        self.known: WeakKeyDictionary[Shared, Multibody] = WeakKeyDictionary()
-
-
-_OF_THREAD = _OfThread()
+_OF_THREAD = threading.local()
 
 
 def multibody(mechanism: Mechanism) -> Multibody:
@@ -173,7 +166,9 @@ def multibody(mechanism: Mechanism) -> Multibody:
     next but its buffers, so all runs of a thread share it, and those of machines with other numbers
     of springs, dampers and restitutions.
     """
-    known, shared = _OF_THREAD.known, mechanism.shared
+    known: WeakKeyDictionary[Shared, Multibody]
+    known = vars(_OF_THREAD).setdefault("known", WeakKeyDictionary())
+    shared = mechanism.shared
     if shared not in known:
         known[shared] = Multibody(mechanism)
     return known[shared]

@@ -187,8 +187,12 @@ class OpenTree:
         closure_forces: FloatArray,
         point_forces: FloatArray = _NO_FORCES,
         contact_forces: FloatArray | None = None,
+        weight: bool = True,
     ) -> tuple[FloatArray, FloatArray]:
         """Wrench that each joint's parent exerts on its child, and the cut joints' forces.
+
+        Impulses [N s, N m s] are to the change of velocity of an impact what forces are to
+        accelerations, without v and without weight.
 
         Args:
             closure_forces: Multipliers la_g, shape (m,) [N], in the axes of the frames a.
@@ -209,24 +213,14 @@ class OpenTree:
             force = np.array([x, 0.0, z])
             self._push(outer, joint_a, data.oMi[joint_a].act(local_a.translation), force)
             self._push(outer, joint_b, data.oMi[joint_b].act(local_b.translation), -force)
-        return self._wrenches(self._plain, q, v, a, outer), cut
-
-    def joint_impulses(
-        self,
-        q: Vector,
-        delta: FloatArray,
-        closure_impulses: FloatArray,
-        contact_impulses: FloatArray,
-    ) -> tuple[FloatArray, FloatArray]:
-        """The same of an impact, in N s and N m s: what forces are to accelerations.
-
-        Args:
-            delta: Change of velocity, shape (nv,).
-            closure_impulses: P_g, shape (m,) [N s], in the axes of the frames a.
-            contact_impulses: Normal impulses, as ``contact_forces``, shape (contacts,) [N s].
-        """
-        outer, cut = self._outer(q, closure_impulses, contact_impulses)
-        return self._wrenches(self._weightless, q, np.zeros(self.nv), delta, outer), cut
+        pin.rnea(self._plain if weight else self._weightless, data, q, v, a, outer)
+        wrenches = np.empty((len(self._link_ids), 3))
+        for row, joint in enumerate(self._link_ids):
+            rotation = data.oMi[joint].rotation
+            force = rotation @ data.f[joint].linear
+            moment = rotation @ data.f[joint].angular
+            wrenches[row] = force[0], force[2], -moment[1]
+        return wrenches, cut
 
     def _outer(
         self, q: FloatArray, closure_forces: FloatArray, contact_forces: FloatArray | None
@@ -254,20 +248,6 @@ class OpenTree:
             self._push(outer, joint, place, force)
             self._push(outer, below, place, -force)
         return outer, cut
-
-    def _wrenches(
-        self, model: pin.Model, q: FloatArray, v: FloatArray, a: FloatArray, outer: pin.StdVec_Force
-    ) -> FloatArray:
-        """Wrenches of all tree joints, shape (joints, 3), from what acts past them."""
-        data = self._plain_data
-        pin.rnea(model, data, q, v, a, outer)
-        wrenches = np.empty((len(self._link_ids), 3))
-        for row, joint in enumerate(self._link_ids):
-            rotation = data.oMi[joint].rotation
-            force = rotation @ data.f[joint].linear
-            moment = rotation @ data.f[joint].angular
-            wrenches[row] = force[0], force[2], -moment[1]
-        return wrenches
 
     @cached_property
     def _weightless(self) -> pin.Model:

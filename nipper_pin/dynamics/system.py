@@ -17,7 +17,7 @@ from ..mechanism import Mechanism, Stop
 from ..tolerances.mechanics import GOOD_CONDITION, MAX_CONDITION, REPARTITION_GAIN
 from .assembly import Partition, close_velocities, inverses, inverted, partition, products
 from .constraint_set import ConstraintSet, coefficients, constraint_set
-from .elements import elements
+from .elements import Elements
 from .multibody import INFINITE_INERTIA, multibody
 from .parts import parts
 from .shaft import Driven, ShaftMotion
@@ -56,7 +56,8 @@ class System:
         self.held_coordinates = tuple(self.driven.tolist()) if self.held else ()
         self.body = multibody(mechanism)
         self.good_condition = GOOD_CONDITION * max(self.body.closure_rows, 1)
-        self.elements = elements(mechanism, self.body)
+        bent = mechanism.tabulated_springs or mechanism.struts or mechanism.forces
+        self.elements = Elements(mechanism, self.body) if bent else None
         self._sets: dict[frozenset[str], ConstraintSet] = {}
         self.parts, self._members, self._together, self.whole = parts(mechanism, self.held)
         self._all = frozenset(self._together)

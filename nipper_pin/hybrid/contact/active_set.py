@@ -27,11 +27,6 @@ from ..motion.panel import Panel, one_state_at
 Closed = frozenset[str]
 
 
-def after_release(closed: Closed, released: Iterable[str]) -> Closed:
-    """Closed stops after the forces of some have fallen to zero."""
-    return closed - frozenset(released)
-
-
 def after_collision(closed: Closed, rates: dict[str, float]) -> Closed:
     """Stops that may be closed after a collision: those in contact that do not separate.
 
@@ -98,9 +93,6 @@ def active_set_next(
     Args:
         t: End of the phase, and of its last panel [s].
         about: As in :func:`active_set`.
-
-    Raises:
-        SimulationError: No set satisfies the conditions.
     """
     later = t + ACCELERATION_LOOKAHEAD * system.shaft.period
     q, v, jacobian, motion = one_state_at(system, phase, panel, later)

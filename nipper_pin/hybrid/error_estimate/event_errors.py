@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...dynamics import ConstraintSet, System, multipliers
+from ...dynamics import System, multipliers
 from ...tolerances.hybrid import (
     CLOCK_ROUND_OFF,
     COORDINATE_ROUND_OFF,
@@ -27,9 +27,9 @@ from ...tolerances.hybrid import (
     SERIES_ERROR_SAFETY,
 )
 from ..event import Event, EventKind
-from ..motion.panel import Panel, forces_at
+from ..motion.panel import forces_at
 from ..segment import Segment
-from .freedoms import Freedoms, Part, free_coordinates, parts_of
+from .freedoms import Freedoms, free_coordinates, parts_of
 from .linear_maps import ImpactMap, LinearMaps, PanelMaps, pushing
 from .local_error import at_start, of_closures, round_off, unsure
 from .saltation import StrikeError, after_all, beside, stated, still_apart
@@ -37,24 +37,15 @@ from .variational import tangents
 from .zonotope import Zonotope
 
 
-def release_error(
-    system: System,
-    part: Part,
-    phase: ConstraintSet,
-    panel: Panel,
-    t: float,
-    deviations: Zonotope,
-    index: int,
+def _late_release(
+    maps: LinearMaps, segment: Segment, t: float, deviations: Zonotope, index: int
 ) -> float:
-    """Error of the time at which a stop force vanishes: what it is wrong by over its slope.
+    """Error [s] of the time t at which the force of a closed stop vanishes, infinite if none falls.
 
-    Args:
-        t: When the force vanishes [s].
-        index: Coordinate of the stop, a closed one.
-
-    Returns:
-        The error [s]; infinite if the force does not fall.
+    It is what the force is wrong by over its slope.
     """
+    system, part, panel = maps.system, maps.part, segment.panels[-1]
+    phase = system.constraint_set(segment.closed)
     column, step = phase.stops.index(index), FORCE_SLOPE_STEP * min(panel.h, t - panel.t)
     if step <= 0.0:
         return np.inf
@@ -355,11 +346,9 @@ def _released(maps: LinearMaps, before: _State, arrival: _Arrival) -> EventError
     event, segment, flown = arrival.event, arrival.last, arrival.flown
     if segment is None or flown <= 0.0:
         return replace(before.error, impulses={})
-    system, phase = maps.system, maps.system.constraint_set(segment.closed)
-    index = system.mechanism.stop(event.stops[0]).index
-    if index not in phase.stops:
+    index = maps.system.mechanism.stop(event.stops[0]).index
+    if index not in maps.system.constraint_set(segment.closed).stops:
         return replace(before.error, impulses={})
-    panel = segment.panels[-1]
-    late = release_error(system, maps.part, phase, panel, event.t, before.deviations, index)
+    late = _late_release(maps, segment, event.t, before.deviations, index)
     late = min(late, flown) + CLOCK_ROUND_OFF * event.t
     return EventError(late, before.error.impulse, late + before.error.time, {})

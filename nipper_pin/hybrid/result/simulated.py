@@ -141,7 +141,7 @@ class Simulated:
     @cached_property
     def warnings(self) -> tuple[str, ...]:
         """What to know before its numbers are used, a sentence each; usually nothing."""
-        from .caveats import bounces_summed_up, law_that_matters, unusual
+        from .premise import bounces_summed_up, law_that_matters, unusual
 
         mechanism = self.mechanism
         told = (

@@ -43,63 +43,49 @@ class Rebounds:
         self._system, self._case, self._led = system, case, led or system
         self._segments, self._events = segments, events
         self._starts = [segment.t_start for segment in segments]
-        self._highest_gaps: dict[tuple[int, str], float] = {}
 
     def time(self, event: Event, name: str) -> float | None:
         """Time of the rebound of a stop that a collision struck [s]; None if unknown."""
-        _, end = self._end(event, name)
+        end, left_out = self.until(event, name)
         if end is None:
             return None
-        if not self._left_out(event, end):
+        if left_out is None:
             return end.t - event.t
-        flown = self._flight(event, name)
-        return flown[-1].t_end - flown[0].t_start if flown else None
+        return left_out[-1].t_end - left_out[0].t_start if left_out else None
 
     def amplitude(self, event: Event, name: str) -> float | None:
         """Largest gap of that rebound [rad or m]; None if unknown."""
-        stop, end = self._end(event, name)
+        end, left_out = self.until(event, name)
         if end is None:
             return None
-        if self._left_out(event, end):
-            flown = self._flight(event, name)
-            return max((_highest_of(segment, stop) for segment in flown), default=None)
-        key = event.source, name
-        if key not in self._highest_gaps:
-            self._highest_gaps[key] = self._highest(event.t, end.t, stop)
-        return self._highest_gaps[key]
+        if left_out is not None:
+            stop = self._system.mechanism.stop(name)
+            return max((_highest_of(segment, stop) for segment in left_out), default=None)
+        highest = 0.0
+        for place in range(bisect_left(self._starts, event.t), len(self._segments)):
+            segment = self._segments[place]
+            if segment.t_end > end.t:
+                break
+            highest = max(highest, self._highest(segment, name))
+        return highest
 
     def until(self, event: Event, name: str) -> tuple[Event | None, tuple[Segment, ...] | None]:
-        """The end of a rebound, None if unknown, and the flight to it if a run leaves that out."""
-        _, end = self._end(event, name)
-        if end is None or not self._left_out(event, end):
+        """The end of a rebound, None if unknown, and the flight to it if a run leaves that out.
+
+        It is the next event at which the stop takes part, and the same one if it does not open.
+        """
+        if self._system.mechanism.stop(name).rate(event.v_after) <= 0.0:
+            return event, None
+        later = (self._events[place] for place in range(event.number, len(self._events)))
+        end = next((item for item in later if name in item.P_N), None)
+        if end is None or end.kind is not EventKind.REST or not np.array_equal(end.q, event.q):
             return end, None
+        # Rest was known already.
         return end, self._flight(event, name)
 
-    def _end(self, event: Event, name: str) -> tuple[Stop, Event | None]:
-        """The stop, and the next event at which it takes part; the same event if it does not open.
-
-        None if the window ends before.
-        """
-        stop = self._system.mechanism.stop(name)
-        if stop.rate(event.v_after) <= 0.0:
-            return stop, event
-        later = (self._events[place] for place in range(event.number, len(self._events)))
-        return stop, next((item for item in later if name in item.P_N), None)
-
-    @staticmethod
-    def _left_out(event: Event, following: Event) -> bool:
-        """True if the run did not follow the rebound, because rest was known already."""
-        return following.kind is EventKind.REST and np.array_equal(following.q, event.q)
-
-    def _highest(self, begin: float, end: float, stop: Stop) -> float:
-        """Largest gap of a stop between two times."""
-        highest = 0.0
-        for place in range(bisect_left(self._starts, begin), len(self._segments)):
-            segment = self._segments[place]
-            if segment.t_end > end:
-                break
-            highest = max(highest, _highest_of(segment, stop))
-        return highest
+    @once_a_source
+    def _highest(self, segment: Segment, name: str) -> float:
+        return _highest_of(segment, self._system.mechanism.stop(name))
 
     @once_a_source
     def _flight(self, event: Event, name: str) -> tuple[Segment, ...]:

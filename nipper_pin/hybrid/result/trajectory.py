@@ -220,8 +220,9 @@ class Trajectory:
         mechanism = self.system.mechanism
         lips, levers = _with_point(mechanism)
         sizes = np.array([event.P_N.get(stop.name, 0.0) for stop in mechanism.stops])
-        wrenches, cuts = self.system.body.joint_impulses(
-            event.q, event.delta, event.P_g, sizes[lips] / levers
+        state = event.q, np.zeros_like(event.delta), event.delta, event.P_g
+        wrenches, cuts = self.system.body.joint_wrenches(
+            *state, contact_forces=sizes[lips] / levers, weight=False
         )
         return Impulses(
             joints={joint.name: wrenches[i] for i, joint in enumerate(mechanism.joints)},

@@ -20,7 +20,6 @@ from ..contact.active_set import (
     active_set,
     active_set_next,
     after_collision,
-    after_release,
     stilled,
     touching,
 )
@@ -377,7 +376,7 @@ class PhaseManager:
     def _open(self, released: Collection[str]) -> State:
         """Open stops that do not push."""
         state = self.state
-        closed = after_release(state.closed, released)
+        closed = state.closed - frozenset(released)
         # Stops that are not pressed shut are no series any more.
         self._nested.forget(released)
         still = no_impact(self.system, state.v)

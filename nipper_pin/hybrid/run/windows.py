@@ -99,12 +99,7 @@ def repeats(
 
 
 def transition(manager: PhaseManager) -> Outcome:
-    """From the touch configuration, where the transition stop collides, to its rest.
-
-    Raises:
-        InputError: The machine has no such stop, or it does not close there.
-        SimulationError: The motion cannot be followed.
-    """
+    """From the touch configuration, where the transition stop collides, to its rest."""
     name = _closing_stop(manager)
     manager.collide({name} | manager.closing())
     while True:
@@ -147,7 +142,11 @@ def _followed(manager: PhaseManager, name: str, t_rest: float) -> bool:
 
 
 def _closing_stop(manager: PhaseManager) -> str:
-    """Name of the transition stop, which closes in the touch configuration."""
+    """Name of the transition stop, which closes in the touch configuration.
+
+    Raises:
+        InputError: The machine has no such stop, or it does not close there.
+    """
     mechanism, state = manager.mechanism, manager.state
     name = mechanism.transition_stop
     if not name:
@@ -189,9 +188,6 @@ def turns(
 
     Returns:
         How it ended, and the turn that the following ones are copies of, None without copies.
-
-    Raises:
-        SimulationError: The motion cannot be followed.
     """
     case, period = manager.case, manager.system.shaft.period
     previous: list[Segment] = []
