@@ -44,11 +44,15 @@ COMMANDS = {
     "check_of_a_change": ((80,), "check e62 --set preload=9 --start-index 21.5 --speed 500"),
     "check_of_a_press": ((80,), "check press"),
     "check_of_a_ball": ((80,), "check ball --start-index 0"),
-    # Two stops at once; a ball without loss, whose names look like markup; masses in grams.
+    # Two stops at once; a ball without loss, whose names look like markup and formulas, which are
+    # errors of the libraries that print tables and draw figures; masses in grams.
     "check_twins": ((60,), "check twins"),
     "twins": ((60,), "simulate twins --window cycle --start-index 0 --forces"),
     "check_between_two_stops": ((60,), "check between"),
-    "between_two_stops": ((60,), "simulate between --window cycle --start-index 0 --forces"),
+    "between_two_stops": (
+        (60,),
+        "simulate between --window cycle --start-index 0 --forces --out run",
+    ),
     "check_masses": ((60,), "check grams"),
     "provenance": ((60,), "check e62 --provenance"),
     "compare": (ALL, "compare e62 --set-b stiffness=11000"),

@@ -17,7 +17,6 @@ from refusals import answer, packed, stored_run
 
 import nipper_pin
 from nipper_pin import Case, InputError, load, save, save_case, simulate
-from nipper_pin.cli import main
 from nipper_pin.mechanism import find_model
 from nipper_pin.view.console import Terminal, headline, paste, say, show_table
 from nipper_pin.view.plain_texts import plain
@@ -138,33 +137,6 @@ def test_tables_and_figures_are_written_in_one_place() -> None:
 # Names and titles that look like markup or formulas.
 
 FORMULA = "$\\frac{$"
-
-
-def test_markup_and_formulas_in_names_are_printed_as_they_are(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Closing tags that open nothing are errors of the library that prints tables.
-
-    Those that mean nothing to a formula are errors of the one that draws figures.
-    """
-    folder = tmp_path / "m"
-    folder.mkdir()
-    model = find_model("hanging_pendulum")
-    name = f"[/x]jaw{FORMULA}"
-    for suffix in ("urdf", "toml"):
-        text = (model / f"hanging_pendulum.{suffix}").read_text(encoding="utf-8")
-        text = text.replace('"jaw"', f'"{name}"' if suffix == "urdf" else f"'{name}'")
-        text = text.replace("stops.jaw]", f"stops.'{name}']").partition("[shortcuts]")[0]
-        title = f"title = '[bold]t[/y]{FORMULA}'"
-        text = re.sub("^title = .*$", lambda _, title=title: title, text, flags=re.MULTILINE)
-        (folder / f"m.{suffix}").write_text(text)
-    out = str(tmp_path / "run")
-    for words in (["check"], ["simulate", "--speed", "300", "--forces", "--out", out]):
-        assert main([words[0], str(folder), *words[1:]]) == 0
-        said = capsys.readouterr().out
-        assert said.startswith(f"[bold]t[/y]{FORMULA}")
-        assert name in said
-    assert (tmp_path / "run" / "motion.png").stat().st_size > 0
 
 
 def test_plain_texts(tmp_path: Path) -> None:
