@@ -12,8 +12,6 @@ SHAFT = {"reflected_inertia_kg_m2": 1.0, "shaft_frequency_hz": 10.0, "shaft_damp
 SLED = {"reflected_mass_kg": 10.0, "shaft_frequency_hz": 10.0, "shaft_damping_ratio": 0.7}
 # A drive that turns joint ``shaft`` as the cylinder does.
 TURNING = {"joint": "shaft", "law": "constant_speed", "ratio": 1.0, **SHAFT}
-# Turning inertia of a body whose turning does not count; a URDF demands a number above zero.
-NOTHING = 1e-300
 
 
 def link(

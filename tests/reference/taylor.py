@@ -12,6 +12,9 @@ from collections.abc import Callable, Iterable
 from itertools import pairwise
 from typing import Any
 
+from scipy.optimize import brentq
+
+_EPS = 2.0**-52
 Number = Any
 """mpf, mpc, float or complex: whatever the context works with."""
 
@@ -214,17 +217,7 @@ def first_root(
         right = horner(rough, place)
         down, up = left > 0 >= right, left < 0 <= right
         if down or (up and not falling):
-            x0, x1, f0, f1 = before, place, left, right
-            for _ in range(200):
-                mid = 0.5 * (x0 + x1)
-                if not x0 < mid < x1:
-                    break
-                value = horner(rough, mid)
-                if (value > 0) == (f0 > 0):
-                    x0, f0 = mid, value
-                else:
-                    x1, f1 = mid, value
-            x = ctx.mpf(x0 if abs(f0) < abs(f1) else x1)
+            x = ctx.mpf(_root(rough, before, place))
             d = slope(scaled)
             for _ in range(4):
                 x -= horner(scaled, x) / horner(d, x)
@@ -235,14 +228,15 @@ def first_root(
 
 def _with_turns(d: list[float], places: list[float]) -> list[float]:
     """Places with those between them where a slope changes sign: a dip may be that narrow."""
-    rates = [horner(d, place) for place in places]
-    found = list(places)
-    for i in range(1, len(places)):
-        if rates[i - 1] * rates[i] < 0:
-            low, high = places[i - 1], places[i]
-            for _ in range(50):
-                middle = 0.5 * (low + high)
-                same = horner(d, middle) * rates[i - 1] > 0
-                low, high = (middle, high) if same else (low, middle)
-            found.append(low)
-    return sorted(found)
+    turns = [
+        _root(d, low, high)
+        for low, high in pairwise(places)
+        if horner(d, low) * horner(d, high) < 0
+    ]
+    return sorted(places + turns)
+
+
+def _root(coefficients: list[float], low: float, high: float) -> float:
+    """Where a polynomial changes its sign, as near as doubles come."""
+    found = brentq(lambda x: horner(coefficients, x), low, high, xtol=1e-300, rtol=4.0 * _EPS)
+    return float(found)

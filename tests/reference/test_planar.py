@@ -15,7 +15,7 @@ import pytest
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 
-from events import JAW, Settings  # noqa: E402
+from events import JAW  # noqa: E402
 from planar import Machine  # noqa: E402
 from taylor import cross  # noqa: E402
 
@@ -29,7 +29,6 @@ PRINTED = {
     "second_rebound_amplitude_rad": "1.971621583362e-4",
     "second_rebound_time_s": "9.17963172588e-4",
 }
-MODERATE = Settings(order=26, tolerance="1e-19", shortest="1e-13")
 
 
 @pytest.fixture(autouse=True)
