@@ -3,7 +3,7 @@
 The machine is that of ``planar.py``, and ``events.py`` solves it by Taylor series as it does in 60
 digits; only the numbers are ``numpy.longdouble``. A bounce series is followed until its flights
 last less than 1e-11 s; what is left is a geometric series. The agreement with the certified
-solutions is tested in ``test_extended.py``; nothing here is shared with the package.
+solutions is tested in ``test_reference.py``; nothing here is shared with the package.
 """
 
 from __future__ import annotations
