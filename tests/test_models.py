@@ -30,9 +30,7 @@ OTHERS = ["e62_offset_guide", "hanging_pendulum"]
 
 @pytest.fixture(scope="module", params=OTHERS)
 def turn(request: pytest.FixtureRequest) -> Solution:
-    mechanism = load(request.param)
-    rated = mechanism.cylinder.rated_speed_rpm
-    return simulate(mechanism, Case(speed_rpm=rated, window=Window.CYCLE))
+    return simulate(load(request.param), window=Window.CYCLE)
 
 
 def test_cycle_goes_through_all_phases_and_repeats(turn: Solution) -> None:

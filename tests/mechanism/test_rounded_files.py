@@ -57,16 +57,14 @@ def rounded(urdf: str, form: str) -> tuple[str, float]:
 
 def motion(mechanism: Mechanism) -> tuple[nip.Solution, float]:
     """A turn, and the time of its first event."""
-    speed = mechanism.cylinder.rated_speed_rpm
-    solution = nip.simulate(mechanism, nip.Case(speed_rpm=speed, window=nip.Window.CYCLE))
+    solution = nip.simulate(mechanism, window=nip.Window.CYCLE)
     return solution, min([event.t for event in solution.events] or [solution.shaft.period])
 
 
 def coordinates(solution: nip.Solution, times: np.ndarray) -> np.ndarray:
     """Coordinates in the order of the names of their joints: another plane keeps those."""
-    q = solution.trajectory.evaluate(times).q
-    columns = sorted((joint.name, joint.index) for joint in solution.mechanism.joints)
-    return np.array([q[:, index] for _, index in columns])
+    found = solution.trajectory.evaluate(times).joints
+    return np.array([found[name] for name in sorted(found)])
 
 
 @pytest.mark.sampled(5)

@@ -35,10 +35,8 @@ REFUSED = {
 
 def run(name: str) -> nip.Solution:
     """One turn of a machine at its rated speed."""
-    mechanism = nip.load(HERE / name)
-    speed = mechanism.cylinder.rated_speed_rpm
-    solution = nip.simulate(mechanism, nip.Case(speed_rpm=speed, window=nip.Window.CYCLE))
-    assert solution.checks.closure_m < 1e-12 * mechanism.reach_m
+    solution = nip.simulate(nip.load(HERE / name), window="cycle")
+    assert solution.checks.closure_m < 1e-12 * solution.mechanism.reach_m
     assert abs(solution.checks.energy_balance) < 1e-9
     return solution
 
@@ -182,8 +180,7 @@ def clamps(name: str) -> None:
     run(name)
     mechanism = nip.load(HERE / name)
     for speed in np.linspace(60.0, 600.0, 28):
-        case = nip.Case(speed_rpm=float(speed), window=nip.Window.CYCLE)
-        solution = nip.simulate(mechanism, case)
+        solution = nip.simulate(mechanism, speed_rpm=float(speed), window="cycle")
         assert {hit.stop for hit in solution.collisions} >= {"lip"}
         assert solution.outcome is nip.Outcome.COMPLETED
 

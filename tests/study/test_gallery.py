@@ -27,7 +27,7 @@ def test_there_are_forty_and_all_have_their_names() -> None:
 def test_a_machine_is_complete_and_runs_a_turn(name: str) -> None:
     """Nothing is missing, a stop is struck and left again in the turn, and the run ends well."""
     mechanism = drawn(name).mechanism()
-    report = check(mechanism, mechanism.cylinder.rated_speed_rpm)
+    report = check(mechanism)
     steps = next_steps(report, name)
     missing = [step for step in steps.missing if step.startswith("Missing")]
     if name in RATTLING:

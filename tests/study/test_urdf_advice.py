@@ -27,16 +27,11 @@ LIMITED = (
 )
 
 
-def advised(mechanism: Mechanism) -> UrdfAdvice:
-    """What is said of a machine at its rated speed."""
-    return check(mechanism, mechanism.cylinder.rated_speed_rpm).urdf
-
-
 @pytest.mark.slow
 def test_good_models_get_no_advice() -> None:
     machines = [load(name) for name in known_models() if name != "benchmarks"]
     for mechanism in (*machines, *(drawn(name).mechanism() for name in GALLERY)):
-        assert advised(mechanism) == UrdfAdvice((), ""), mechanism.name
+        assert check(mechanism).urdf == UrdfAdvice((), ""), mechanism.name
 
 
 def test_limits_become_stops_that_enforce_them(
@@ -59,7 +54,7 @@ def test_limits_become_stops_that_enforce_them(
     assert stops == {"trolley_lower": (1.0, -0.1), "trolley_upper": (-1.0, 0.2)}
     solution = simulate(mended, Case(speed_rpm=60.0, window="cycle"))
     assert solution.collisions[0].t == pytest.approx(math.sqrt(2.0 * 0.1 / 9.81), rel=1e-12)
-    assert advised(mended) == UrdfAdvice((), "")
+    assert check(mended).urdf == UrdfAdvice((), "")
 
 
 def slide(lower: float) -> Mechanism:
@@ -111,7 +106,7 @@ NOT_ADVISED: dict[str, Callable[[], Mechanism]] = {
 def test_advice(words: Words) -> None:
     said = []
     for name, make in ADVISED.items():
-        advice = advised(make())
+        advice = check(make()).urdf
         assert advice.sentences
         said += [f"{name}:", *(f"  {text}" for text in advice.sentences), advice.stops]
     words("\n".join(said))
@@ -119,7 +114,7 @@ def test_advice(words: Words) -> None:
 
 @pytest.mark.parametrize("name", NOT_ADVISED)
 def test_no_advice(name: str) -> None:
-    assert advised(NOT_ADVISED[name]()) == UrdfAdvice((), "")
+    assert check(NOT_ADVISED[name]()).urdf == UrdfAdvice((), "")
 
 
 # Texts inside the root element.

@@ -235,8 +235,7 @@ def test_right_turns_are_not_refused(name: str) -> None:
     drawn = gallery.drawn(name).mechanism()
     urdf = rewritten(drawn.urdf, turn, {}, rng)
     turned = from_sources(name, urdf, drawn.description, ".")
-    case = Case(speed_rpm=drawn.cylinder.rated_speed_rpm, window=Window.CYCLE)
-    assert violations(simulate(turned, case)) == []
+    assert violations(simulate(turned, window=Window.CYCLE)) == []
 
 
 def test_right_solutions_are_not_refused(runs: dict[str, Solution]) -> None:
