@@ -25,9 +25,8 @@ from held_turn import HeldTurn, quantities  # noqa: E402
 from planar import Machine  # noqa: E402
 from taylor import cross, first_root  # noqa: E402
 
-# Figures for 650 r/min, e = 0.2, from the description of the machine: of the first rebound, and of
-# the second. Two of them are not correctly rounded (by 1.7e-12 and 0.7e-12 relative), so they agree
-# to one unit of the last printed digit.
+# Of the first two rebounds at 650 r/min, e = 0.2, from the description of the machine. Two numbers
+# are not correctly rounded (by 1.7e-12 and 0.7e-12), so they agree to a unit of the last digit.
 PRINTED = [
     {"approach_rate": "-16.8260536165104", "rebound_amplitude": "5.25680465594e-3",
      "rebound_time_s": "5.42797116938e-3"},
