@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError, NipperError
+from ..extras import require
 from ..given import read_number
 from ..mechanism import Mechanism, load, number_of
 from ..written_units import number_in
@@ -249,6 +250,27 @@ def check_outputs(folder: str | None, document: str | None) -> None:
         check_folder(folder)
     if document is not None and document != "-":
         check_file(document)
+
+
+def check_figure(file: str | None, extra: str, what: str) -> None:
+    """Refuse a figure that cannot be drawn or written, before anything is computed.
+
+    Args:
+        file: Its file, or None.
+        extra: The extra of the command that draws it.
+        what: What it is, the beginning of a sentence.
+
+    Raises:
+        InputError: Matplotlib is missing, the file cannot be written, or is none of a figure.
+    """
+    if file is None:
+        return
+    require(extra, "matplotlib", what=what)
+    from ..outputs import check_file
+    from ..view.figure_file import figure_format
+
+    figure_format(file)
+    check_file(file)
 
 
 def need_own_folder(folder: str | None, model: str) -> None:

@@ -8,13 +8,12 @@ import time
 from pathlib import Path
 
 from ..errors import NipperError
-from ..extras import require
 from ..hybrid import START_INDEX
 from ..mechanism.model_files import find_files
-from ..outputs import check_file
 from .arguments import (
     MODEL,
     add_model,
+    check_figure,
     check_outputs,
     load_mechanism,
     machine_words,
@@ -85,12 +84,7 @@ def _check(options: argparse.Namespace) -> None:
             options, "--json -, whose document holds all of it", {"provenance": "--provenance"}
         )
     check_outputs(None, options.json)
-    if options.drawing is not None:
-        require("view", "matplotlib", what="the drawing")
-        check_file(options.drawing)
-        from ..view.sketch import drawing_format
-
-        drawing_format(Path(options.drawing))
+    check_figure(options.drawing, "view", "the drawing")
     mechanism = load_mechanism(options)
     start = getattr(options, "start_index", START_INDEX)
     report = check_model(mechanism, speed(options, mechanism), start)

@@ -78,9 +78,11 @@ def _run(options: argparse.Namespace) -> None:
     with complete_folder(folder, RESULTS) as new:
         written = list(write(optimum, new))
         if len(optimum.front) > 1:
-            from ..view.studies.front_plot import plot_front
+            from ..view.figure_file import write_figure
+            from ..view.studies.front_plot import front_figure
 
-            written.append(plot_front(optimum, new / f"front.{options.format or 'svg'}"))
+            file = new / f"front.{options.format or 'svg'}"
+            written.append(write_figure(front_figure(optimum), file))
     if options.json is not None:
         write_json(optimum.record(), options.json)
     if options.json != "-":

@@ -7,7 +7,7 @@ import shlex
 from typing import TYPE_CHECKING
 
 from ..extras import require
-from .arguments import add_set, check_outputs, load_mechanism, rpm, write_json
+from .arguments import add_set, check_figure, check_outputs, load_mechanism, rpm, write_json
 
 if TYPE_CHECKING:
     from ..study.speed_limit import SpeedLimit
@@ -58,11 +58,7 @@ def run(options: argparse.Namespace) -> None:
     """Follow the turns, and tell how fast the machine can run."""
     check_outputs(None, options.json)
     require("study", "numba", what="the speed limit")
-    from ..view.studies.speed_limit_plot import check_figure, plot_speed_limit
-
-    if options.plot is not None:
-        check_figure(options.plot)
-        require("study", "matplotlib", what="the figure of the speed limit")
+    check_figure(options.plot, "study", "the figure of the speed limit")
     mechanism = load_mechanism(options)
     rated = mechanism.cylinder.rated_speed_rpm
 
@@ -77,7 +73,10 @@ def run(options: argparse.Namespace) -> None:
         least_force=options.least_force,
     )
     if options.plot is not None:
-        plot_speed_limit(result, options.plot)
+        from ..view.figure_file import write_figure
+        from ..view.studies.speed_limit_plot import speed_limit_figure
+
+        write_figure(speed_limit_figure(result), options.plot)
     if options.json is not None:
         write_json(result.record(), options.json)
     if options.json == "-":

@@ -55,9 +55,9 @@ def damper_text(mechanism: Mechanism) -> str:
 
 def force_text(mechanism: Mechanism) -> str:
     """Law and joint of every force element; empty without one."""
-    names = {joint.index: joint.name for joint in mechanism.joints}
     return "; ".join(
-        f"{force.name} ({force.kind}) on {names[force.index]}" for force in mechanism.forces
+        f"{force.name} ({force.kind}) on {mechanism.joints[force.index].name}"
+        for force in mechanism.forces
     )
 
 
@@ -67,7 +67,7 @@ def _struts(mechanism: Mechanism, kind: str) -> list[Strut]:
 
 def stop_place(mechanism: Mechanism, stop: Stop) -> str:
     """Joint of a stop, and which of its limits it is."""
-    joint = next(item for item in mechanism.joints if item.index == stop.index)
+    joint = mechanism.joints[stop.index]
     limit = coordinate_shown(mechanism, stop.index)
     side = "lower" if stop.sense > 0.0 else "upper"
     return f"{side} limit of {joint.name} at {limit.value(stop.at):g} {limit.unit}"

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -36,23 +35,35 @@ SMALL = 8.0
 # Okabe and Ito's palette; phases take pale tints of it, which stand in phases.py.
 LINES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7")
 MARKERS = ("o", "s", "^", "D")
-_TITLE_COLUMNS = 92
+# Letters of a line: of a title in bold letters, of texts above a run's figures, and below others.
+_TITLE_COLUMNS, _TEXT_COLUMNS, _NOTE_COLUMNS = 72, 92, 104
 _NARROWEST_LABEL = 0.025
 # As many entries of a legend as have room beside one another.
 _COLUMNS = 4
 
 
-def new_figure(solution: Solution, subject: str, height_in: float) -> Figure:
-    """Return an empty figure with a title that names subject, model and case.
+def blank(height_in: float) -> Figure:
+    """Return an empty figure, of which matplotlib's global state knows nothing."""
+    return Figure(figsize=(WIDTH_IN, height_in), dpi=200, layout="constrained")
 
-    A figure with its own canvas leaves matplotlib's global state alone.
-    """
-    figure = Figure(figsize=(WIDTH_IN, height_in), dpi=200, layout="constrained")
-    FigureCanvasAgg(figure)
+
+def framed(subject: str, notes: Iterable[str], height_in: float) -> Figure:
+    """Return an empty figure with its title, and below it sentences about what it is of."""
+    figure = blank(height_in)
+    title = "\n".join(textwrap.fill(line, _TITLE_COLUMNS) for line in subject.splitlines())
+    figure.suptitle(title, fontsize=TITLE, fontweight="bold")
+    below = "\n".join(textwrap.fill(text, _NOTE_COLUMNS) for text in notes)
+    figure.supxlabel(below, fontsize=SMALL, color="0.35")
+    return figure
+
+
+def new_figure(solution: Solution, subject: str, height_in: float) -> Figure:
+    """Return an empty figure with a title that names subject, model and case."""
+    figure = blank(height_in)
     mechanism = solution.mechanism
-    model = textwrap.fill(mechanism.title or mechanism.name, _TITLE_COLUMNS)
+    model = textwrap.fill(mechanism.title or mechanism.name, _TEXT_COLUMNS)
     restitution = f"restitution: {restitution_text(mechanism.stops)}"
-    values = textwrap.fill(f"{restitution}; springs: {spring_text(mechanism)}", _TITLE_COLUMNS)
+    values = textwrap.fill(f"{restitution}; springs: {spring_text(mechanism)}", _TEXT_COLUMNS)
     text = f"{subject}\n{model}\n{case_text(solution)}\n{values}"
     figure.suptitle(text, fontsize=TEXT, parse_math=False)
     return figure

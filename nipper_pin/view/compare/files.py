@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
+import textwrap
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from ...arrays import FloatArray
 from ...errors import InputError
 from ...outputs import complete_folder
 from ...study.compare import Comparison
 from ...units import MS_PER_S
+from ..figure_file import save_figure
 from ..scene import Look
+from ..style import SMALL, TEXT, blank
 from .pair import COLOUR_A, COLOUR_B, Lane, Pair, clock_text, lanes, pair
 from .table import comparison_csv
 from .words import changes_text, label
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 FILES = ("comparison.csv", "curves.png", "curves.svg")
 """Names of the files."""
@@ -37,8 +38,6 @@ def write_files(comparison: Comparison, folder: str | Path) -> list[Path]:
     Raises:
         InputError: The folder cannot be written, or one of the runs has no motion.
     """
-    from ..figure_file import save_figure
-
     figure = curves_figure(comparison)
     with complete_folder(folder, FILES) as target:
         table, *pictures = (target / name for name in FILES)
@@ -54,22 +53,12 @@ def curves_figure(comparison: Comparison) -> Figure:
     Raises:
         InputError: There is nothing to draw.
     """
-    import textwrap
-
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-    from matplotlib.lines import Line2D
-
-    from ..style import SMALL, TEXT, WIDTH_IN
-
     both = pair(comparison, Look())
     found, spans = lanes(both), _spans(both)
     if not found:
         message = "neither A nor B has a stop, so there are no curves to draw; --json needs none"
         raise InputError(message)
-    height = _HEAD_IN + _LANE_IN * len(found)
-    figure = Figure(figsize=(WIDTH_IN, height), dpi=200, layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = blank(_HEAD_IN + _LANE_IN * len(found))
     said = f"{changes_text(comparison)} {clock_text(both)}"
     figure.suptitle(textwrap.fill(said, _COLUMNS), fontsize=SMALL)
     grid = figure.subplots(len(found), len(spans), sharex="col", squeeze=False,
@@ -89,8 +78,6 @@ def curves_figure(comparison: Comparison) -> Figure:
 
 
 def _draw(axes: Axes, lane: Lane, t: FloatArray, span: tuple[float, float]) -> None:
-    from ..style import SMALL
-
     for colour, values in lane.lines:
         style = "--" if colour == COLOUR_B else "-"
         # Beyond the axes a curve ends, as in the film: an open jaw would hide its rebounds.

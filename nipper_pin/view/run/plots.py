@@ -8,8 +8,7 @@ from matplotlib.figure import Figure
 
 from ...errors import InputError
 from ...hybrid import Solution, Window
-from ...outputs import complete_file
-from ..figure_file import save_figure
+from ..figure_file import write_figure
 from .bounces import impulse_figure, transition_figure
 from .timelines import force_figure, motion_figure, phase_figure
 
@@ -36,7 +35,9 @@ def plot_solution(solution: Solution, folder: str | Path) -> list[Path]:
     except OSError as error:
         message = f"{target}: cannot be made a folder ({error.strerror})"
         raise InputError(message, folder=str(target)) from error
-    return [_write(figure, target / f"{name}.png") for name, figure in figures(solution).items()]
+    return [
+        write_figure(drawn, target / f"{name}.png") for name, drawn in figures(solution).items()
+    ]
 
 
 def figures(solution: Solution) -> dict[str, Figure]:
@@ -59,9 +60,3 @@ def figures(solution: Solution) -> dict[str, Figure]:
     if solution.case.window is Window.CYCLE and solution.mechanism.stops:
         found["forces"] = force_figure(solution)
     return found
-
-
-def _write(figure: Figure, path: Path) -> Path:
-    with complete_file(path) as partial:
-        save_figure(figure, partial, "png")
-    return path

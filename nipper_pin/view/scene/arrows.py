@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from ...arrays import FloatArray
-from ...hybrid import Collision, Solution
+from ...hybrid import Solution
 from ...hybrid.result.quantities import force_unit
 from ...mechanism import Mechanism, Stop, joint_axis, joint_placements
-from .solids import FIXED
+from .pace import Pace
 
-HELD = 0.6  # seconds of playback that the arrow of an impulse is shown in full
-FADE = 0.4  # seconds after that in which it shrinks to nothing
+_HELD = 0.6  # seconds of playback that the arrow of an impulse is shown in full
+_FADE = 0.4  # seconds after that in which it shrinks to nothing
+JUMP = 1e-3  # seconds in which something changes at once
 _LENGTH = 0.18  # of the reach of the mechanism, for the largest impulse
 _HEAD = 0.28  # of the length
 _THICK = 0.022  # of the length
@@ -23,18 +26,38 @@ def arrow_stops(mechanism: Mechanism) -> tuple[Stop, ...]:
     return tuple(stop for stop in mechanism.stops if force_unit(mechanism, stop) == "N")
 
 
-def drawn_collisions(solution: Solution, end: float) -> list[Collision]:
-    """Collisions whose impulses are drawn until a time [s]; the largest has the whole arrow."""
-    drawn = {stop.name for stop in arrow_stops(solution.mechanism)}
-    return [item for item in solution.collisions if item.t <= end and item.stop in drawn]
+def arrow_shares(solution: Solution, pace: Pace) -> Iterator[tuple[Stop, FloatArray, FloatArray]]:
+    """Size of each arrow along a film: as the impulse for a moment after a collision, else nothing.
+
+    Yields:
+        The stop; times on the viewer's clock, shape (K,) [s]; sizes there by that of the largest
+        arrow, shape (K,), with straight lines between them.
+    """
+    stops = arrow_stops(solution.mechanism)
+    names = {stop.name for stop in stops}
+    hits = [hit for hit in solution.collisions if hit.t <= pace.machine[-1] and hit.stop in names]
+    largest = max((hit.impulse for hit in hits), default=0.0)
+    end = float(pace.playback[-1])
+    for stop in stops:
+        keys = [(0.0, 0.0)]
+        for hit in hits:
+            if hit.stop != stop.name or largest <= 0.0:
+                continue
+            start, size = float(pace.playback_at(hit.t)), hit.impulse / largest
+            # A new collision takes the arrow over from the one before it.
+            before = max(start - JUMP, 0.0)
+            left = float(np.interp(before, *np.transpose(keys)))
+            keys = [key for key in keys if key[0] < before] or [(0.0, 0.0)]
+            keys += [(before, left), (start, size), (start + _HELD, size),
+                     (start + _HELD + _FADE, 0.0)]  # fmt: skip
+        keys = [*(key for key in keys if key[0] < end), (end, 0.0)]
+        times, sizes = np.transpose(keys)
+        yield stop, times, sizes
 
 
 def arrow_body(mechanism: Mechanism, stop: Stop) -> int:
     """Place in ``mechanism.joints`` of the link that carries the arrow of a stop, or ``FIXED``."""
-    model = mechanism.model
-    parent = model.parents[_joint(mechanism, stop)]
-    order = [model.getJointId(joint.name) for joint in mechanism.joints]
-    return order.index(parent) if parent else FIXED
+    return int(mechanism.model.parents[stop.index + 1]) - 1
 
 
 def arrow_place(mechanism: Mechanism, stop: Stop) -> FloatArray:
@@ -43,7 +66,7 @@ def arrow_place(mechanism: Mechanism, stop: Stop) -> FloatArray:
     The arrow points along its y axis: for a contact of lips the way of the impulse on the opening
     lip, for a stop along a slide the way of the impulse on the child link.
     """
-    model, joint = mechanism.model, _joint(mechanism, stop)
+    model, joint = mechanism.model, stop.index + 1
     world = joint_placements(model)
     if stop.contact is not None:
         point, direction = stop.contact.point, stop.contact.normal
@@ -78,9 +101,3 @@ def arrow_scale(share: FloatArray | float) -> FloatArray:
     long = np.maximum(share, 1e-6)
     # Length shows the impulse; width shrinks less, so that small arrows stay arrows.
     return np.stack([np.sqrt(long), long, np.sqrt(long)], axis=-1)
-
-
-def _joint(mechanism: Mechanism, stop: Stop) -> int:
-    """Identity of the joint that a stop acts on in Pinocchio's model."""
-    name = next(joint.name for joint in mechanism.joints if joint.index == stop.index)
-    return int(mechanism.model.getJointId(name))

@@ -12,11 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import FloatArray
-from ...mechanism import Stop
 from ...units import MM_PER_M
 from .arrows import arrow_body, arrow_place
-from .film import Film, bouncing_stop
-from .rebounds import rebound_flights
+from .film import Film, bouncing_stop, worlds
+from .rebounds import highest_drawn
 
 # Height of the picture by the largest gap of a rebound as it is drawn, and its least [m].
 _BY_GAP, _LEAST_M = 4.0, 0.012
@@ -64,28 +63,13 @@ def close_up(film: Film) -> CloseUp | None:
     if stop is None or stop.contact is None:
         return None
     body, local = arrow_body(mechanism, stop), arrow_place(mechanism, stop)
-    along, opening = local[[0, 2], 3], math.atan2(local[2, 1], local[0, 1])
-    count = len(film.q)
-    position, angle = np.zeros((count, 2)), np.zeros(count)
-    if body >= 0:
-        position, angle = film.position[:, body], film.angle[:, body]
-    cosine, sine = np.cos(angle), np.sin(angle)
-    place = position + np.column_stack(
-        [cosine * along[0] - sine * along[1], sine * along[0] + cosine * along[1]]
-    )
-    height = max(_LEAST_M, _BY_GAP * _largest(film, stop))
+    opening = math.atan2(local[2, 1], local[0, 1])
+    place = worlds(film.position, film.angle)[:, body, :2] @ [local[0, 3], local[2, 3], 1.0]
+    turned = np.column_stack([film.angle, np.zeros(len(film.angle))])[:, body]
+    gap = highest_drawn(film.solution, film.pace.machine, stop.gaps(film.drawn))
+    height = max(_LEAST_M, _BY_GAP * stop.lever * gap)
     steps = [step for step in _STEPS_MM if step <= 0.3 * MM_PER_M * height]
     return CloseUp(
-        stop.name, place, angle + opening, float(stop.contact.point[1]), height,
+        stop.name, place, turned + opening, float(stop.contact.point[1]), height,
         steps[-1] if steps else _STEPS_MM[0],
     )  # fmt: skip
-
-
-def _largest(film: Film, stop: Stop) -> float:
-    """Largest gap of a rebound at the lips as it is drawn [m]."""
-    gap = stop.gaps(film.drawn)
-    t, found = film.pace.machine, 0.0
-    for flight in rebound_flights(film.solution):
-        inside = (t >= flight.begin) & (t <= flight.end)
-        found = max(found, float(gap[inside].max(initial=0.0)))
-    return stop.lever * found

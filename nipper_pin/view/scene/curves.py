@@ -11,7 +11,7 @@ from ...mechanism import Stop
 from ...units import MM_PER_M
 from ..naming import coordinate_shown
 from .film import Film, bouncing_stop
-from .rebounds import rebound_flights
+from .rebounds import highest_drawn
 
 _GAP, _FORCE, _OTHER = "#0072B2", "#CC79A7", "#009E73"
 # Room above the largest rebound, and curves of other stops.
@@ -62,12 +62,7 @@ def _main(film: Film, stop: Stop) -> Iterator[Curve]:
         term = coordinate_shown(mechanism, stop.index)
         unit, factor = term.unit, term.factor
     values = factor * stop.gaps(film.q)
-    t = film.pace.machine
-    rebounds = max(
-        (float(values[(t >= flight.begin) & (t <= flight.end)].max(initial=0.0))
-         for flight in rebound_flights(film.solution)),
-        default=0.0,
-    )  # fmt: skip
+    rebounds = highest_drawn(film.solution, film.pace.machine, values)
     most = _ROOM * rebounds if rebounds > 0.0 else _scale(values)
     yield Curve((f"{stop.name} gap", f"[{unit}]"), stop.name, _GAP, most, values)
     force = film.force[stop.name]

@@ -153,9 +153,9 @@ def bouncing_stop(mechanism: Mechanism) -> Stop | None:
 
 def drawn_limit(mechanism: Mechanism) -> float:
     """Gap up to which the transition stop is exaggerated [rad or m]."""
-    index = mechanism.stop(mechanism.transition_stop).index
-    kind = next(joint.kind for joint in mechanism.joints if joint.index == index)
-    return _DRAWN_ANGLE if kind == "revolute" else _DRAWN_STROKE * mechanism.reach_m
+    stop = mechanism.stop(mechanism.transition_stop)
+    turns = mechanism.joints[stop.index].kind == "revolute"
+    return _DRAWN_ANGLE if turns else _DRAWN_STROKE * mechanism.reach_m
 
 
 def exaggerated(solution: Solution, t: FloatArray, q: FloatArray, factor: float) -> FloatArray:

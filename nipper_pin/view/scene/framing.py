@@ -11,7 +11,7 @@ import numpy as np
 from ...arrays import FloatArray
 from .film import Film, worlds
 from .meshes import corners_of
-from .solids import Solid
+from .solids import Solid, across_plane
 
 OBLIQUE, ALONG = (0.38, -1.0, 0.34), (0.0, -1.0, 0.0)
 """Directions from the mechanism to the camera: from the front and above, and along the hinges."""
@@ -36,8 +36,7 @@ def corners(shown: Film, drawn: Sequence[Solid]) -> FloatArray:
     t = shown.pace.machine
     places = np.unique(np.searchsorted(t, np.linspace(t[0], t[-1], _FRAMES)))
     planes = worlds(shown.position[places], shown.angle[places])
-    heights = [float(item.translation[1])
-               for item in shown.solution.system.body.placements(shown.q[0])]  # fmt: skip
+    heights = across_plane(shown.solution.mechanism)
     return np.concatenate([np.zeros((0, 3)), *_boxes(drawn, planes, heights)])
 
 

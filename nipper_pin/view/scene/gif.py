@@ -31,14 +31,11 @@ from ..reading import case_text
 from ..sketch.draw import DRIVE, symbols
 from ..sketch.places import Sketch, sketch
 from .arrows import (
-    FADE,
-    HELD,
     arrow_body,
     arrow_place,
     arrow_scale,
+    arrow_shares,
     arrow_sizes,
-    arrow_stops,
-    drawn_collisions,
 )
 from .closeup import close_up
 from .colours import ARROW
@@ -157,23 +154,24 @@ class MovingSketch:
         made = symbols(axes, still, self._fit(axes, still))
         self._movers = [Affine2D() for _ in mechanism.joints]
         stop = bouncing_stop(mechanism)
-        opening = [place for place, joint in enumerate(mechanism.joints)
-                   if stop is not None and joint.index == stop.index]  # fmt: skip
+        opening = None if stop is None else stop.index
         for link, bar in zip(still.links, made.links, strict=True):
             made.carried.append((link.body, bar))
-            if link.body in opening:
+            if link.body == opening:
                 # Before the others, in the colour of the phase.
                 bar.set_zorder(1.5)
                 self._tints.append(bar.set_edgecolor)
         for body, artist in made.carried:
-            if body in opening and isinstance(artist, Patch):
+            if body == opening and isinstance(artist, Patch):
                 self._tints.append(artist.set_facecolor)
             if body >= 0:
                 artist.set_transform(self._movers[body] + axes.transData)
                 self._moved.append(artist)
         self._struts = [(line, np.asarray(line.get_xydata()) @ [1.0, 1.0j]) for line in made.struts]
-        self._arrows = [(stop, axes.add_patch(Polygon(np.zeros((3, 2)), fc=ARROW, zorder=7)))
-                        for stop in arrow_stops(mechanism)]  # fmt: skip
+        self._arrows = [
+            (item, axes.add_patch(Polygon(np.zeros((3, 2)), fc=ARROW, zorder=7)))
+            for item in arrow_shares(self._shown.solution, self._shown.pace)
+        ]
         self._moved += [*made.struts, *(patch for _, patch in self._arrows)]
         self._crank = still.crank
         if self._crank is not None:
@@ -215,7 +213,7 @@ class MovingSketch:
         wide = high * (right - left) / (bottom - top)
         axes.set(xlim=(-wide, wide), ylim=(-high, high))
         drawn, opening = solids(mechanism), mechanism.stop(lips.stop).index
-        for cut in lip_cuts(self._shown.solution.system.body, drawn, lips.across):
+        for cut in lip_cuts(mechanism, drawn, lips.across):
             mover, outer = Affine2D(), Outline(cut.loops[0])
             self._cuts.append((cut.body, mover))
             for number, loop in enumerate(cut.loops):
@@ -223,7 +221,7 @@ class MovingSketch:
                 patch = Polygon(loop, fc="white" if hole else drawn[cut.solid].colour, ec=_EDGE,
                                 lw=0.7, transform=mover + axes.transData)  # fmt: skip
                 self._moved.append(axes.add_patch(patch))
-                if not hole and mechanism.joints[cut.body].index == opening:
+                if not hole and cut.body == opening:
                     self._tints.append(patch.set_facecolor)
         bar = Rectangle((-0.9 * wide, -0.9 * high), lips.scale_mm / MM_PER_M, 0.04 * high, fc=_INK)
         frame = Rectangle((-wide, -high), 2.0 * wide, 2.0 * high, fill=False, ec=_PALE, lw=1.5)
@@ -270,8 +268,8 @@ class MovingSketch:
             begin, end = ends @ [1.0, 1.0j]
             here = begin + (coil - coil[0]) * (end - begin) / (coil[-1] - coil[0])
             line.set_data(here.real, here.imag)
-        for stop, patch in self._arrows:
-            share = self._impulse(stop, frame)
+        for (stop, times, shares), patch in self._arrows:
+            share = float(np.interp(shown.pace.playback[frame], times, shares))
             patch.set(xy=self._arrow(stop, frame, share), visible=share > 0.0)
         if self._crank is not None:
             axis, radius = self._crank
@@ -311,17 +309,6 @@ class MovingSketch:
         local = outline * arrow_scale(share)[:2] @ place[[0, 2], :2].T + place[[0, 2], 3]
         world = self._worlds[frame, arrow_body(mechanism, stop)]
         return np.asarray(MM_PER_M * (local @ world[:2, :2].T + world[:2, 2]))
-
-    def _impulse(self, stop: Stop, frame: int) -> float:
-        """Size of an arrow by that of the largest one: constant at first, then decreasing."""
-        pace = self._shown.pace
-        hits = drawn_collisions(self._shown.solution, pace.machine[-1])
-        now, largest = pace.machine[frame], max((item.impulse for item in hits), default=0.0)
-        past = [item for item in hits if item.stop == stop.name and item.t <= now]
-        if not past or largest <= 0.0:
-            return 0.0
-        left = HELD + FADE - float(pace.playback[frame] - pace.playback_at(past[-1].t))
-        return min(max(left / FADE, 0.0), 1.0) * past[-1].impulse / largest
 
     def _axes(self, box: Box) -> Axes:
         axes = self.figure.add_axes(_shares(box))

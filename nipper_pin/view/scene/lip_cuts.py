@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import FloatArray
-from ...dynamics import Multibody
-from .meshes import mesh_of
-from .solids import FIXED, Solid
+from ...mechanism import Mechanism
+from .meshes import corners_of, mesh_of
+from .solids import FIXED, Solid, across_plane
 
 # A plane through corners of a mesh cuts none of their edges: it is moved by this part of the size.
 _ASIDE = 1e-7
@@ -33,7 +33,7 @@ class LipCut:
     loops: tuple[FloatArray, ...]
 
 
-def lip_cuts(body: Multibody, drawn: Sequence[Solid], across: float) -> list[LipCut]:
+def lip_cuts(mechanism: Mechanism, drawn: Sequence[Solid], across: float) -> list[LipCut]:
     """Cut all solids of moving links.
 
     Args:
@@ -43,16 +43,13 @@ def lip_cuts(body: Multibody, drawn: Sequence[Solid], across: float) -> list[Lip
     Raises:
         InputError: A mesh cannot be read.
     """
-    # Links move in planes, so their places along the hinge are those of any configuration.
-    heights = [float(item.translation[1]) for item in body.placements(np.zeros(body.nv))]
+    heights = across_plane(mechanism)
     found = []
     for place, item in enumerate(drawn):
         # Frame and cylinder stand behind the lips and would hide nothing but confuse.
         if item.body <= FIXED or item.spring is not None:
             continue
-        corners, faces = mesh_of(item)
-        at = (corners * item.scale) @ item.placement[:3, :3].T + item.placement[:3, 3]
-        loops = section(at, faces, across - heights[item.body])
+        loops = section(corners_of(item), mesh_of(item)[1], across - heights[item.body])
         if loops:
             found.append(LipCut(place, item.body, tuple(loops)))
     return found

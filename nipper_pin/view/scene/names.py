@@ -13,7 +13,7 @@ def names(mechanism: Mechanism) -> list[dict[str, object]]:
     model = mechanism.model
     found = []
     for body, joint in enumerate(mechanism.joints):
-        centre = model.inertias[model.getJointId(joint.name)].lever
+        centre = model.inertias[body + 1].lever
         found.append(_name(mechanism, body, joint.child, centre.tolist()))
     stop = bouncing_stop(mechanism)
     if stop is not None and stop.contact is not None:

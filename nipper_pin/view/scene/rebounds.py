@@ -46,6 +46,18 @@ def rebound_flights(solution: Solution) -> list[Flight]:
     ]
 
 
+def highest_drawn(solution: Solution, t: FloatArray, gap: FloatArray) -> float:
+    """Largest gap of a rebound in the frames of a film, in the unit of the gaps.
+
+    Args:
+        t: Times of the frames [s], shape (K,).
+        gap: Gaps of the transition stop there, shape (K,).
+    """
+    flights = rebound_flights(solution)
+    found = (gap[(t >= item.begin) & (t <= item.end)].max(initial=0.0) for item in flights)
+    return float(max(found, default=0.0))
+
+
 def factors(
     solution: Solution, t: FloatArray, gap: FloatArray, factor: float, limit: float
 ) -> FloatArray:

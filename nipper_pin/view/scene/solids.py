@@ -14,7 +14,6 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
-import pinocchio as pin
 
 from ...arrays import FloatArray
 from ...mechanism import Mechanism, joint_placements, own_frame
@@ -25,6 +24,8 @@ from .colours import link_colour
 Colour = tuple[float, float, float]
 FIXED = -1
 CYLINDER = -2
+"""Bodies that are no links: what stands, and the cylinder. Those of links are their places in
+``mechanism.joints``; Pinocchio counts the same joints from 1, and 0 is what stands."""
 THICK = 0.02
 """Radius of a bar, by the extent of the mechanism."""
 
@@ -66,6 +67,11 @@ def cylinder_axis(mechanism: Mechanism) -> tuple[float, float] | None:
     return None
 
 
+def across_plane(mechanism: Mechanism) -> list[float]:
+    """Place of each link's origin across the plane [m], which no motion changes."""
+    return [float(item.translation[1]) for item in joint_placements(mechanism.model)[1:]]
+
+
 def solids(mechanism: Mechanism) -> tuple[Solid, ...]:
     """Everything that a mechanism is drawn with.
 
@@ -83,9 +89,9 @@ def solids(mechanism: Mechanism) -> tuple[Solid, ...]:
         if item.find("color") is not None
     }
     found: list[Solid] = []
-    for link, body, frame in _links(mechanism, robot):
+    for link in robot.findall("link"):
         for tag in ("visual", "collision"):
-            shapes = list(_shapes(mechanism, link, tag, body, frame, colours))
+            shapes = list(_shapes(mechanism, link, tag, colours))
             if shapes:
                 found += shapes
                 break
@@ -100,27 +106,13 @@ def solids(mechanism: Mechanism) -> tuple[Solid, ...]:
     return tuple(found)
 
 
-def _links(
-    mechanism: Mechanism, robot: ElementTree.Element
-) -> Iterator[tuple[ElementTree.Element, int, pin.SE3]]:
-    """Links of the URDF, the body that each moves with, and where it stands in that."""
-    order = [mechanism.model.getJointId(joint.name) for joint in mechanism.joints]
-    for link in robot.findall("link"):
-        frame = own_frame(mechanism.model, link.get("name", ""))
-        body = order.index(frame.parentJoint) if frame.parentJoint else FIXED
-        yield link, body, frame.placement
-
-
 def _shapes(
-    mechanism: Mechanism,
-    link: ElementTree.Element,
-    tag: str,
-    body: int,
-    frame: pin.SE3,
-    colours: dict[str, Colour],
+    mechanism: Mechanism, link: ElementTree.Element, tag: str, colours: dict[str, Colour]
 ) -> Iterator[Solid]:
     file, folder = f"{mechanism.name}.urdf", Path(mechanism.mesh_folder)
     springs = {f"spring_{spring.name}": spring.index for spring in mechanism.springs}
+    frame = own_frame(mechanism.model, link.get("name", ""))
+    body = int(frame.parentJoint) - 1
     for place, element in enumerate(link.findall(tag)):
         name = element.get("name") or f"{link.get('name')}_{place}"
         key = f"link {link.get('name')} {tag} {name}"
@@ -147,7 +139,7 @@ def _shapes(
             kind=shape.tag,
             sizes=tuple(float(size) for size in sizes),
             path=path,
-            placement=frame.homogeneous @ local,
+            placement=frame.placement.homogeneous @ local,
             scale=scale,
             colour=_material(element, colours, body),
             spring=next((springs[item] for item in springs if name.startswith(item)), None)
@@ -163,7 +155,7 @@ def _bars(mechanism: Mechanism, body: int, shapes: Sequence[Solid], thick: float
         shapes: Those that are drawn of the link; where they are there is no need of a bar.
         thick: Radius of a bar [m].
     """
-    joint = mechanism.model.getJointId(mechanism.joints[body].name)
+    joint = body + 1
     # What slides has no pin at the origin of its joint.
     ends = _ends(mechanism, joint, slides=not shapes)
     if not (ends or shapes):
@@ -220,12 +212,11 @@ def extent(mechanism: Mechanism) -> float:
 def _ends(mechanism: Mechanism, joint: int, *, slides: bool) -> list[FloatArray]:
     """Places where something hangs on a link, or on the frame (joint 0), in its own axes [m]."""
     model = mechanism.model
-    kinds = {model.getJointId(item.name): item.kind for item in mechanism.joints}
     ends = [
         np.array(model.jointPlacements[place].translation)
-        for place, kind in kinds.items()
-        if model.parents[place] == joint and (slides or kind == "revolute")
-    ]  # fmt: skip
+        for place, item in enumerate(mechanism.joints, start=1)
+        if model.parents[place] == joint and (slides or item.kind == "revolute")
+    ]
     named = {name for item in mechanism.closures for name in (item.frame_a, item.frame_b)}
     named |= {name for item in mechanism.struts for name in (item.frame_a, item.frame_b)}
     return ends + [

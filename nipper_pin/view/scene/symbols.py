@@ -12,7 +12,7 @@ from ...arrays import FloatArray
 from ...mechanism import Joint, Mechanism, Stop, joint_axis, joint_placements
 from .colours import SPRING, STOP, channels
 from .meshes import corners_of
-from .solids import FIXED, Solid, extent, holds, solids
+from .solids import Solid, extent, holds, solids
 
 # Lengths by the size of the picture.
 _WIRE, _AROUND, _COIL = 0.022, 0.028, 0.25
@@ -78,8 +78,8 @@ def _marks(mechanism: Mechanism, found: Sequence[Solid], size: float) -> Iterato
     """A plate at the end of a slide, a peg beside a link on a hinge; lips have their shapes."""
     for stop in mechanism.stops:
         if stop.contact is None:
-            body = next(n for n, item in enumerate(mechanism.joints) if item.index == stop.index)
-            joint, own = mechanism.joints[body], [item for item in found if item.body == body]
+            joint = mechanism.joints[stop.index]
+            own = [item for item in found if item.body == stop.index]
             mark = _peg if joint.kind == "revolute" else _plate
             yield mark(mechanism, stop, joint, own, size)
 
@@ -119,9 +119,7 @@ def _peg(
 
 def _size(mechanism: Mechanism, found: Sequence[Solid]) -> float:
     """Larger extent of places and plain shapes, all coordinates at zero [m]."""
-    model = mechanism.model
-    world = joint_placements(model)
-    moved = [world[model.getJointId(joint.name)] for joint in mechanism.joints]
+    moved = joint_placements(mechanism.model)[1:]
     corners = [corners_of(item) if item.body < 0 else
                corners_of(item) @ moved[item.body].rotation.T + moved[item.body].translation
                for item in found if item.path is None]  # fmt: skip
@@ -131,13 +129,11 @@ def _size(mechanism: Mechanism, found: Sequence[Solid]) -> float:
 
 def _carried(mechanism: Mechanism, joint: Joint) -> tuple[int, pin.SE3, FloatArray]:
     """Link before a joint, placement of the joint in its axes at q = 0, direction of a slide."""
-    model = mechanism.model
-    number = model.getJointId(joint.name)
-    order = [model.getJointId(item.name) for item in mechanism.joints]
-    parent = model.parents[number]
+    model, number = mechanism.model, joint.index + 1
+    parent = int(model.parents[number])
     world = joint_placements(model)
     axis = world[parent].rotation.T @ joint_axis(model, world, number)[:3]
-    return order.index(parent) if parent else FIXED, model.jointPlacements[number], axis
+    return parent - 1, model.jointPlacements[number], axis
 
 
 def _placed(at: FloatArray, along: FloatArray) -> FloatArray:

@@ -13,13 +13,12 @@ import umsgpack
 
 from ...arrays import FloatArray
 from ..phases import intervals
-from .arrows import FADE, HELD, arrow_scale, arrow_stops, drawn_collisions
+from .arrows import JUMP, arrow_scale, arrow_shares
 from .colours import channels
 from .film import Film, bouncing_stop
 from .objects import arrow_path, body_path, solid_path, strut_path
-from .solids import CYLINDER, Solid, cylinder_axis
+from .solids import CYLINDER, Solid, across_plane, cylinder_axis
 
-_JUMP = 1e-3
 _SHORTEST = 1e-6  # m
 _FLOAT32 = 0x17  # meshcat's code for a typed array in a message
 
@@ -39,7 +38,7 @@ def animation(film: Film, solids: Sequence[Solid]) -> dict[str, object]:
 def _bodies(film: Film) -> Iterator[dict[str, object]]:
     """Position and rotation of all links and of the cylinder."""
     mechanism, t = film.solution.mechanism, film.pace.playback
-    heights = _heights(film)
+    heights = across_plane(mechanism)
     for body in range(len(mechanism.joints)):
         x, z = film.position[:, body].T
         yield _clip(
@@ -57,12 +56,6 @@ def _bodies(film: Film) -> Iterator[dict[str, object]]:
             ("position", "vector3", place),
             ("quaternion", "quaternion", _quaternions(film.turned)),
         )
-
-
-def _heights(film: Film) -> list[float]:
-    """Place of each link's origin across the plane [m]; it never changes."""
-    placements = film.solution.system.body.placements(film.q[0])
-    return [float(placement.translation[1]) for placement in placements]
 
 
 def _quaternions(angle: FloatArray) -> FloatArray:
@@ -113,46 +106,27 @@ def _phases(film: Film, solids: Sequence[Solid]) -> Iterator[dict[str, object]]:
     stop = bouncing_stop(mechanism)
     if stop is None:
         return
-    body = next(place for place, item in enumerate(mechanism.joints) if item.index == stop.index)
     shown = intervals(film.solution)
     colours = [channels(item.colour) for item in shown]
     starts = film.pace.playback_at(np.array([item.start for item in shown]))
     end = float(film.pace.playback[-1])
     t, values = [0.0], [colours[int(film.phase[0])]]
     for before, after, start in zip(colours, colours[1:], starts[1:], strict=False):
-        if start + _JUMP < end:
-            t += [float(start), float(start) + _JUMP]
+        if start + JUMP < end:
+            t += [float(start), float(start) + JUMP]
             values += [before, after]
     t, values = [*t, end], [*values, values[-1]]
     for solid in solids:
-        if solid.body == body:
+        if solid.body == stop.index:
             path = f"{solid_path(mechanism, solid)}/<object>"
             yield _clip(path, np.array(t), (".material.color", "color", np.array(values)))
 
 
 def _arrows(film: Film) -> Iterator[dict[str, object]]:
-    """Size of the arrows: as the impulse for a moment after each collision, else nothing."""
-    solution = film.solution
-    stops = arrow_stops(solution.mechanism)
-    hits = drawn_collisions(solution, film.pace.machine[-1])
-    largest = max((item.impulse for item in hits), default=0.0)
-    for stop in stops:
-        keys = [(0.0, 0.0)]
-        for hit in hits:
-            if hit.stop != stop.name or largest <= 0.0:
-                continue
-            start, size = float(film.pace.playback_at(hit.t)), hit.impulse / largest
-            # A new collision takes the arrow over from the one before it.
-            before = max(start - _JUMP, 0.0)
-            left = float(np.interp(before, [key[0] for key in keys], [key[1] for key in keys]))
-            keys = [key for key in keys if key[0] < before] or [(0.0, 0.0)]
-            keys += [(before, left), (start, size), (start + HELD, size),
-                     (start + HELD + FADE, 0.0)]  # fmt: skip
-        end = float(film.pace.playback[-1])
-        keys = [key for key in keys if key[0] < end]
-        t = np.array([*(key[0] for key in keys), end])
-        scale = arrow_scale(np.array([*(key[1] for key in keys), 0.0]))
-        yield _clip(arrow_path(solution.mechanism, stop), t, ("scale", "vector3", scale))
+    """Size of the arrows."""
+    for stop, t, share in arrow_shares(film.solution, film.pace):
+        path = arrow_path(film.solution.mechanism, stop)
+        yield _clip(path, t, ("scale", "vector3", arrow_scale(share)))
 
 
 def _clip(path: str, t: FloatArray, *tracks: tuple[str, str, FloatArray]) -> dict[str, object]:

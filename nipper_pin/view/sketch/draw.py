@@ -9,25 +9,20 @@ from pathlib import Path
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch, Polygon
 from scipy.spatial import ConvexHull, QhullError
 
 from ...arrays import FloatArray
-from ...errors import InputError
 from ...mechanism import Mechanism
-from ...outputs import complete_file
 from ...units import MM_PER_M
-from ..figure_file import save_figure
+from ..figure_file import write_figure
 from ..scene.colours import SPRING, STOP, link_colour
-from ..style import SMALL, TEXT, WIDTH_IN
+from ..style import SMALL, TEXT, WIDTH_IN, blank
 from .labels import Label, placed
 from .places import Node, Sketch, sketch
 
-FORMATS = ("svg", "png", "pdf")
-"""Suffixes of files that a drawing can be written to."""
 _INK, DRIVE = "#1c2430", "#0072B2"
 # Sizes of symbols by that of the mechanism.
 _PIN, _BAR, _COIL, _ARROW = 0.013, 9.0, 0.09, 0.07
@@ -42,25 +37,7 @@ def write_sketch(mechanism: Mechanism, path: str | Path) -> Path:
     Raises:
         InputError: The file cannot be written, or its suffix names no format.
     """
-    target = Path(path)
-    kind = drawing_format(target)
-    figure = drawn(sketch(mechanism))
-    with complete_file(target) as partial:
-        save_figure(figure, partial, kind, dpi=160)
-    return target
-
-
-def drawing_format(path: Path) -> str:
-    """The format of a drawing, by the suffix of its file.
-
-    Raises:
-        InputError: It is none of svg, png and pdf.
-    """
-    kind = path.suffix[1:].lower()
-    if kind not in FORMATS:
-        message = f"{path}: a drawing is written as NAME.{', NAME.'.join(FORMATS)}"
-        raise InputError(message, file=str(path))
-    return kind
+    return write_figure(drawn(sketch(mechanism)), path)
 
 
 @dataclass
@@ -82,8 +59,7 @@ class Symbols:
 
 def drawn(shown: Sketch) -> Figure:
     """The figure of a sketch."""
-    figure = Figure(figsize=(WIDTH_IN, WIDTH_IN), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = blank(WIDTH_IN)
     axes = figure.add_subplot()
     points = np.concatenate(
         [link.points for link in shown.links] + [ends for _, ends in shown.struts]

@@ -95,29 +95,26 @@ def sketch(mechanism: Mechanism) -> Sketch:
     """Names and places of all parts with every coordinate at zero."""
     model = mechanism.model
     world = joint_placements(model)
-    order = [model.getJointId(joint.name) for joint in mechanism.joints]
-    nodes = [_tree_node(mechanism, place, world) for place in range(len(order))]
+    origins = [item.translation[[0, 2]] for item in world[1:]]
+    nodes = [_tree_node(mechanism, place, world) for place in range(len(origins))]
     nodes += [_cut_node(mechanism, place, world) for place in range(len(mechanism.closures))]
     stops = tuple(_mark(mechanism, place, world) for place in range(len(mechanism.stops)))
     links = []
     for body, joint in enumerate(mechanism.joints):
-        points = [world[order[body]].translation[[0, 2]]]
-        points += [
-            world[order[place]].translation[[0, 2]]
-            for place in range(len(order))
-            if model.parents[order[place]] == order[body]
-        ]
+        points = [origins[body]]
+        points += [at for at, parent in zip(origins, model.parents[1:], strict=True)
+                   if parent == body + 1]  # fmt: skip
         for closure in mechanism.closures:
             for frame in (closure.frame_a, closure.frame_b):
-                if model.frames[model.getFrameId(frame, _LINK)].parentJoint == order[body]:
+                if model.frames[model.getFrameId(frame, _LINK)].parentJoint == body + 1:
                     points.append(_frame(model, frame, world)[[0, 2]])
         for stop, mark in zip(mechanism.stops, stops, strict=True):
-            hinge = next(item for item in mechanism.joints if item.index == stop.index)
+            hinge = mechanism.joints[stop.index]
             if stop.contact is not None and joint.child in (hinge.parent, hinge.child):
                 points.append(mark.place)
         if len(points) == 1:
             # A link that carries nothing reaches to its centre of mass, as in the viewer.
-            lever = world[order[body]].act(model.inertias[order[body]].lever)
+            lever = world[body + 1].act(model.inertias[body + 1].lever)
             points.append(lever[[0, 2]])
         links.append(Link(joint.child, body, np.array(points)))
     struts = tuple(
@@ -133,9 +130,8 @@ def sketch(mechanism: Mechanism) -> Sketch:
 
 def _tree_node(mechanism: Mechanism, place: int, world: list[pin.SE3]) -> Node:
     """A joint of the tree."""
-    model, joint = mechanism.model, mechanism.joints[place]
-    identity = model.getJointId(joint.name)
-    along, at = np.zeros(2), world[identity].translation[[0, 2]]
+    joint = mechanism.joints[place]
+    along, at = np.zeros(2), world[place + 1].translation[[0, 2]]
     if joint.kind == "prismatic":
         along, at = _slide(mechanism, place, world)
     names = [item.name for item in mechanism.springs if item.index == joint.index]
@@ -146,7 +142,7 @@ def _tree_node(mechanism: Mechanism, place: int, world: list[pin.SE3]) -> Node:
         place,
         at,
         along,
-        model.parents[identity] == 0,
+        mechanism.model.parents[place + 1] == 0,
         next((item.name for item in mechanism.drives if item.index == joint.index), ""),
         ", ".join(names),
     )
@@ -163,8 +159,7 @@ def _cut_node(mechanism: Mechanism, place: int, world: list[pin.SE3]) -> Node:
         frame = model.frames[model.getFrameId(closure.slot_frame, _LINK)]
         rotation = (world[frame.parentJoint] * frame.placement).rotation
         along = rotation[[0, 2], 0 if closure.slot_axis == "x" else 2]
-    order = [model.getJointId(joint.name) for joint in mechanism.joints]
-    body = order.index(next(item for item in parents if item))
+    body = next(item for item in parents if item) - 1
     return Node(closure.name, kind, body, _frame(model, closure.frame_a, world)[[0, 2]], along,
                 0 in parents)  # fmt: skip
 
@@ -175,23 +170,17 @@ def _mark(mechanism: Mechanism, place: int, world: list[pin.SE3]) -> Mark:
     body = arrow_body(mechanism, stop)
     if stop.contact is not None:
         return Mark(stop.name, body, stop.contact.point[[0, 2]], stop.contact.normal[[0, 2]])
-    number, joint = next(
-        (number, item) for number, item in enumerate(mechanism.joints) if item.index == stop.index
-    )
-    if joint.kind == "prismatic":
-        along, at = _slide(mechanism, number, world)
+    if mechanism.joints[stop.index].kind == "prismatic":
+        along, at = _slide(mechanism, stop.index, world)
         return Mark(stop.name, body, at, stop.sense * along)
-    at = world[mechanism.model.getJointId(joint.name)].translation[[0, 2]]
-    return Mark(stop.name, body, at, np.zeros(2))
+    return Mark(stop.name, body, world[stop.index + 1].translation[[0, 2]], np.zeros(2))
 
 
 def _slide(mechanism: Mechanism, place: int, world: list[pin.SE3]) -> tuple[FloatArray, FloatArray]:
     """Direction of a slide and where it is drawn: half-way to the joint of the link before it."""
-    model, joint = mechanism.model, mechanism.joints[place]
-    identity = model.getJointId(joint.name)
-    along = joint_axis(model, world, identity)[[0, 2]]
-    at = world[identity].translation[[0, 2]]
-    before = model.parents[identity]
+    along = joint_axis(mechanism.model, world, place + 1)[[0, 2]]
+    at = world[place + 1].translation[[0, 2]]
+    before = mechanism.model.parents[place + 1]
     if before:
         at = at + 0.5 * float((world[before].translation[[0, 2]] - at) @ along) * along
     return along, at

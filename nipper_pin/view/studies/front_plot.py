@@ -3,42 +3,21 @@
 from __future__ import annotations
 
 import textwrap
-from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from ...arrays import FloatArray
-from ...outputs import complete_file
+from ...study.optimise.problem.problem import Problem
 from ...study.optimise.result import Optimum
-from ..figure_file import save_figure
-from ..style import LINES, MARKERS, SMALL, TITLE, WIDTH_IN, tidy
+from ..style import LINES, MARKERS, SMALL, framed, tidy
 from .problem_words import holding_words, parameter_shown, quantity_shown, ranges
 
-_TITLE_COLUMNS = 72
-_NOTE_COLUMNS = 104
 _LABEL_COLUMNS = 30
 # Heights [inch] of the front, of a row of limits and of a number, and of all texts.
 _FRONT_IN, _ROW_IN, _NUMBER_IN, _TEXTS_IN = 2.4, 0.4, 0.75, 1.3
 _NOTHING = "no limit"
-
-
-def plot_front(optimum: Optimum, path: str | Path) -> Path:
-    """Write the figure of a front; the file appears only when it is complete.
-
-    Args:
-        optimum: An optimum with a front.
-        path: The file, in the format of its suffix.
-
-    Raises:
-        InputError: The file cannot be written.
-    """
-    target = Path(path)
-    with complete_file(target) as partial:
-        save_figure(front_figure(optimum), partial, target.suffix.removeprefix("."))
-    return target
 
 
 def front_figure(optimum: Optimum) -> Figure:
@@ -51,11 +30,9 @@ def front_figure(optimum: Optimum) -> Figure:
     rows = _rows(optimum)
     heights = [_FRONT_IN, 0.15 + _ROW_IN * len(rows)]
     heights += [_NUMBER_IN] * len(problem.parameters)
-    figure = Figure(figsize=(WIDTH_IN, _TEXTS_IN + sum(heights)), dpi=200, layout="constrained")
-    FigureCanvasAgg(figure)
     one, two = (quantity_shown(problem, item.quantity) for item in problem.aims)
     subject = f"The best designs: {one.words} against {two.words}"
-    figure.suptitle(textwrap.fill(subject, _TITLE_COLUMNS), fontsize=TITLE, fontweight="bold")
+    figure = framed(subject, _below(problem), _TEXTS_IN + sum(heights))
     panels = figure.subplots(len(heights), 1, sharex=True, height_ratios=heights)
     across = two.value(np.array([item.values[problem.aims[1].quantity] for item in optimum.front]))
     _aims(optimum, panels[0], across)
@@ -63,7 +40,6 @@ def front_figure(optimum: Optimum) -> Figure:
     for place, axes in enumerate(panels[2:]):
         _number(optimum, axes, across, place)
     panels[-1].set_xlabel(two.label)
-    figure.supxlabel(_below(optimum), fontsize=SMALL, color="0.35")
     return figure
 
 
@@ -134,9 +110,8 @@ def _number(optimum: Optimum, axes: Axes, across: FloatArray, place: int) -> Non
     axes.set_title(shown.label, fontsize=SMALL, loc="left", pad=3.0)
 
 
-def _below(optimum: Optimum) -> str:
+def _below(problem: Problem) -> tuple[str, str]:
     """What the figure is of, and what all of its designs keep to."""
     # Lines break between limits, not inside them.
-    limits = "; ".join(text.replace(" ", "\u00a0") for text in ranges(optimum.problem)) or "none"
-    texts = (optimum.problem.title, f"Limits: {limits}")
-    return "\n".join(textwrap.fill(text, _NOTE_COLUMNS) for text in texts)
+    limits = "; ".join(text.replace(" ", "\u00a0") for text in ranges(problem)) or "none"
+    return problem.title, f"Limits: {limits}"

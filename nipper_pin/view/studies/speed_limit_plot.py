@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import TYPE_CHECKING
-
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
+from matplotlib.ticker import FuncFormatter, MultipleLocator
 
-from ...errors import InputError
 from ...hybrid import START_INDEX
 from ...mechanism import INDEX_PER_TURN, counted_from
-from ...outputs import check_file, complete_file
 from ...study.speed_limit import SpeedLimit, Verdict, where
 from ...terms import TERMS
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+from ..style import LINES, SMALL, framed, tidy
 
 _INDEX_TICKS = 2.0
 _DOTS = "A dot is a turn that goes on; several at one speed are turns that differ."
-_FORMATS = ("png", "svg", "pdf")
 _RESTS = {Verdict.YES: "at rest before it opens", Verdict.NO: "not at rest before it opens",
           Verdict.UNKNOWN: "not known"}  # fmt: skip
 _REPEATS = {Verdict.YES: "turns repeat", Verdict.NO: "turns differ from one another",
@@ -28,48 +23,9 @@ _REPEATS = {Verdict.YES: "turns repeat", Verdict.NO: "turns differ from one anot
 _MOST_LINES = 5
 
 
-def check_figure(path: str | Path) -> str:
-    """Return the format of a figure's file by its suffix, if it can be written.
-
-    Raises:
-        InputError: It cannot be written, or has another suffix.
-    """
-    kind = Path(path).suffix.removeprefix(".").lower()
-    if kind not in _FORMATS:
-        message = f"{path}: a figure is written as .png, .svg or .pdf; end its name so"
-        raise InputError(message, file=str(path), formats=_FORMATS)
-    check_file(path)
-    return kind
-
-
-def plot_speed_limit(result: SpeedLimit, path: str | Path) -> Path:
-    """Write the figure; the file appears only when it is complete.
-
-    Args:
-        path: The file, in the format of its suffix.
-
-    Raises:
-        InputError: The file cannot be written, or is none of a figure.
-    """
-    from ..figure_file import save_figure
-
-    target, kind = Path(path), check_figure(path)
-    with complete_file(target) as partial:
-        save_figure(speed_limit_figure(result), partial, kind)
-    return target
-
-
 def speed_limit_figure(result: SpeedLimit) -> Figure:
     """Indices of first touch, rest and opening by speed, of all turns that go on; time clamped."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-    from matplotlib.patheffects import withStroke
-
-    from ..style import LINES, SMALL, TITLE, WIDTH_IN, tidy
-
-    figure = Figure(figsize=(WIDTH_IN, 5.8), dpi=200, layout="constrained")
-    FigureCanvasAgg(figure)
-    figure.suptitle(_answer(result), fontsize=TITLE, fontweight="bold")
+    figure = framed(_answer(result), (result.title, _DOTS), 5.8)
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
     _indices(result, above)
     share = TERMS["clamped_share"].shown()
@@ -88,17 +44,11 @@ def speed_limit_figure(result: SpeedLimit) -> Figure:
             )  # fmt: skip
     tidy(above, "", "index of the comb cycle (40 to a turn)")
     tidy(below, TERMS["speed_rpm"].shown().label, f"clamped\n[{share.unit} of a turn]")
-    below_all = f"{result.title}\n{_DOTS}"
-    figure.supxlabel(below_all, fontsize=SMALL, color="0.35")
     return figure
 
 
 def _indices(result: SpeedLimit, axes: Axes) -> None:
     """First touch, rest and opening, and between the last two the time that clamps."""
-    from matplotlib.ticker import FuncFormatter, MultipleLocator
-
-    from ..style import LINES, SMALL
-
     speed = np.repeat(result.speed_rpm, result.rests.shape[1])
     rest, opening, rests, touches = (
         counted_from(START_INDEX, index)

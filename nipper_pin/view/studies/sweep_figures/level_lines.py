@@ -16,7 +16,7 @@ from ....hybrid.result.turns import INDICES
 from ....study.sweep import SweepTable
 from ...style import SMALL, TEXT, tidy
 from .columns import Parameter, Quantity
-from .frame import COLOURS, ROUND, few_ticks, framed
+from .frame import COLOURS, ROUND, few_ticks, sweep_figure
 
 _LEVELS = 8
 _MEANS = "Every value is the mean of the scenarios near it, whatever their other parameters."
@@ -28,7 +28,7 @@ def level_lines(
     """Lines of equal quantity over two parameters, the mean over all others."""
     rest = len(sweep.axes) > 2 or not (across.grid and upwards.grid)
     subject = f"{quantity.title} over {across.shown.words} and {upwards.shown.words}"
-    figure = framed(sweep, quantity, subject, 4.8, [_MEANS] if rest else [])
+    figure = sweep_figure(sweep, quantity, subject, 4.8, _MEANS if rest else "")
     axes = figure.subplots()
     shape = (len(across.centres), len(upwards.centres))
     mean = cell_means(across.cell, upwards.cell, shape, quantity.values)

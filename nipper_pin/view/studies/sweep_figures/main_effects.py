@@ -14,7 +14,7 @@ from ....hybrid.result.turns import INDICES
 from ....study.sweep import SweepTable
 from ...style import LINES, SMALL, tidy
 from .columns import Parameter, Quantity
-from .frame import few_ticks, framed
+from .frame import few_ticks, sweep_figure
 
 _LABEL_COLUMNS = 34
 
@@ -24,7 +24,7 @@ def main_effects(sweep: SweepTable, parameters: Sequence[Parameter], quantity: Q
     columns = min(2, len(parameters))
     lines = -(-len(parameters) // columns)
     subject = f"{quantity.title}: how it changes with each parameter"
-    figure = framed(sweep, quantity, subject, 1.6 + 2.0 * lines)
+    figure = sweep_figure(sweep, quantity, subject, 1.6 + 2.0 * lines)
     panels = figure.subplots(lines, columns, squeeze=False, sharey=True)
     for axes in panels.flat[len(parameters) :]:
         axes.set_axis_off()
