@@ -12,7 +12,7 @@ from ...arrays import FloatArray
 from ...study.optimise.problem.problem import Problem
 from ...study.optimise.result import Optimum
 from ..style import LINES, MARKERS, SMALL, framed, tidy
-from .problem_words import holding_words, parameter_shown, quantity_shown, ranges
+from .problem_words import number_shown, quantity_shown, ranges, sides
 
 _LABEL_COLUMNS = 30
 # Heights [inch] of the front, of a row of limits and of a number, and of all texts.
@@ -65,8 +65,8 @@ def _aims(optimum: Optimum, axes: Axes, across: FloatArray) -> None:
 def _rows(optimum: Optimum) -> dict[str, list[bool]]:
     """Words of what holds any design of the front back, and which designs it holds."""
     rows = {
-        words: [name in item.holding for item in optimum.front]
-        for name, words in holding_words(optimum.problem).items()
+        side.words: [name in item.holding for item in optimum.front]
+        for name, side in sides(optimum.problem).items()
     }
     rows = {words: held for words, held in rows.items() if any(held)}
     free = [not item.holding for item in optimum.front]
@@ -93,7 +93,7 @@ def _limits(axes: Axes, across: FloatArray, rows: dict[str, list[bool]]) -> None
 def _number(optimum: Optimum, axes: Axes, across: FloatArray, place: int) -> None:
     """A free number along the front, in its unit, over the whole of its range."""
     item = optimum.problem.parameters[place]
-    shown = parameter_shown(item)
+    shown = number_shown(item)
     values = shown.value(np.array([design.numbers[item.name] for design in optimum.front]))
     axes.plot(across, values, color="0.25", marker=MARKERS[0], markersize=3)
     low, high = shown.value(item.low), shown.value(item.high)

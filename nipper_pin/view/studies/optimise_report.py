@@ -7,10 +7,9 @@ from rich.console import Console
 from ...study.optimise.design import Design
 from ...study.optimise.problem.problem import Aim, Problem
 from ...study.optimise.result import CAUTION, Optimum
-from ...study.optimise.search.binding import Binding
-from ...terms import Shown, parameter_shown
+from ...terms import Shown
 from ..console import headline, paste, say, show_table
-from .problem_words import binding_words, limit_words, quantity_shown, room_shown
+from .problem_words import Side, number_shown, quantity_shown, sides
 
 _SAME = 1e-6
 _ENGINES = {
@@ -29,11 +28,11 @@ def print_optimum(optimum: Optimum, console: Console) -> None:
     _numbers(optimum, console)
     _quantities(optimum, console)
     headline(console, "What holds it back")
-    aim = quantity_shown(problem, problem.aims[0].quantity)
+    aim, held = quantity_shown(problem, problem.aims[0].quantity), sides(problem)
     for item in optimum.account.bindings:
         if item.active:
-            say(console, _price(item, problem, aim))
-    free = [binding_words(item, problem) for item in optimum.account.bindings if not item.active]
+            say(console, _price(held[item.name], item.price, aim))
+    free = [held[item.name].words for item in optimum.account.bindings if not item.active]
     if free:
         say(console, f"with room left: {', '.join(free)}")
     say(
@@ -69,7 +68,7 @@ def _numbers(optimum: Optimum, console: Console) -> None:
     headline(console, "Numbers of the model")
     rows = []
     for item in optimum.problem.parameters:
-        term = parameter_shown(item.name)
+        term = number_shown(item)
         values = item.start, optimum.best.numbers[item.name]
         bounds = f"{term.value(item.low):g} to {term.value(item.high):g}"
         rows.append((term.label, *(_six(term, value) for value in values), bounds))
@@ -92,8 +91,8 @@ def _quantities(optimum: Optimum, console: Console) -> None:
         turns = optimum.control.turns
         say(console, f"confirmed by turn {turns} of the direct engine, which all later ones repeat")
     if optimum.before is not None and not optimum.before.inside:
-        limits = zip(problem.limits, optimum.before.slacks, strict=True)
-        broken = ", ".join(limit_words(limit, problem) for limit, slack in limits if slack < 0.0)
+        limits, held = zip(problem.limits, optimum.before.slacks, strict=True), sides(problem)
+        broken = ", ".join(held[str(limit)].words for limit, slack in limits if slack < 0.0)
         say(console, f"the model itself breaks: {broken}")
 
 
@@ -102,12 +101,11 @@ def _six(term: Shown, value: float | None) -> str:
     return "-" if value is None else f"{term.value(value):.6g}"
 
 
-def _price(item: Binding, problem: Problem, aim: Shown) -> str:
-    room = room_shown(item, problem)
+def _price(side: Side, price: float, aim: Shown) -> str:
     # A price is one of the unit in files: people read both the aim and the room in others.
-    price = f"{aim.value(item.price) / room.factor:.4g} {aim.unit}".rstrip()
-    more = f"one {room.unit or 'unit'} more of room"
-    return f"{binding_words(item, problem)}: {more} is worth {price}"
+    worth = f"{aim.value(price) / side.shown.factor:.4g} {aim.unit}".rstrip()
+    more = f"one {side.shown.unit or 'unit'} more of room"
+    return f"{side.words}: {more} is worth {worth}"
 
 
 def _search(optimum: Optimum, console: Console) -> None:
@@ -140,7 +138,7 @@ def _front(front: tuple[Design, ...], optimum: Optimum, console: Console) -> Non
     if len(front) == 1:
         say(console, f"No conflict: one design is the best by {one.words} and by {two.words}")
         return
-    numbers = [(item.name, parameter_shown(item.name)) for item in problem.parameters]
+    numbers = [(item.name, number_shown(item)) for item in problem.parameters]
     headline(console, "Pareto front")
     rows = [
         (
