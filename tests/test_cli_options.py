@@ -37,7 +37,7 @@ MANY, LONG = 8, 60
 # The call of each command.
 CALLS = {
     "simulate": "nipper_pin.cli.simulate.simulate",
-    "view": "nipper_pin.view.show.write_page",
+    "view": "nipper_pin.view.show.write",
     "compare": "nipper_pin.cli.compare.compare",
     "live": "nipper_pin.view.live.serve.serve_live",
     "new": "nipper_pin.mechanism.skeleton.write_skeleton",

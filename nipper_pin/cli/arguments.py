@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import shlex
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -18,6 +19,7 @@ from ..written_units import number_in
 MODEL = "e62"
 """Default model."""
 RESTITUTION = "restitution of the stop that the model's shortcut names"
+STIFFNESS = "spring rate, or with a unit as 9N/mm; the preload length is kept"
 
 _SHORT = ("restitution", "stiffness")
 _PER_M = "_N_per_m"
@@ -51,7 +53,20 @@ def refuse_again(
 
 
 def add_model(parser: argparse.ArgumentParser, *, json_output: bool = True) -> None:
-    """Define the arguments for a model, changes of its numbers and the file of JSON output."""
+    """Define the arguments for a machine, its speed and the file of JSON output."""
+    add_machine(parser)
+    parser.add_argument(
+        "--speed",
+        type=rpm,
+        metavar="RPM",
+        help="cylinder speed (default: the model's rated speed)",
+    )
+    if json_output:
+        add_json(parser)
+
+
+def add_machine(parser: argparse.ArgumentParser) -> None:
+    """Define the arguments for a model and changes of its numbers."""
     parser.add_argument(
         "model",
         nargs="?",
@@ -64,16 +79,8 @@ def add_model(parser: argparse.ArgumentParser, *, json_output: bool = True) -> N
         "--stiffness",
         type=number_or_text,
         metavar="N_PER_M",
-        help="spring rate, or with a unit as 9N/mm; the preload length is kept",
+        help=STIFFNESS,
     )
-    parser.add_argument(
-        "--speed",
-        type=rpm,
-        metavar="RPM",
-        help="cylinder speed (default: the model's rated speed)",
-    )
-    if json_output:
-        parser.add_argument("--json", metavar="FILE", help="write the result as JSON; - for stdout")
 
 
 def add_set(parser: argparse.ArgumentParser) -> None:
@@ -86,6 +93,40 @@ def add_set(parser: argparse.ArgumentParser) -> None:
         help="change a number of the model by its path or shortcut, for example "
         "stops.steeve.restitution=0.1 or preload=9.25; may be repeated",
     )
+
+
+def add_json(parser: argparse.ArgumentParser, what: str = "result") -> None:
+    """Define the argument for the file of JSON output."""
+    parser.add_argument("--json", metavar="FILE", help=f"write the {what} as JSON; - for stdout")
+
+
+def add_workers(parser: argparse.ArgumentParser) -> None:
+    """Define the argument for the number of processes."""
+    parser.add_argument(
+        "--workers", type=int, metavar="N", help="processes (default: one a processor)"
+    )
+
+
+def add_look(parser: argparse.ArgumentParser) -> None:
+    """Define the arguments for how a film is drawn."""
+    parser.add_argument(
+        "--slow",
+        type=float,
+        metavar="N",
+        help="stretch time 1:N around events (default 1000, less for films above two minutes)",
+    )
+    parser.add_argument(
+        "--exaggerate",
+        type=float,
+        metavar="N",
+        help="draw rebounds N times as large, 1 to 1000 (default: so that they are seen)",
+    )
+
+
+def add_server(parser: argparse.ArgumentParser, port: int) -> None:
+    """Define the arguments for where a page is served."""
+    parser.add_argument("--port", type=int, metavar="N", help=f"port to serve at (default {port})")
+    parser.add_argument("--no-browser", action="store_true", help="serve without opening a browser")
 
 
 def rpm(text: str) -> float:
@@ -192,10 +233,15 @@ def machine_words(options: argparse.Namespace) -> list[str]:
     """Arguments that make the machine and its speed, as another command takes them."""
     words = [word for item in options.set for word in ("--set", item)]
     for name in (*_SHORT, "speed"):
-        value = getattr(options, name)
+        value = getattr(options, name, None)
         if value is not None:
             words += [f"--{name}", value if isinstance(value, str) else f"{value!r}"]
     return words
+
+
+def command(*words: str) -> str:
+    """A command line of this program, ready to be pasted into a shell."""
+    return shlex.join(["nipper-pin", *words])
 
 
 def speed(options: argparse.Namespace, mechanism: Mechanism) -> float:
@@ -205,19 +251,19 @@ def speed(options: argparse.Namespace, mechanism: Mechanism) -> float:
     return mechanism.cylinder.rated_speed_rpm
 
 
-def refuse_beside(options: argparse.Namespace, what: str, names: dict[str, str]) -> None:
+def refuse_beside(options: argparse.Namespace, what: str, *names: str) -> None:
     """Refuse options that have no effect beside another one.
 
     Args:
         options: The arguments; one that was not given is None, False or not there.
         what: The other option and why there is nothing for them to change, for the message.
-        names: For each attribute how it is written on the command line.
+        names: How they are written on the command line; of an argument its name, and what it is.
 
     Raises:
         InputError: One of them is given.
     """
-    for name, written in names.items():
-        value = getattr(options, name, None)
+    for written in names:
+        value = getattr(options, written.lstrip("-").replace("-", "_").split()[0].lower(), None)
         if value is not None and value is not False and value != []:
             message = f"{written} changes nothing beside {what}; leave one of them out"
             raise InputError(message, argument=written)
@@ -269,32 +315,8 @@ def check_figure(file: str | None, extra: str, what: str) -> None:
     from ..outputs import check_file
     from ..view.figure_file import figure_format
 
-    figure_format(file)
     check_file(file)
-
-
-def need_own_folder(folder: str | None, model: str) -> None:
-    """Refuse a folder with the run of another model, which would be replaced.
-
-    Args:
-        folder: Folder of files, or None.
-        model: Name of the model.
-
-    Raises:
-        InputError: The case.json in it is of another model.
-    """
-    try:
-        text = "" if folder is None else (Path(folder) / "case.json").read_text(encoding="utf-8")
-        other = json.loads(text)["mechanism"]["name"]
-    except (OSError, ValueError, KeyError, TypeError):
-        # No run is there.
-        return
-    if other != model:
-        message = (
-            f"{folder} holds a run of {other}, and this one is of {model}: name another folder, or "
-            "remove that one"
-        )
-        raise InputError(message, folder=folder)
+    figure_format(file)
 
 
 def write_json(document: dict[str, Any], target: str) -> None:

@@ -14,8 +14,8 @@ from ..dynamics import DriveMode
 from ..errors import InputError
 from ..given import read_number
 from ..hybrid import START_INDEX, Case, Window
-from ..mechanism import Mechanism
-from .arguments import speed
+from ..mechanism import Mechanism, changed
+from .arguments import load_mechanism, overrides, speed
 
 LIMIT = "limit"
 DRIVES = [item.value for item in DriveMode]
@@ -86,17 +86,24 @@ def add_case(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def new_case(options: argparse.Namespace, mechanism: Mechanism, window: Window) -> Case:
-    """Return the case of the arguments.
+def machine_and_case(
+    options: argparse.Namespace, window: Window, saved: tuple[Mechanism, Case] | None = None
+) -> tuple[Mechanism, Case]:
+    """Return machine and case: of the arguments, or saved ones changed by the arguments.
 
     Args:
-        mechanism: The mechanism, for its rated speed.
-        window: Window without ``--window``.
+        window: Window of a new case without ``--window``.
 
     Raises:
-        InputError: A value is out of range, or an option has nothing to change.
+        InputError: A value or the model cannot be used, or an option has nothing to change.
     """
-    return changed_case(Case(speed_rpm=speed(options, mechanism), window=window), options)
+    if saved is None:
+        mechanism = load_mechanism(options)
+        case = Case(speed_rpm=speed(options, mechanism), window=window)
+    else:
+        changes, (mechanism, case) = overrides(options), saved
+        mechanism = changed(mechanism, changes) if changes else mechanism
+    return mechanism, changed_case(case, options)
 
 
 def changed_case(case: Case, options: argparse.Namespace) -> Case:
@@ -105,11 +112,11 @@ def changed_case(case: Case, options: argparse.Namespace) -> Case:
     Raises:
         InputError: A value is out of range, or an option has nothing to change.
     """
-    given = {name: value for name, value in _given(options).items() if name != "tolerance"}
-    if hasattr(options, "tolerance"):
-        given["resolution"] = replace(case.resolution, tolerance=options.tolerance)
-    changed = replace(case, **given)
-    if changed.window is Window.TRANSITION:
+    given = given_settings(options)
+    if "tolerance" in given:
+        given["resolution"] = replace(case.resolution, tolerance=given.pop("tolerance"))
+    found = replace(case, **given)
+    if found.window is Window.TRANSITION:
         for name, written in _OF_TURNS.items():
             if name in given:
                 message = (
@@ -117,16 +124,24 @@ def changed_case(case: Case, options: argparse.Namespace) -> Case:
                     f"--window cycle, or leave {written} out"
                 )
                 raise InputError(message, argument=written)
-    return changed
+    return found
 
 
-def _given(options: argparse.Namespace) -> dict[str, Any]:
+def given_settings(options: argparse.Namespace) -> dict[str, Any]:
     """Fields of a case that the arguments hold, the tolerance with them."""
-    names = {"window", "start_index", "cycles", "drive", "rest_rate", "tolerance", "reuse_cycles"}
+    names = ("window", "start_index", "cycles", "drive", "rest_rate", "tolerance", "reuse_cycles")
     given = {name: getattr(options, name) for name in names if hasattr(options, name)}
     if options.speed is not None:
         given["speed_rpm"] = options.speed
     return given
+
+
+def case_words(options: argparse.Namespace) -> list[str]:
+    """Arguments that say what is simulated, as another command takes them."""
+    names = ("window", "start_index", "cycles", "drive")
+    given = [name for name in names if hasattr(options, name)]
+    return [word for name in given
+            for word in (f"--{name.replace('_', '-')}", f"{getattr(options, name)}")]  # fmt: skip
 
 
 def _rest_rate(text: str) -> float | None:

@@ -58,7 +58,7 @@ def _watch(options: argparse.Namespace) -> None:
     from ..view.console import Terminal, say
 
     if options.json == "-":
-        refuse_beside(options, "--json -, which is one document", {"watch": "--watch"})
+        refuse_beside(options, "--json -, which is one document", "--watch")
     files, seen = find_files(options.model or MODEL), dict[Path, float]()
     while True:
         there = [files.toml, *files.folder.glob("*.csv")]
@@ -80,9 +80,7 @@ def _check(options: argparse.Namespace) -> None:
     from ..study.check import check_model
 
     if options.json == "-":
-        refuse_beside(
-            options, "--json -, whose document holds all of it", {"provenance": "--provenance"}
-        )
+        refuse_beside(options, "--json -, whose document holds all of it", "--provenance")
     check_outputs(None, options.json)
     check_figure(options.drawing, "view", "the drawing")
     mechanism = load_mechanism(options)
@@ -96,12 +94,11 @@ def _check(options: argparse.Namespace) -> None:
         write_json(report.record(), options.json)
     if options.json != "-":
         from ..study.next_steps import next_steps
-        from ..view.console import Terminal, paste
+        from ..view.console import Terminal, ending
         from ..view.studies.check_report import print_report
 
         console = Terminal()
         begin = ["--start-index", f"{start:g}"] if hasattr(options, "start_index") else []
         steps = next_steps(report, options.model or MODEL, machine_words(options), begin)
         print_report(report, steps, console, provenance=options.provenance)
-        if options.drawing is not None:
-            paste(console, f"drawing: {options.drawing}")
+        ending(console, written=(options.drawing, options.json))

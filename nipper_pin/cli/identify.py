@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import argparse
-import shlex
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ..errors import InputError
-from .arguments import check_outputs, refuse_beside, write_json
+from ..view.progress import progress
+from .arguments import (
+    add_json,
+    add_workers,
+    check_outputs,
+    command,
+    refuse_beside,
+    write_json,
+)
 
 if TYPE_CHECKING:
     from ..study.identify import Fit, Profile
@@ -38,11 +44,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="profile likelihoods of the N numbers that are determined best (default 2)",
     )
-    parser.add_argument(
-        "--workers", type=int, metavar="N", help="processes (default: one a processor)"
-    )
+    add_workers(parser)
     parser.add_argument("--out", metavar="DIR", help="write the identified model into a folder")
-    parser.add_argument("--json", metavar="FILE", help="write the result as JSON; - for stdout")
+    add_json(parser)
     parser.set_defaults(run=_run)
 
 
@@ -59,18 +63,19 @@ def _run(options: argparse.Namespace) -> None:
         message = f"--profiles {options.profiles}: at least 0"
         raise InputError(message, argument=options.profiles)
     if options.starts == 1:
-        refuse_beside(options, "--starts 1, the model's own numbers", {"seed": "--seed"})
+        refuse_beside(options, "--starts 1, the model's own numbers", "--seed")
     problem = read_problem(options.problem)
     check_outputs(options.out, options.json)
     if options.out is not None:
         check_new_folder(options.out)
-    with _progress() as advance:
+    # Some starts take ten times as long as others, so no time left is told.
+    with progress("starts", alike=False) as tell:
         fit = identify(
             problem,
             starts=options.starts,
             seed=_SEED if options.seed is None else options.seed,
             workers=options.workers,
-            progress=advance,
+            progress=lambda done, all_, cost: tell(done, all_, f"starts (least cost {cost:.4g})"),
         )
     known, judged = fit.known, fit.goodness
     chosen = [path for path, _ in known.ranked()][: options.profiles]
@@ -81,26 +86,20 @@ def _run(options: argparse.Namespace) -> None:
     if options.out is not None:
         write_model(fit, judged, options.out)
     if options.json != "-":
-        from ..view.console import Terminal, paste
+        from ..view.console import Terminal, ending
         from ..view.studies.identify_report import print_fit
 
         console = Terminal()
         print_fit(fit, judged, known, profiles, console)
-        paste(console, f"Next: {_next(options)}")
+        again = command(*options.words, "--out", "identified")
+        following = again if options.out is None else command("check", options.out)
+        ending(console, following, (options.out, options.json))
     # The result is written, but the fit contradicts the data.
     fit.check()
 
 
-def _next(options: argparse.Namespace) -> str:
-    """Command line that checks the model that was written, or that writes it."""
-    if options.out is not None:
-        return shlex.join(["nipper-pin", "check", options.out])
-    return shlex.join(["nipper-pin", *options.words, "--out", "identified"])
-
-
 def _profiles(fit: Fit, paths: Sequence[str], workers: int | None) -> tuple[Profile, ...]:
     from ..study.identify import profile
-    from ..view.progress import progress
 
     found: list[Profile] = []
     with progress("profiles", len(paths), alike=False) as tell:
@@ -108,16 +107,3 @@ def _profiles(fit: Fit, paths: Sequence[str], workers: int | None) -> tuple[Prof
             found.append(profile(fit, path, workers=workers))
             tell(len(found), len(paths))
     return tuple(found)
-
-
-@contextmanager
-def _progress() -> Iterator[Callable[[int, int, float], None]]:
-    """Progress of the starts: some take ten times as long as others, so no time left is told."""
-    from ..view.progress import progress
-
-    with progress("starts", alike=False) as tell:
-
-        def advance(done: int, total: int, cost: float) -> None:
-            tell(done, total, f"starts (least cost {cost:.4g})")
-
-        yield advance

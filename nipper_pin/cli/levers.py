@@ -3,9 +3,17 @@
 from __future__ import annotations
 
 import argparse
-import shlex
 
-from .arguments import MODEL, add_model, check_outputs, load_mechanism, machine_words, write_json
+from ..view.progress import progress
+from .arguments import (
+    MODEL,
+    add_model,
+    check_outputs,
+    command,
+    load_mechanism,
+    machine_words,
+    write_json,
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -16,7 +24,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _run(options: argparse.Namespace) -> None:
     from ..study.levers import levers
-    from ..view.progress import progress
 
     check_outputs(None, options.json)
     mechanism = load_mechanism(options)
@@ -29,5 +36,5 @@ def _run(options: argparse.Namespace) -> None:
     from ..view.console import Terminal
     from ..view.studies.levers_report import print_levers
 
-    again = ["nipper-pin", "compare", options.model or MODEL, *machine_words(options)]
-    print_levers(found, Terminal(), shlex.join(again))
+    again = command("compare", options.model or MODEL, *machine_words(options))
+    print_levers(found, Terminal(), again)

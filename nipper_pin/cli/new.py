@@ -3,25 +3,23 @@
 from __future__ import annotations
 
 import argparse
-import shlex
 from pathlib import Path
 from typing import Any
 
 from ..errors import InputError, UnknownNameError
-from .arguments import refuse_beside
+from .arguments import command, refuse_beside
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Define the arguments of the command."""
     parser.add_argument(
-        "folder",
+        "model",
         metavar="MODEL",
         nargs="?",
         help="folder or NAME.toml to write; its name becomes the machine's",
     )
     parser.add_argument(
         "--from",
-        dest="start",
         metavar="NAME",
         help="start from this machine of the gallery, not from the commented press",
     )
@@ -41,20 +39,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _run(options: argparse.Namespace) -> None:
     if options.list:
-        others = {"folder": "MODEL", "start": "--from", "urdf": "--urdf", "study": "--study"}
-        refuse_beside(options, "--list", others)
+        refuse_beside(options, "--list", "MODEL", "--from", "--urdf", "--study")
         _list()
-    elif options.folder is None:
+    elif options.model is None:
         message = "name the folder to write, as in nipper-pin new my_press"
         raise InputError(message)
     elif options.urdf is not None:
-        refuse_beside(options, "--urdf", {"start": "--from", "study": "--study"})
-        _exported(options.urdf, options.folder)
+        refuse_beside(options, "--urdf", "--from", "--study")
+        _exported(options.urdf, options.model)
     elif options.study is not None:
-        refuse_beside(options, "--study", {"start": "--from"})
-        _study(options.study, options.folder)
+        refuse_beside(options, "--study", "--from")
+        _study(options.study, options.model)
     else:
-        _drawing(options.start, options.folder)
+        _drawing(getattr(options, "from"), options.model)
 
 
 def _list() -> None:
@@ -91,7 +88,7 @@ def _study(kind: str, file: str) -> None:
     write_study(kind, file)
     console = unbroken_console()
     say(console, f"{file}: a study of e62, every line explained. It runs as it stands:")
-    paste(console, f"  {shlex.join(['nipper-pin', kind, file])}")
+    paste(console, f"  {command(kind, file)}")
 
 
 def _exported(urdf: str, model: str) -> None:
@@ -115,7 +112,7 @@ def _exported(urdf: str, model: str) -> None:
     if found.wrong:
         say(console, f"Not yet a machine: {found.wrong}")
     say(console, "What is left to decide, and what looks like mm or g:")
-    paste(console, f"  {shlex.join(['nipper-pin', 'check', model])}")
+    paste(console, f"  {command('check', model)}")
 
 
 def _place(stop: dict[str, Any]) -> str:
@@ -134,4 +131,4 @@ def written(head: str, model: str) -> None:
         ("simulate", model, *turns),
         ("view", model, *turns, "--html", f"{model.removesuffix('.toml')}.html"),
     ):
-        paste(console, f"  {shlex.join(['nipper-pin', *words])}")
+        paste(console, f"  {command(*words)}")

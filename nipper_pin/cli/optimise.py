@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 from ..errors import one_line
 from ..extras import require
-from .arguments import check_outputs, refuse_beside, write_json
+from ..view.progress import progress
+from .arguments import add_json, add_workers, check_outputs, refuse_beside, write_json
 
 _POINTS = 12
 
@@ -42,13 +41,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="leave out the global check by differential evolution",
     )
-    parser.add_argument(
-        "--workers", type=int, metavar="N", help="processes (default: one a processor)"
-    )
+    add_workers(parser)
     parser.add_argument(
         "--format", choices=["svg", "png"], help="of the figure of the front (default svg)"
     )
-    parser.add_argument("--json", metavar="FILE", help="write the result as JSON; - for stdout")
+    add_json(parser)
     parser.set_defaults(run=_run)
 
 
@@ -58,13 +55,13 @@ def _run(options: argparse.Namespace) -> None:
 
     problem = read_problem(options.study)
     if len(problem.aims) == 1:
-        names = {"points": "--points", "format": "--format"}
-        refuse_beside(options, "one aim, which has no front", names)
+        refuse_beside(options, "one aim, which has no front", "--points", "--format")
     else:
         require("study", "matplotlib", what="the figure of the front")
     folder = Path(options.out or Path("out") / Path(options.study).stem)
     check_outputs(str(folder), options.json)
-    with _progress() as advance:
+    # How many parts there are shows only as they are done, so no share is told.
+    with progress("parts", alike=False) as tell:
         optimum = optimise(
             problem,
             starts=options.starts,
@@ -72,7 +69,7 @@ def _run(options: argparse.Namespace) -> None:
             check=not options.no_check,
             points=_POINTS if options.points is None else options.points,
             workers=options.workers,
-            progress=advance,
+            progress=lambda done, known: tell(done, None, f"parts (at least {known:,})"),
         )
     # The figure of another front must not stand beside a new result.
     with complete_folder(folder, RESULTS) as new:
@@ -95,12 +92,3 @@ def _run(options: argparse.Namespace) -> None:
         from ..errors import SimulationError
 
         raise SimulationError(optimum.contradiction, folder=str(folder))
-
-
-@contextmanager
-def _progress() -> Iterator[Callable[[int, int], None]]:
-    """Progress; how many parts there are shows only as they are done, so no share is told."""
-    from ..view.progress import progress
-
-    with progress("parts", alike=False) as tell:
-        yield lambda done, known: tell(done, None, f"parts (at least {known:,})")

@@ -3,11 +3,21 @@
 from __future__ import annotations
 
 import argparse
-import shlex
 from typing import TYPE_CHECKING
 
 from ..extras import require
-from .arguments import add_set, check_figure, check_outputs, load_mechanism, rpm, write_json
+from .arguments import (
+    MODEL,
+    add_json,
+    add_machine,
+    check_figure,
+    check_outputs,
+    command,
+    load_mechanism,
+    machine_words,
+    rpm,
+    write_json,
+)
 
 if TYPE_CHECKING:
     from ..study.speed_limit import SpeedLimit
@@ -18,14 +28,7 @@ _SLOWEST, _FASTEST = 0.5, 4.0
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Define the arguments of the command."""
-    parser.add_argument(
-        "model",
-        nargs="?",
-        default="e62",
-        metavar="MODEL",
-        help="a model's name, or a folder (default e62)",
-    )
-    add_set(parser)
+    add_machine(parser)
     parser.add_argument(
         "--from", dest="low", type=rpm, metavar="RPM", help="least speed; half the rated"
     )
@@ -50,8 +53,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="force above which the stop clamps [N] (default 0)",
     )
     parser.add_argument("--plot", metavar="FILE", help="draw the turns by speed (PNG, SVG, PDF)")
-    parser.add_argument("--json", metavar="FILE", help="write the result as JSON; - for stdout")
-    parser.set_defaults(run=run, restitution=None, stiffness=None)
+    add_json(parser)
+    parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> None:
@@ -81,14 +84,12 @@ def run(options: argparse.Namespace) -> None:
         write_json(result.record(), options.json)
     if options.json == "-":
         return
-    from ..view.console import Terminal, paste
+    from ..view.console import Terminal, ending
     from ..view.studies.speed_limit_report import print_speed_limit
 
     console = Terminal()
     print_speed_limit(result, console)
-    if options.plot is not None:
-        paste(console, f"figure: {options.plot}")
-    paste(console, f"Next: {_next(options, result)}")
+    ending(console, _next(options, result), (options.plot, options.json))
 
 
 def _next(options: argparse.Namespace, result: SpeedLimit) -> str:
@@ -97,6 +98,5 @@ def _next(options: argparse.Namespace, result: SpeedLimit) -> str:
 
     ends = (part.high_rpm for part in result.settled if part.verdict is Verdict.YES)
     speed = next(ends, float(result.speed_rpm[0]))
-    words = [word for item in options.set for word in ("--set", item)]
-    run = ["simulate", options.model, *words, "--speed", f"{speed:.5g}", "--window", "cycle"]
-    return shlex.join(["nipper-pin", *run])
+    machine = (options.model or MODEL, *machine_words(options))
+    return command("simulate", *machine, "--speed", f"{speed:.5g}", "--window", "cycle")

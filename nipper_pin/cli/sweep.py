@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 import argparse
-import shlex
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from ..errors import InputError, one_line
-from .arguments import check_outputs, refuse_beside, write_json
+from ..view.progress import progress
+from .arguments import (
+    add_json,
+    add_workers,
+    check_outputs,
+    command,
+    refuse_beside,
+    write_json,
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -23,9 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="folder of the results (default out/ and the name of the study); "
         "one that holds a part of them is completed",
     )
-    parser.add_argument(
-        "--workers", type=int, metavar="N", help="processes (default: one a processor)"
-    )
+    add_workers(parser)
     parser.add_argument(
         "--scheduler", metavar="ADDRESS", help="a Dask scheduler, for example tcp://host:8786"
     )
@@ -44,7 +49,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--units", choices=("SI", "mm"), help="of --csv: SI (default), or mm and degrees"
     )
-    parser.add_argument("--json", metavar="FILE", help="write a report as JSON; - for stdout")
+    add_json(parser, "report")
     parser.set_defaults(run=_run)
 
 
@@ -55,7 +60,7 @@ def _run(options: argparse.Namespace) -> None:
 
     if options.dry_run:
         what = "--dry-run, which writes nothing and times scenarios here"
-        refuse_beside(options, what, {"out": "--out", "scheduler": "--scheduler", "csv": "--csv"})
+        refuse_beside(options, what, "--out", "--scheduler", "--csv")
     if options.units is not None and options.csv is None:
         message = "--units is that of the table that --csv FILE writes; give both"
         raise InputError(message, argument="--units")
@@ -83,14 +88,14 @@ def _run(options: argparse.Namespace) -> None:
         following = ["sweep", options.study]
     else:
         folder = Path(options.out or Path("out") / Path(options.study).stem)
-        with _progress(folder) as advance:
+        with _progress(folder) as tell:
             report = run_sweep(
                 plan,
                 folder,
                 workers=options.workers,
                 scheduler=options.scheduler,
                 chunks=bounds,
-                progress=advance,
+                progress=tell,
             )
         document = report.record()
         if report.scenarios < plan.scenarios:
@@ -103,21 +108,16 @@ def _run(options: argparse.Namespace) -> None:
         ]
         if options.csv is not None:
             read_sweep(folder).write_csv(options.csv, options.units or "SI")
-            said.append(f"written: {options.csv}")
         following = ["plot", str(folder)]
     if options.json is not None:
         write_json(document, options.json)
     if options.json != "-":
-        _print(said, shlex.join(["nipper-pin", *following]))
+        from ..view.console import ending, say, unbroken_console
 
-
-def _print(said: Sequence[str], following: str) -> None:
-    from ..view.console import paste, say, unbroken_console
-
-    console = unbroken_console()
-    for sentence in said:
-        say(console, sentence)
-    paste(console, f"Next: {following}")
+        console = unbroken_console()
+        for sentence in said:
+            say(console, sentence)
+        ending(console, command(*following), (options.csv, options.json))
 
 
 def _bounds(text: str | None) -> tuple[int, int] | None:
@@ -134,35 +134,21 @@ def _bounds(text: str | None) -> tuple[int, int] | None:
 
 @contextmanager
 def _progress(folder: Path) -> Iterator[Callable[[int, int, int], None]]:
-    """Show progress; an interrupt reports the finished chunks."""
-    stored = [0, 0]
-    with _rate() as show:
+    """Progress, with the rate of new scenarios; an interrupt reports those that are stored."""
+    began, stored = time.monotonic(), [0, 0]
+    with progress("scenarios") as tell:
 
-        def advance(done: int, found: int, total: int) -> None:
+        def show(done: int, found: int, total: int) -> None:
             stored[:] = done, total
-            show(done, found, total)
+            seconds = time.monotonic() - began
+            rate = f", {(done - found) / seconds:,.0f}/s" if done > found and seconds > 0.0 else ""
+            tell(done, total, f"scenarios{rate}")
 
         try:
-            yield advance
+            yield show
         except KeyboardInterrupt:
             sys.stderr.write(
                 f"nipper-pin: interrupted; {stored[0]:,} of {stored[1]:,} scenarios are in "
                 f"{one_line(str(folder))}: run the same command again for the others\n"
             )
             raise
-
-
-@contextmanager
-def _rate() -> Iterator[Callable[[int, int, int], None]]:
-    """Progress, with the rate of the scenarios that were not there before."""
-    from ..view.progress import progress
-
-    began = time.monotonic()
-    with progress("scenarios") as tell:
-
-        def show(done: int, found: int, total: int) -> None:
-            seconds = time.monotonic() - began
-            rate = f", {(done - found) / seconds:,.0f}/s" if done > found and seconds > 0.0 else ""
-            tell(done, total, f"scenarios{rate}")
-
-        yield show

@@ -117,6 +117,15 @@ def paste(console: Console, command: str) -> None:
     console.print(Text(command), highlight=False, soft_wrap=True)
 
 
+def ending(console: Console, following: str = "", written: Iterable[str | None] = ()) -> None:
+    """Print which files were written (None: none), and the command to run next, if there is one."""
+    for place in written:
+        if place is not None and place != "-":
+            paste(console, f"written: {place}")
+    if following:
+        paste(console, f"Next: {following}")
+
+
 def _column(
     place: int, headings: Sequence[str], rows: Sequence[Sequence[str]], text: Collection[int]
 ) -> _Column:

@@ -56,28 +56,21 @@ def view(
     from .scene import Look
 
     look = Look(slow=slow, exaggerate=exaggerate)
-    if file is None:
-        need_page()
-        from ..given import flag, whole
-        from .scene.server import serve
-
-        port = whole("port", port, 0, 65535)
-        serve(shown_page(solution, look), port, browser=flag("browser", browser))
-        return None
-    target = Path(file)
-    if target.suffix == ".html":
-        need_page()
-        write_page(solution, target, look)
-    elif target.suffix == ".gif" and isinstance(solution, Simulated):
-        need_film()
-        from .scene.gif import write_gif
-
-        write_gif(solution, target, look)
-    else:
-        kinds = "NAME.html or NAME.gif" if isinstance(solution, Simulated) else "NAME.html"
-        message = f"{target}: a scene is written as {kinds}"
+    target = None if file is None else Path(file)
+    kinds = [".html", *([".gif"] if isinstance(solution, Simulated) else [])]
+    if target is not None and target.suffix.lower() not in kinds:
+        message = f"{target}: a scene is written as NAME{' or NAME'.join(kinds)}"
         raise InputError(message, file=str(target))
-    return target
+    need_libraries(target)
+    if target is not None:
+        write(solution, target, look)
+        return target
+    from ..given import flag, whole
+    from .scene.server import serve
+
+    port = whole("port", port, 0, 65535)
+    serve(shown_page(solution, look), port, browser=flag("browser", browser))
+    return None
 
 
 def shown_page(shown: Solution | Comparison, look: Look) -> str:
@@ -98,32 +91,36 @@ def shown_page(shown: Solution | Comparison, look: Look) -> str:
     return scene_page(film(shown, look))
 
 
-def write_page(shown: Solution | Comparison, path: Path, look: Look) -> None:
-    """Write one HTML file that needs nothing else, not even a network.
+def write(shown: Solution | Comparison, path: Path, look: Look) -> None:
+    """Write the film in side view (``.gif``), or one HTML file that needs nothing else.
 
     Raises:
         InputError: There is nothing to show, or the file cannot be written.
     """
+    from ..hybrid import Solution
     from ..outputs import complete_file
+
+    if path.suffix.lower() == ".gif" and isinstance(shown, Solution):
+        from .scene.gif import write_gif
+
+        write_gif(shown, path, look)
+        return
 
     page = shown_page(shown, look)
     with complete_file(path) as partial:
         partial.write_text(page, encoding="utf-8")
 
 
-def need_page() -> None:
-    """Refuse to show a page without the libraries that make it.
+def need_libraries(path: Path | None) -> None:
+    """Refuse to show anything without the libraries that make it.
+
+    Args:
+        path: The file to write; None for a page that is served.
 
     Raises:
         InputError: One of them is not installed.
     """
-    require("view", "meshcat", "umsgpack", what="a page of the viewer")
-
-
-def need_film() -> None:
-    """Refuse to draw a GIF without the libraries that make it.
-
-    Raises:
-        InputError: One of them is not installed.
-    """
-    require("view", "matplotlib", "PIL", what="a film as a GIF")
+    if path is not None and path.suffix.lower() == ".gif":
+        require("view", "matplotlib", "PIL", what="a film as a GIF")
+    else:
+        require("view", "meshcat", "umsgpack", what="a page of the viewer")

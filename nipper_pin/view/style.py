@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -43,8 +44,10 @@ _COLUMNS = 4
 
 
 def blank(height_in: float) -> Figure:
-    """Return an empty figure, of which matplotlib's global state knows nothing."""
-    return Figure(figsize=(WIDTH_IN, height_in), dpi=200, layout="constrained")
+    """Return an empty figure; its own canvas leaves matplotlib's global state alone."""
+    figure = Figure(figsize=(WIDTH_IN, height_in), dpi=200, layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
 
 
 def framed(subject: str, notes: Iterable[str], height_in: float) -> Figure:

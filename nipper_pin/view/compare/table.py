@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Sequence
 
 from rich.console import Console
 
 from ...study.compare import Comparison, Row
-from ..console import headline, paste, say, show_table
+from ..console import headline, say, show_table
 from .words import change_texts, difference_text, finding, label, row_shown
 
 _HEADINGS = ("quantity", "unit", "A", "B", "difference")
@@ -17,16 +16,8 @@ _HEADINGS = ("quantity", "unit", "A", "B", "difference")
 _TURN = "repeats_after"
 
 
-def print_comparison(
-    comparison: Comparison, console: Console, *, written: Sequence[str] = (), following: str = ""
-) -> None:
-    """Print what differs, the table, and what was found.
-
-    Args:
-        console: Where to print, of any width.
-        written: Files that were written, each behind what it is.
-        following: The command to run next.
-    """
+def print_comparison(comparison: Comparison, console: Console) -> None:
+    """Print what differs, the table, and what was found."""
     say(console, f"A: {label(comparison.a)}")
     say(console, f"B: {label(comparison.b)}")
     _changes(comparison, console)
@@ -40,10 +31,6 @@ def print_comparison(
         for note in comparison.notes:
             say(console, note)
     headline(console, finding(comparison))
-    for line in written:
-        paste(console, line)
-    if following:
-        paste(console, f"Next: {following}")
 
 
 def comparison_csv(comparison: Comparison) -> str:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
+from ...errors import InputError
 from ...hybrid import Solution, need_sound
 from ...hybrid.files.npz import save, save_case
 from ...outputs import complete_file, complete_folder
 from .csv_tables import TABLES, tables
 from .plots import PLOTS, plot_solution
 
-_FILES = (*TABLES, "solution.npz", "case.json", *(f"{name}.png" for name in PLOTS))
+_CASE = "case.json"
+_FILES = (*TABLES, "solution.npz", _CASE, *(f"{name}.png" for name in PLOTS))
 
 
 def export(solution: Solution, folder: str | Path, units: str = "SI") -> list[Path]:
@@ -34,10 +37,30 @@ def export(solution: Solution, folder: str | Path, units: str = "SI") -> list[Pa
         written = [
             *(_write(target / name, text) for name, text in tables(solution, units)),
             save(solution, target / "solution.npz"),
-            save_case(solution.mechanism, solution.case, target / "case.json"),
+            save_case(solution.mechanism, solution.case, target / _CASE),
             *plot_solution(solution, target),
         ]
     return [Path(folder) / file.name for file in written]
+
+
+def need_own_folder(folder: str, model: str) -> None:
+    """Refuse a folder with the run of another model, which would be replaced.
+
+    Raises:
+        InputError: The case in it is of another model.
+    """
+    try:
+        text = (Path(folder) / _CASE).read_text(encoding="utf-8")
+        other = json.loads(text)["mechanism"]["name"]
+    except (OSError, ValueError, KeyError, TypeError):
+        # No run is there.
+        return
+    if other != model:
+        message = (
+            f"{folder} holds a run of {other}, and this one is of {model}: name another folder, or "
+            "remove that one"
+        )
+        raise InputError(message, folder=folder)
 
 
 def _write(path: Path, text: str) -> Path:

@@ -11,7 +11,7 @@ from ...hybrid.result.quantities import COLLISION, Quantity, coordinate_unit
 from ...mechanism import Mechanism
 from ...terms import Shown, fixed
 from ...units import MS_PER_S
-from ..console import headline, paste, say, show_table
+from ..console import headline, say, show_table
 from ..phases import intervals
 from ..reading import index_at, shown_collisions
 from .lead import header, premise, transitions
@@ -31,8 +31,6 @@ def print_solution(
     *,
     with_forces: bool = False,
     turns: str = "",
-    written: Sequence[str | None] = (),
-    following: str = "",
 ) -> None:
     """Print the results of a run: what its transition came to, then tables.
 
@@ -42,8 +40,6 @@ def print_solution(
         console: Where to print, of any width.
         with_forces: Print the ranges of the forces of closed stops, too.
         turns: The command that simulates whole turns of the same settings.
-        written: Files and folders that were written.
-        following: The command to run next.
     """
     header(solution, console)
     if solution.mechanism.transition_stop:
@@ -60,10 +56,6 @@ def print_solution(
         forces(solution, console)
     checks(solution, console)
     headline(console, solution.outcome.value)
-    for place in filter(None, written):
-        paste(console, f"written: {place}")
-    if following:
-        paste(console, f"Next: {following}")
 
 
 def _collisions(solution: Solution, console: Console) -> None:

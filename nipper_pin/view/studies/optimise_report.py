@@ -8,7 +8,7 @@ from ...study.optimise.design import Design
 from ...study.optimise.problem.problem import Aim, Problem
 from ...study.optimise.result import CAUTION, Optimum
 from ...terms import Shown
-from ..console import headline, paste, say, show_table
+from ..console import ending, headline, say, show_table
 from .problem_words import Side, number_shown, quantity_shown, sides
 
 _SAME = 1e-6
@@ -45,8 +45,7 @@ def print_optimum(optimum: Optimum, console: Console) -> None:
         _front(optimum.front, optimum, console)
     headline(console, f"Found: {_found(optimum)}")
     say(console, CAUTION)
-    if optimum.control.values:
-        paste(console, f"Next: {optimum.command}")
+    ending(console, optimum.command if optimum.control.values else "")
 
 
 def _aim(aim: Aim, problem: Problem) -> str:
