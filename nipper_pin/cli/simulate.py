@@ -106,7 +106,7 @@ def _asked(options: argparse.Namespace) -> tuple[Mechanism, Case]:
     """
     if options.case is None:
         return machine_and_case(options, Window.TRANSITION)
-    held = f"--case {options.case}, which holds its own"
+    held = f"--case {options.case}, which holds its own machine"
     refuse_beside(options, held, f"MODEL {options.model}")
     from ..hybrid.files.npz import load_case
 

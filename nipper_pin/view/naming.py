@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..hybrid.result.quantities import coordinate_unit
-from ..mechanism import Mechanism
+from ..mechanism import Mechanism, Stop
 from ..terms import Shown, named, shown_in
 
 
@@ -31,6 +31,25 @@ def coordinate_shown(mechanism: Mechanism, index: int, *, small: bool = False) -
     file_unit = coordinate_unit(mechanism, index)
     unit, factor = shown_in(file_unit, small=small)
     return Shown(words="stroke" if file_unit == "m" else "angle", unit=unit, factor=factor)
+
+
+def stiffness_shown(mechanism: Mechanism, index: int) -> Shown:
+    """How people read the rate of a spring on a joint.
+
+    Args:
+        index: Its place in q.
+    """
+    turns = coordinate_unit(mechanism, index) == "rad"
+    unit, factor = shown_in("N m/rad" if turns else "N/m")
+    return Shown(words="stiffness", unit=unit, factor=factor)
+
+
+def contact_shown(stop: Stop) -> Shown | None:
+    """How people read the gap at the contact point of a stop; None of a stop along its joint."""
+    if stop.contact is None:
+        return None
+    unit, factor = shown_in("m")
+    return Shown(words="gap at the contact", unit=unit, factor=factor * stop.lever)
 
 
 def rate_shown(mechanism: Mechanism, index: int) -> Shown:

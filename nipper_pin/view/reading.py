@@ -8,7 +8,7 @@ from ..hybrid import Collision, Event, EventKind, PhaseInterval, Solution, Trans
 from ..hybrid.result.quantities import coordinate_unit, force_unit
 from ..mechanism import Mechanism, Stop, Strut
 from ..terms import digits, shown_in
-from .naming import coordinate_shown
+from .naming import coordinate_shown, stiffness_shown
 
 TURNS_SHOWN = 2
 
@@ -17,13 +17,13 @@ def spring_text(mechanism: Mechanism) -> str:
     """Stiffness, preload deflection and preload force of every spring, or what its table spans."""
     parts = []
     for spring in mechanism.springs:
-        turns = coordinate_unit(mechanism, spring.index) == "rad"
-        rate, per = shown_in("N m/rad" if turns else "N/m")
+        rate = stiffness_shown(mechanism, spring.index)
         preload = coordinate_shown(mechanism, spring.index)
-        force = f"{digits(spring.stiffness * spring.preload)} {'N m' if turns else 'N'}"
+        unit = "N" if preload.unit == "mm" else "N m"
         parts.append(
-            f"{spring.name} {per * spring.stiffness:g} {rate}, "
-            f"preload {preload.value(spring.preload):g} {preload.unit} ({force})"
+            f"{spring.name} {rate.value(spring.stiffness):g} {rate.unit}, "
+            f"preload {preload.value(spring.preload):g} {preload.unit} "
+            f"({digits(spring.stiffness * spring.preload)} {unit})"
         )
     for table in mechanism.tabulated_springs:
         span, rows = coordinate_shown(mechanism, table.index), table.characteristic
@@ -31,11 +31,11 @@ def spring_text(mechanism: Mechanism) -> str:
         forces = f"{rows.force[0]:g} to {rows.force[-1]:g}"
         unit = "N m" if coordinate_unit(mechanism, table.index) == "rad" else "N"
         parts.append(f"{table.name} table from {low} to {high} {span.unit}, {forces} {unit}")
-    rate, per = shown_in("N/m")
+    per_length, per = shown_in("N/m")
     unit, length = shown_in("m")
     for strut in _struts(mechanism, "spring"):
         parts.append(
-            f"{strut.name} {per * strut.stiffness:g} {rate} from {strut.frame_a} to "
+            f"{strut.name} {per * strut.stiffness:g} {per_length} from {strut.frame_a} to "
             f"{strut.frame_b}, free length {length * strut.free_length:g} {unit}"
         )
     return "; ".join(parts) or "none"

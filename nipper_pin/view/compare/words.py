@@ -49,11 +49,16 @@ def difference_text(row: Row) -> str:
     if row.difference == 0.0:
         return "0"
     if row.name in INDICES or row.name.startswith(_COUNTED):
-        text = row_shown(row).text(row.difference)
-        return _signed(text) if float(text) else f"< {_LEAST_INDEX}"
+        return index_text(row.difference, row_shown(row).decimals or 0)
     if row.percent is None:
         return _signed(row_shown(row).phrase(row.difference))
     return percent_text(row.percent)
+
+
+def index_text(difference: float, decimals: int = 3) -> str:
+    """A difference of indices, or without decimals of counts, with its sign."""
+    text = fixed(difference, decimals)
+    return _signed(text) if float(text) else f"< {_LEAST_INDEX}"
 
 
 def percent_text(percent: float) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 
@@ -13,14 +14,15 @@ from ...hybrid import Case, Collision, Outcome, Solution, simulate
 from ...hybrid.result.quantities import force_unit
 from ...mechanism import Mechanism
 from ...units import MS_PER_S
-from ..naming import coordinate_shown
+from ..naming import contact_shown, coordinate_shown
 from ..naming import shown as words_of
 from .clamping import followed_on, force_line, gap_line
 from .numbers import Number, Rows
-from .settings import SPEED, Knob, changed
+from .settings import SPEED, Knob, changed, in_si
 
 # A bounce series converges with fewer collisions.
 _MOST_COLLISIONS = 400
+_NO_LINE = partial(np.zeros, (2, 0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,24 +33,19 @@ class Answer:
         parts: The setting in words, a number each.
         message: Why there are no numbers; empty if there are.
         rows: The numbers.
-        time: Times of the gap's line, from the first collision [ms], shape (K,).
-        gap: Gap of the transition stop in the unit of rebounds that people read, shape (K,).
-        force_time: Times of the force's line, likewise [ms], shape (F,).
-        force: Clamping force, shape (F,).
-        hit_time: Times of the collisions, likewise [ms], shape (C,).
-        impulse: Their impulses, shape (C,).
+        gap: Times from the first collision [ms], and the gap of the transition stop there in the
+            unit of rebounds that people read, shape (2, K).
+        force: Times likewise, and the clamping force, shape (2, F).
+        impulse: Times of the collisions likewise, and their impulses, shape (2, C).
         solution: The motion to show, one index beyond the rest; None if there is none to follow.
     """
 
     parts: tuple[str, ...]
     message: str = ""
     rows: Rows = ()
-    time: FloatArray = field(default_factory=lambda: np.zeros(0))
-    gap: FloatArray = field(default_factory=lambda: np.zeros(0))
-    force_time: FloatArray = field(default_factory=lambda: np.zeros(0))
-    force: FloatArray = field(default_factory=lambda: np.zeros(0))
-    hit_time: FloatArray = field(default_factory=lambda: np.zeros(0))
-    impulse: FloatArray = field(default_factory=lambda: np.zeros(0))
+    gap: FloatArray = field(default_factory=_NO_LINE)
+    force: FloatArray = field(default_factory=_NO_LINE)
+    impulse: FloatArray = field(default_factory=_NO_LINE)
     solution: Solution | None = None
 
     @property
@@ -67,8 +64,9 @@ def answer(mechanism: Mechanism, controls: Sequence[Knob], shown: Mapping[str, f
     Returns:
         The answer; a setting without a transition gives its reason instead of numbers.
     """
-    parts = tuple(f"{item.name} {shown[item.key]:g} {item.unit}".rstrip() for item in controls)
-    values = {item.key: item.factor * shown[item.key] for item in controls}
+    parts = tuple(f"{item.shown.words} {shown[item.key]:g} {item.shown.unit}".rstrip()
+                  for item in controls)  # fmt: skip
+    values = in_si(controls, shown)
     try:
         case = Case(speed_rpm=values[SPEED], max_collisions=_MOST_COLLISIONS)
         solution = simulate(changed(mechanism, values), case)
@@ -85,19 +83,19 @@ def _numbers(parts: tuple[str, ...], solution: Solution) -> Answer:
     if solution.outcome is not Outcome.AT_REST:
         return Answer(parts, f"{solution.outcome.value}{_also(solution, others)}")
     hits = [item for item in solution.collisions if item.stop == stop.name]
-    origin, whole = hits[0].t, followed_on(solution)
-    time, gap = gap_line(whole)
-    force_time, force = force_line(whole)
-    struck = [item for item in hits if item.impulse > 0.0]
+    whole, term = followed_on(solution), coordinate_shown(mechanism, stop.index, small=True)
+    struck = [(item.t, item.impulse) for item in hits if item.impulse > 0.0]
+
+    def line(t: FloatArray, values: FloatArray) -> FloatArray:
+        return np.array([MS_PER_S * (t - hits[0].t), values])
+
+    t, gap = gap_line(whole)
     return Answer(
         parts=parts,
         rows=tuple(_rows(solution, hits, others)),
-        time=MS_PER_S * (time - origin),
-        gap=coordinate_shown(mechanism, stop.index, small=True).value(gap),
-        force_time=MS_PER_S * (force_time - origin),
-        force=force,
-        hit_time=np.array([MS_PER_S * (item.t - origin) for item in struck]),
-        impulse=np.array([item.impulse for item in struck]),
+        gap=line(t, term.value(gap)),
+        force=line(*force_line(whole)),
+        impulse=line(*np.array(struck).reshape(-1, 2).T),
         solution=whole if whole.segments else None,
     )
 
@@ -124,6 +122,9 @@ def _rows(
         row("approach", "approach_rate_1", first.approach_rate, "rate of the first collision"),
         row("impulse", impulse, first.impulse, "impulse of the first collision"),
     ]
+    if (lips := contact_shown(stop)) is not None:
+        height = first.rebound_amplitude
+        rows.insert(1, Number("lips", f"{lips.words} [{lips.unit}]", lips.text(height), height))
     if others:
         rows.append(Number("others", "other stops", _also(solution, others).strip()))
     if solution.premise_holds is False:

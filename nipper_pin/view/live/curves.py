@@ -7,9 +7,8 @@ from collections.abc import Callable
 from ...arrays import FloatArray
 from ...hybrid.result.quantities import force_unit
 from ...mechanism import Mechanism
-from ...terms import digits
-from ...units import MM_PER_M, S_PER_MS
-from ..naming import coordinate_shown
+from ...units import S_PER_MS
+from ..naming import contact_shown, coordinate_shown
 from ..reading import gap_noun
 from ..scene.readings import rounded, ticks
 from .answer import Answer
@@ -20,6 +19,7 @@ PINNED, BEFORE, NOW = "#E69F00", "#A6CDE6", "#0072B2"
 """Colours of the curves; of the dots as well."""
 _DASH = (6, 3)
 _Record = dict[str, object]
+_LineOf = Callable[[Answer], FloatArray]
 
 
 class Curves:
@@ -37,7 +37,7 @@ class Curves:
         unit = force_unit(mechanism, stop)
         self._stop = stop.name
         self._per_ms = slow * S_PER_MS
-        self._lips = MM_PER_M * stop.lever / term.factor if stop.contact is not None else 0.0
+        self._term, self._lips = term, contact_shown(stop)
         self._gap = (f"{stop.name} {gap_noun(mechanism, stop)}", f"[{term.unit}]")
         self._force = ("clamping", f"force [{unit}]")
         self._impulse = ("impulse", f"[{unit} s]")
@@ -62,7 +62,7 @@ class Curves:
         ]  # fmt: skip
         self._hold([item.answer for item, _, _ in kept])
 
-        def lane(label: tuple[str, str], stop: str, most: float, line: Callable[[Answer], _Line],
+        def lane(label: tuple[str, str], stop: str, most: float, line: _LineOf,
                  **more: object) -> _Record:  # fmt: skip
             drawn = [self._line(line(item.answer), colour, dash) for item, colour, dash in kept]
             first, *others = drawn or [{"colour": NOW, "values": []}]
@@ -70,35 +70,33 @@ class Curves:
                     "more": others, **more}  # fmt: skip
 
         high, until = self._high.top, self._time.top
-        lips = f"{digits(self._lips * high)} mm at the contact" if self._lips else ""
+        lips = ""
+        if self._lips is not None:
+            lips = f"{self._lips.phrase(high / self._term.factor)} at the contact"
         low, top = 1.0 / self._least.top, self._largest.top
         lanes = [
-            lane(self._gap, self._stop, high, lambda item: (item.time, item.gap), right=lips),
-            lane(self._force, "", self._most.top, lambda item: (item.force_time, item.force)),
-            lane(self._impulse, "", top, lambda item: (item.hit_time, item.impulse),
-                 decades=(low, top)),
-        ]  # fmt: skip
+            lane(self._gap, self._stop, high, lambda item: item.gap, right=lips),
+            lane(self._force, "", self._most.top, lambda item: item.force),
+            lane(self._impulse, "", top, lambda item: item.impulse, decades=(low, top)),
+        ]
         marks = [{"at": self._per_ms * t / S_PER_MS, **mark} for t, mark in ticks(S_PER_MS * until)]
         return {"until": self._per_ms * until, "ticks": marks, "curves": lanes}
 
     def _hold(self, shown: list[Answer]) -> None:
         """Let the axes hold all that is shown."""
         for item in shown:
-            self._time.hold(float(item.force_time[-1]))
-            self._high.hold(float(item.gap.max(initial=0.0)))
-            self._most.hold(float(item.force.max(initial=0.0)))
-        impulses = [value for item in shown for value in item.impulse.tolist()]
+            self._time.hold(float(item.force[0, -1]))
+            self._high.hold(float(item.gap[1].max(initial=0.0)))
+            self._most.hold(float(item.force[1].max(initial=0.0)))
+        impulses = [value for item in shown for value in item.impulse[1].tolist()]
         if impulses:
             self._largest.hold(max(impulses))
             self._least.hold(1.0 / min(impulses))
 
-    def _line(self, line: _Line, colour: str, dash: tuple[int, ...]) -> _Record:
+    def _line(self, line: FloatArray, colour: str, dash: tuple[int, ...]) -> _Record:
         time, values = line
         at = rounded(self._per_ms * time)
         return {"colour": colour, "dash": dash, "at": at, "values": rounded(values)}
-
-
-_Line = tuple[FloatArray, FloatArray]
 
 
 def legend(memory: Memory) -> list[_Record]:

@@ -1,15 +1,12 @@
-"""Numbers that are typed: taken, or refused in plain words with the range that is allowed."""
+"""Numbers that are typed, as the command line takes them: taken, or refused in plain words."""
 
 from __future__ import annotations
 
-import re
+import math
 
+from ...written_units import number_in
 from .settings import Knob
 
-# Thousands may be set apart by commas; a comma in another place is no decimal point.
-_NUMBER = re.compile(
-    r"[+-]?(?:(?:\d{1,3}(?:,\d{3})+|\d+)(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d{1,3})?", re.ASCII
-)
 LONGEST = 40
 """Most letters of a field that are read."""
 
@@ -19,28 +16,28 @@ def field_text(value: float) -> str:
     return f"{value:.12g}"
 
 
-def typed(knob: Knob, text: str) -> float | None:
-    """The number that a text in a field means; None if it cannot be used."""
-    if not _NUMBER.fullmatch(text.strip()):
-        return None
-    value = float(text.replace(",", ""))
-    return value if knob.low <= value <= knob.high else None
+def typed(knob: Knob, text: str, shown: float) -> tuple[float | None, str]:
+    """The number that a text in a field means, or why there is none.
 
+    Args:
+        text: The text; the number may have a unit of its own.
+        shown: The number that is shown instead.
 
-def refusal(knob: Knob, text: str, shown: float) -> str:
-    """Why a text cannot be used, what can, and what is shown instead."""
+    Returns:
+        The number, or None; why it cannot be used, what can, and what is shown: empty of a number.
+    """
     found = text.strip()
-    reason = f"“{found}” is no number"
-    if not found:
-        reason = "the field is empty"
-    elif _NUMBER.fullmatch(found):
-        high = float(found.replace(",", "")) > knob.high
-        reason = f"{found} is too {'large' if high else 'small'}"
-    elif re.fullmatch(r"[+-]?\d+,\d+", found):
-        reason = f"“{found}”: decimals follow a point"
-    now = f"{field_text(shown)} {knob.unit}".rstrip()
-    return f"{knob.name}: {_range(knob)}. Refused: {reason}. Shown: {now}."
-
-
-def _range(knob: Knob) -> str:
-    return f"{knob.low:,.12g} to {knob.high:,.12g} {knob.unit}".rstrip()
+    value, reason = None, "the field is empty"
+    if found:
+        try:
+            value = number_in(found, knob.shown.unit)
+            side = "too large" if value > knob.high else "too small"
+            reason = f"{found} is {'no number' if math.isnan(value) else side}"
+        except ValueError as error:
+            reason = f"“{found}” is not {error}"
+    if value is not None and knob.low <= value <= knob.high:
+        return value, ""
+    now, low, high = (field_text(item) for item in (shown, knob.low, knob.high))
+    unit = f" {knob.shown.unit}".rstrip()
+    words = f"{knob.shown.words}: {low} to {high}{unit}. Refused: {reason}. Shown: {now}{unit}."
+    return None, words

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from ...mechanism import index_difference
+from ..compare.words import index_text, percent_text
 
 
 class Number(NamedTuple):
@@ -44,19 +45,11 @@ def difference(now: Number, other: Number | None) -> str:
         return ""
     if not (math.isfinite(now.value) and math.isfinite(other.value)):
         return ""
-    if now.on_scale:
-        return _signed(index_difference(now.value, other.value), 3)
     if now.value == other.value:
-        return "0.0 %"
-    if other.value == 0.0:
-        return ""
-    return f"{_signed(100.0 * (now.value / other.value - 1.0), 1)} %"
-
-
-def _signed(value: float, decimals: int) -> str:
-    """A number with its sign, which zero has not."""
-    rounded = round(value, decimals)
-    return f"{rounded:+.{decimals}f}" if rounded else f"{0.0:.{decimals}f}"
+        return "0"
+    if now.on_scale:
+        return index_text(index_difference(now.value, other.value))
+    return "" if other.value == 0.0 else percent_text(100.0 * (now.value / other.value - 1.0))
 
 
 def told(rows: Sequence[Number], others: Sequence[Number] = ()) -> list[tuple[str, ...]]:

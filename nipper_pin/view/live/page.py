@@ -60,5 +60,5 @@ def shown_live(mechanism: Mechanism, speed_rpm: float) -> tuple[Shown, str]:
 
 
 def _control(knob: Knob) -> dict[str, object]:
-    return {"key": knob.key, "name": knob.name, "label": knob.label, "low": knob.low,
-            "high": knob.high, "step": knob.step}  # fmt: skip
+    return {"key": knob.key, "name": knob.shown.words, "label": knob.shown.label,
+            "low": knob.low, "high": knob.high, "step": knob.step}  # fmt: skip

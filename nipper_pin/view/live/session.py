@@ -20,7 +20,7 @@ from ..scene.readings import readings
 from ..scene.tracks import animation
 from .answer import Answer, answer
 from .curves import Curves, legend
-from .fields import LONGEST, field_text, refusal, typed
+from .fields import LONGEST, field_text, typed
 from .memory import Memory
 from .numbers import told
 from .settings import LARGER, Knob
@@ -115,8 +115,8 @@ class Session:
             return False
         elif isinstance(message, _Typed):
             self._texts[message.key] = message.text
-            value = typed(self._knobs[message.key], message.text)
-            self._set(message.key, value)
+            knob, shown = self._knobs[message.key], self._values[message.key]
+            self._set(message.key, typed(knob, message.text, shown)[0])
         elif math.isfinite(message.value):
             knob = self._knobs[message.key]
             value = min(max(message.value, knob.low), knob.high)
@@ -159,8 +159,7 @@ class Session:
 
     def _control(self, knob: Knob) -> dict[str, object]:
         value, text = self._values[knob.key], self._texts[knob.key]
-        words = refusal(knob, text, value) if typed(knob, text) is None else ""
-        return {"value": value, "text": text, "refusal": words}
+        return {"value": value, "text": text, "refusal": typed(knob, text, value)[1]}
 
     def _press(self, button: str) -> None:
         if button == "pin":

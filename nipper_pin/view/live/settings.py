@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from ...errors import InputError
-from ...hybrid.result.quantities import coordinate_unit
 from ...mechanism import Mechanism, Spring, retuned
-from ...units import M_PER_MM, MM_PER_M, RAD_PER_DEG
+from ...terms import Shown
+from ..naming import coordinate_shown, stiffness_shown
 
 SPEED = "speed"
 LARGER = "larger"
@@ -27,30 +27,22 @@ _PRELOAD_STROKE = 0.02
 
 @dataclass(frozen=True, kw_only=True)
 class Knob:
-    """One number that a slider sets, in the unit that people read.
+    """One number that a slider sets.
 
     Attributes:
         key: Name of the number among the values of a setting.
-        unit: Unit of the values below.
-        factor: SI value of one unit.
+        shown: What the slider is called, and the unit of the values below.
         low: Left end.
         high: Right end.
         start: Where the slider stands at first.
     """
 
     key: str
-    name: str
-    unit: str
-    factor: float
+    shown: Shown
     low: float
     high: float
     step: float
     start: float
-
-    @property
-    def label(self) -> str:
-        """What the slider is called, unit included."""
-        return f"{self.name} [{self.unit}]" if self.unit else self.name
 
 
 def knobs(mechanism: Mechanism, speed_rpm: float) -> tuple[Knob, ...]:
@@ -83,12 +75,16 @@ def knobs(mechanism: Mechanism, speed_rpm: float) -> tuple[Knob, ...]:
     rated = mechanism.cylinder.rated_speed_rpm
     stop = mechanism.stop(mechanism.transition_stop)
     found = [
-        _knob(SPEED, "speed", "r/min", 1.0, rated, _SPEED_RANGE, speed_rpm),
+        _knob(SPEED, Shown(words="speed", unit="r/min"), rated, _SPEED_RANGE, speed_rpm),
         Knob(
-            key=RESTITUTION, name=f"restitution of the {stop.name}", unit="", factor=1.0, low=0.0,
-            high=max(_MOST_RESTITUTION, stop.restitution), step=0.01, start=stop.restitution,
+            key=RESTITUTION,
+            shown=Shown(words=f"restitution of the {stop.name}"),
+            low=0.0,
+            high=max(_MOST_RESTITUTION, stop.restitution),
+            step=0.01,
+            start=stop.restitution,
         ),
-    ]  # fmt: skip
+    ]
     for spring in mechanism.springs:
         found += _spring_knobs(mechanism, spring)
     return tuple(found)
@@ -96,10 +92,17 @@ def knobs(mechanism: Mechanism, speed_rpm: float) -> tuple[Knob, ...]:
 
 def larger_knob(start: float) -> Knob:
     """How much larger rebounds are drawn, at first by a factor."""
-    return Knob(
-        key=LARGER, name="rebounds drawn larger", unit="times", factor=1.0, low=1.0,
-        high=max(start, _MOST_LARGER), step=1.0, start=start,
-    )  # fmt: skip
+    shown, high = Shown(words="rebounds drawn larger", unit="times"), max(start, _MOST_LARGER)
+    return Knob(key=LARGER, shown=shown, low=1.0, high=high, step=1.0, start=start)
+
+
+def in_si(controls: Sequence[Knob], values: Mapping[str, float]) -> dict[str, float]:
+    """Values in SI units, by key.
+
+    Args:
+        values: Values in the units of their knobs, by key.
+    """
+    return {item.key: values[item.key] / item.shown.factor for item in controls}
 
 
 def changed(mechanism: Mechanism, values: Mapping[str, float]) -> Mechanism:
@@ -120,64 +123,38 @@ def changed(mechanism: Mechanism, values: Mapping[str, float]) -> Mechanism:
 
 def _spring_knobs(mechanism: Mechanism, spring: Spring) -> list[Knob]:
     """Rate, unless the model has none to start from, and preload of one spring."""
-    turns = coordinate_unit(mechanism, spring.index) == "rad"
     of = "" if len(mechanism.springs) == 1 else f" of spring {spring.name}"
-    rate, length = ("N m/rad", "deg") if turns else ("N/mm", "mm")
-    rate_factor, length_factor = (1.0, RAD_PER_DEG) if turns else (MM_PER_M, M_PER_MM)
-    found = []
-    if spring.stiffness > 0.0:
-        found.append(
-            _knob(_key(spring, "stiffness"), f"stiffness{of}", rate, rate_factor,
-                  spring.stiffness, _SPRING_RANGE, spring.stiffness)
-        )  # fmt: skip
-    scale = spring.preload or (_PRELOAD_ANGLE if turns else _PRELOAD_STROKE * mechanism.reach_m)
-    found.append(
-        _knob(_key(spring, "preload"), f"preload{of}", length, length_factor,
-              scale, (0.0, _SPRING_RANGE[1]), spring.preload)
-    )  # fmt: skip
-    return found
+    rate = stiffness_shown(mechanism, spring.index).called(f"stiffness{of}")
+    preload = coordinate_shown(mechanism, spring.index).called(f"preload{of}")
+    key, start = _key(spring, "stiffness"), spring.stiffness
+    found = [_knob(key, rate, start, _SPRING_RANGE, start)] if start > 0.0 else []
+    usual = _PRELOAD_ANGLE if preload.unit == "deg" else _PRELOAD_STROKE * mechanism.reach_m
+    ends, start = (0.0, _SPRING_RANGE[1]), spring.preload
+    return [*found, _knob(_key(spring, "preload"), preload, start or usual, ends, start)]
 
 
 def _key(spring: Spring, what: str) -> str:
     return f"{spring.name}.{what}"
 
 
-def _knob(
-    key: str,
-    name: str,
-    unit: str,
-    factor: float,
-    scale: float,
-    ends: tuple[float, float],
-    start: float,
-) -> Knob:
+def _knob(key: str, shown: Shown, scale: float, ends: tuple[float, float], start: float) -> Knob:
     """A knob whose ends and step are round numbers; the ends hold the start between them.
 
     Args:
-        unit: Unit that people read.
-        factor: SI value of one unit.
         scale: Usual value, SI.
         ends: Ends of the range, in parts of the usual value.
         start: First value, SI.
     """
-    shown, first = scale / factor, start / factor
-    step = _round_step(abs(shown) / _STEPS_OF_VALUE)
-    low, high = sorted(part * shown for part in ends)
+    usual, first = shown.value(scale), shown.value(start)
+    step = _round_step(abs(usual) / _STEPS_OF_VALUE)
+    low, high = sorted(part * usual for part in ends)
     # Twelve digits drop what binary fractions add to a multiple of the step.
     low, high, first = (
         float(f"{value:.12g}")
         for value in (step * math.floor(low / step), step * math.ceil(high / step), first)
     )
-    return Knob(
-        key=key,
-        name=name,
-        unit=unit,
-        factor=factor,
-        low=min(low, first),
-        high=max(high, first),
-        step=step,
-        start=first,
-    )
+    low, high = min(low, first), max(high, first)
+    return Knob(key=key, shown=shown, low=low, high=high, step=step, start=first)
 
 
 def _round_step(value: float) -> float:

@@ -22,11 +22,12 @@ from ...reduced.turns.turn import ROOMS
 from ...terms import TERMS
 from ...units import MS_PER_S
 from .numbers import Number, Rows
-from .settings import RESTITUTION, SPEED, Knob, changed
+from .settings import RESTITUTION, SPEED, Knob, changed, in_si
 
 # Turns until they repeat, and collisions of a turn.
 _TURNS, _MOST_COLLISIONS = 32, 400
 _PENDING = "its tables are being made"
+_DIRECT = "none; simulate --window cycle takes the direct one"
 
 
 class WholeTurns:
@@ -95,7 +96,7 @@ def turn_rows(
     """
     if why:
         return _nothing(why)
-    values = {item.key: item.factor * shown[item.key] for item in controls}
+    values = in_si(controls, shown)
     springs = changed(mechanism, values).springs
     began = time.perf_counter()
     try:
@@ -119,11 +120,7 @@ def turn_rows(
 def _nothing(why: str) -> Rows:
     return (
         Number("turn", "whole turn", f"not followed: {why}"),
-        Number(
-            "turn_engine",
-            "engine of the turn",
-            "none; simulate --window cycle takes the direct one",
-        ),
+        Number("turn_engine", "engine of the turn", _DIRECT),
     )
 
 
