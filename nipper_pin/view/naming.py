@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from ..hybrid.result.quantities import coordinate_unit
 from ..mechanism import Mechanism, Stop
 from ..terms import Shown, named, shown_in
+from ..units import MM_PER_M
+
+# As fine as what can be made.
+AT_CONTACT = Shown(words="gap at the contact", unit="mm", factor=MM_PER_M, decimals=4)
+"""Of a gap at a contact point [m]."""
 
 
 def shown(mechanism: Mechanism, name: str) -> Shown:
@@ -46,10 +53,18 @@ def stiffness_shown(mechanism: Mechanism, index: int) -> Shown:
 
 def contact_shown(stop: Stop) -> Shown | None:
     """How people read the gap at the contact point of a stop; None of a stop along its joint."""
-    if stop.contact is None:
-        return None
-    unit, factor = shown_in("m")
-    return Shown(words="gap at the contact", unit=unit, factor=factor * stop.lever)
+    return None if stop.contact is None else replace(AT_CONTACT, factor=MM_PER_M * stop.lever)
+
+
+def lips_shown(mechanism: Mechanism, stop: Stop) -> Shown | None:
+    """How people read that gap beside the angle of a hinge; None of a slide, whose gap is one."""
+    return contact_shown(stop) if coordinate_unit(mechanism, stop.index) == "rad" else None
+
+
+def lips_phrase(mechanism: Mechanism, stop: Stop, gap: float | None) -> str:
+    """What follows an angle: the gap at the contact point; nothing without one."""
+    lips = lips_shown(mechanism, stop)
+    return "" if lips is None or gap is None else f" ({lips.phrase(gap)} at the contact)"
 
 
 def rate_shown(mechanism: Mechanism, index: int) -> Shown:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 from ..hybrid import Collision, Event, EventKind, PhaseInterval, Solution, Transition, Window
 from ..hybrid.result.quantities import coordinate_unit, force_unit
@@ -41,7 +42,18 @@ def spring_text(mechanism: Mechanism) -> str:
     return "; ".join(parts) or "none"
 
 
-def damper_text(mechanism: Mechanism) -> str:
+def element_lines(mechanism: Mechanism) -> Iterator[str]:
+    """Springs, and dampers and force elements if there are any, a line of each kind."""
+    yield f"springs: {spring_text(mechanism)}"
+    if dampers := _damper_text(mechanism):
+        yield f"dampers: {dampers}"
+    if mechanism.forces:
+        forces = (f"{force.name} ({force.kind}) on {mechanism.joints[force.index].name}"
+                  for force in mechanism.forces)  # fmt: skip
+        yield f"forces: {'; '.join(forces)}"
+
+
+def _damper_text(mechanism: Mechanism) -> str:
     """Damping of every damper; empty without one."""
     parts = []
     for damper in mechanism.dampers:
@@ -51,14 +63,6 @@ def damper_text(mechanism: Mechanism) -> str:
         ends = f"from {strut.frame_a} to {strut.frame_b}"
         parts.append(f"{strut.name} {strut.damping:g} N s/m {ends}")
     return "; ".join(parts)
-
-
-def force_text(mechanism: Mechanism) -> str:
-    """Law and joint of every force element; empty without one."""
-    return "; ".join(
-        f"{force.name} ({force.kind}) on {mechanism.joints[force.index].name}"
-        for force in mechanism.forces
-    )
 
 
 def _struts(mechanism: Mechanism, kind: str) -> list[Strut]:

@@ -116,6 +116,12 @@ def csv_collisions(run: Solution) -> Iterator[Told]:
                 yield Told(number, name, float(text), unit(run, name, stop), 0.0)
 
 
+def at_hinge(run: Solution, stop: str, of: int, gap_mm: float) -> Told:
+    """The rebound that a gap at the contact tells, which has four decimals."""
+    per_mm = 1e-3 / run.mechanism.stop(stop).lever
+    return Told(of, "rebound_amplitude", per_mm * gap_mm, "rad", 0.0, 0.501e-4 * per_mm)
+
+
 def printed_collisions(run: Solution) -> Iterator[Told]:
     """A table for each stop; below it how many rebounds are too small for a row."""
     text = printed(run)
@@ -124,6 +130,12 @@ def printed_collisions(run: Solution) -> Iterator[Told]:
         heads, lines = table(text, own)
         for line in lines:
             for head, cell in zip(heads, line, strict=True):
+                if head == "gap at the contact mm":
+                    height = run.collisions[int(line[0]) - 1].rebound_amplitude
+                    assert (cell == "-") is (height is None)
+                    if height is not None:
+                        assert is_told(at_hinge(run, stop, 1, float(cell)), height, "rad")
+                    continue
                 words = next(words for words in (*HEADINGS, "impulse") if head.startswith(words))
                 name = HEADINGS.get(words) or impulse(run, stop)
                 off = PLACES if words in ("index", "t") else 0.0
@@ -360,20 +372,25 @@ def test_live_page(setting: dict[str, float]) -> None:
     run = simulate(load("e62", values), Case(speed_rpm=speed))
     wanted = of_transition(run)
     told = {row.key: (row.label, row.text) for row in found.rows}
+    label, text = told.pop("lips")
+    assert label == "gap at the contact [mm]"
+    assert is_told(at_hinge(run, "jaw", 1, float(text)), wanted["amplitude"], "rad")
     assert list(told) == [*wanted, "engine"]
     for key, value in wanted.items():
         label, text = told[key]
         shown = unit_of(label) if "[" in label else ""
         assert is_told(Told(1, key, float(text), shown), value, UNITS[key]), key
     hits: Any = record(run)["collisions"]
-    np.testing.assert_allclose(found.hit_time, [1e3 * row["time_s"] for row in hits], atol=1e-9)
-    np.testing.assert_allclose(found.impulse, [row["impulse_N_s"] for row in hits], rtol=1e-9)
-    assert (np.diff(found.time) > 0.0).all()
-    bouncing = found.time <= 1e3 * run.segments[-1].t_end
-    states = run.trajectory.evaluate(1e-3 * found.time[bouncing]).q
+    times, impulses = found.impulse
+    np.testing.assert_allclose(times, [1e3 * row["time_s"] for row in hits], rtol=0.0, atol=1e-9)
+    np.testing.assert_allclose(impulses, [row["impulse_N_s"] for row in hits], rtol=1e-9)
+    t, drawn = found.gap
+    assert (np.diff(t) > 0.0).all()
+    bouncing = t <= 1e3 * run.segments[-1].t_end
+    states = run.trajectory.evaluate(1e-3 * t[bouncing]).q
     gap = factor("rad", "mdeg") * run.mechanism.stop("jaw").gaps(states)
-    np.testing.assert_allclose(found.gap[bouncing], gap, atol=1e-6 * gap.max())
-    assert not found.gap[~bouncing].any()
+    np.testing.assert_allclose(drawn[bouncing], gap, rtol=0.0, atol=1e-6 * gap.max())
+    assert not drawn[~bouncing].any()
 
 
 MM = Shown(words="gap", unit="mm", factor=1e3)

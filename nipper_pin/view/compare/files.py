@@ -20,7 +20,7 @@ from ..scene import Look
 from ..style import SMALL, TEXT, blank
 from .pair import COLOUR_A, COLOUR_B, Lane, Pair, clock_text, lanes, pair
 from .table import comparison_csv
-from .words import changes_text, label
+from .words import changes_text, names
 
 FILES = ("comparison.csv", "curves.png", "curves.svg")
 """Names of the files."""
@@ -69,11 +69,12 @@ def curves_figure(comparison: Comparison) -> Figure:
         row[0].set_ylabel("\n".join(lane.first.label), fontsize=TEXT)
     for axes in grid[-1]:
         axes.set_xlabel("time [ms]", fontsize=TEXT)
+    one, other = names(comparison)
     lines = [
-        Line2D([], [], color=COLOUR_A, linestyle="-", label=f"A: {label(comparison.a)}"),
-        Line2D([], [], color=COLOUR_B, linestyle="--", label=f"B: {label(comparison.b)}"),
+        Line2D([], [], color=COLOUR_A, linestyle="-", label=f"A: {one}"),
+        Line2D([], [], color=COLOUR_B, linestyle="--", label=f"B: {other}"),
     ]
-    figure.legend(handles=lines, loc="outside lower center", ncols=2, fontsize=SMALL, frameon=False)
+    figure.legend(handles=lines, loc="outside lower center", fontsize=SMALL, frameon=False)
     return figure
 
 

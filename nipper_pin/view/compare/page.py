@@ -18,7 +18,7 @@ from ..scene.readings import curve_record, drawing, readings, rounded
 from ..scene.tracks import animation
 from .pair import COLOUR_A, COLOUR_B, Lane, Pair, clock_text, lanes, pair, pair_in_true_size
 from .table import cells, shown_rows
-from .words import changes_text, finding, label
+from .words import changes_text, finding, names
 
 _OTHER = "other"
 _OPACITY = 0.45
@@ -78,6 +78,7 @@ def _moved(path: str) -> str:
 def _readings(comparison: Comparison, both: Pair) -> _Message:
     """What the page's script reads: that of A's film, with B's beside it."""
     one, other = readings(both.a), readings(both.b)
+    name_a, name_b = names(comparison)
     return {
         **one,
         "title": "A and B",
@@ -88,8 +89,8 @@ def _readings(comparison: Comparison, both: Pair) -> _Message:
         "curves": [_lane_record(lane) for lane in lanes(both)],
         "arrows": [*one["arrows"], *([_OTHER, *path[1:]] for path in other["arrows"])],
         "compare": {
-            "a": {"name": label(comparison.a), "colour": COLOUR_A, "root": [ROOT]},
-            "b": {"name": label(comparison.b), "colour": COLOUR_B, "root": [_OTHER],
+            "a": {"name": name_a, "colour": COLOUR_A, "root": [ROOT]},
+            "b": {"name": name_b, "colour": COLOUR_B, "root": [_OTHER],
                   "opacity": _OPACITY},
             "finding": finding(comparison),
             "changes": changes_text(comparison),

@@ -9,7 +9,7 @@ from rich.console import Console
 
 from ...study.compare import Comparison, Row
 from ..console import headline, say, show_table
-from .words import change_texts, difference_text, finding, label, row_shown
+from .words import OF_LIPS, change_texts, difference_text, finding, names, row_shown
 
 _HEADINGS = ("quantity", "unit", "A", "B", "difference")
 # Rows of a whole turn begin here.
@@ -18,8 +18,8 @@ _TURN = "repeats_after"
 
 def print_comparison(comparison: Comparison, console: Console) -> None:
     """Print what differs, the table, and what was found."""
-    say(console, f"A: {label(comparison.a)}")
-    say(console, f"B: {label(comparison.b)}")
+    for side, name in zip("AB", names(comparison), strict=True):
+        say(console, f"{side}: {name}")
     _changes(comparison, console)
     for name, rows in _parts(comparison):
         headline(console, name)
@@ -44,8 +44,18 @@ def comparison_csv(comparison: Comparison) -> str:
 
 
 def shown_rows(comparison: Comparison) -> list[Row]:
-    """Rows of which at least one run has a value."""
-    return [row for row in comparison.rows if row.a is not None or row.b is not None]
+    """Rows of which at least one run has a value; gaps of rebounds at the contact point, too."""
+    found, runs = [], (comparison.a, comparison.b)
+    stops = [run.mechanism.stop(run.mechanism.transition_stop) for run in runs if comparison.rows]
+    for row in comparison.rows:
+        if row.a is None and row.b is None:
+            continue
+        found.append(row)
+        if row.unit == "rad" and all(stop.contact is not None for stop in stops):
+            one, other = (None if value is None else stop.lever * value
+                          for stop, value in zip(stops, (row.a, row.b), strict=True))  # fmt: skip
+            found.append(Row(row.name, OF_LIPS, one, other))
+    return found
 
 
 def _parts(comparison: Comparison) -> list[tuple[str, list[Row]]]:

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 
 from ...dynamics import DriveMode
 from ...hybrid import Solution, Window
 from ...hybrid.result.turns import INDICES
+from ...mechanism import Mechanism
 from ...study.compare import Change, Comparison, Row
 from ...terms import Shown, digits, fixed, named
-from ..naming import shown
+from ..naming import AT_CONTACT, shown
 
 # Counts and places on a scale: their difference is told, not its share.
 _COUNTED = ("collisions", "repeats_after")
 _LEAST_INDEX = 0.001
-_MOST_CHANGES = 12
+_MOST_CHANGES, _MOST_NAMED = 12, 2
+OF_LIPS = "m at the contact"
+"""Unit of rows that tell the gap of the row above once more, at the contact point."""
 _LEAST_PERCENT, _ROUND_PERCENT, _WHOLE_PERCENT = 0.005, 10.0, 1000.0
 # What a designer asks first, and what is said if B has more or less of it.
 _ASKED = (
@@ -24,7 +28,28 @@ _ASKED = (
 )
 
 
-def label(run: Solution) -> str:
+def names(comparison: Comparison) -> list[str]:
+    """Both runs in words; where these are the same, with what differs in their machines."""
+    runs = comparison.a, comparison.b
+    found, told = [_label(run) for run in runs], comparison.changes[:_MOST_NAMED]
+    if found[0] != found[1] or not told:
+        return found
+    left = len(comparison.changes) - len(told)
+    more = f" and {left} more" if left else ""
+    setting = partial(_setting, runs[0].mechanism)
+    values = [item.a for item in told], [item.b for item in told]
+    return [
+        _label(run, f" with {', '.join(map(setting, told, side))}{more}")
+        for run, side in zip(runs, values, strict=True)
+    ]
+
+
+def _setting(mechanism: Mechanism, change: Change, value: float | str | None) -> str:
+    found = shown(mechanism, change.path)
+    return f"{found.words} {_value(found, value)} {found.unit}".rstrip()
+
+
+def _label(run: Solution, machine: str = "") -> str:
     """Model, speed and window of a run, and its drive if it is not held."""
     case = run.case
     what = "transition"
@@ -32,11 +57,13 @@ def label(run: Solution) -> str:
         turns = "1 turn" if case.cycles == 1 else f"{case.cycles} turns"
         what = f"{turns} from index {case.start_index:g}"
     drive = "" if case.drive is DriveMode.HELD else f", {case.drive.value} drive"
-    return f"{run.mechanism.name}, {case.speed_rpm:g} r/min, {what}{drive}"
+    return f"{run.mechanism.name}{machine}, {case.speed_rpm:g} r/min, {what}{drive}"
 
 
 def row_shown(row: Row) -> Shown:
     """How people read a quantity."""
+    if row.unit == OF_LIPS:
+        return AT_CONTACT.called("at the contact")
     found = named(row.name, row.unit)
     # Of the transition, where turns count the collisions of each stop as well.
     return found.called("collisions until rest") if row.name == "collisions" else found

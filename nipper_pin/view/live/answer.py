@@ -14,7 +14,7 @@ from ...hybrid import Case, Collision, Outcome, Solution, simulate
 from ...hybrid.result.quantities import force_unit
 from ...mechanism import Mechanism
 from ...units import MS_PER_S
-from ..naming import contact_shown, coordinate_shown
+from ..naming import coordinate_shown, lips_shown
 from ..naming import shown as words_of
 from .clamping import followed_on, force_line, gap_line
 from .numbers import Number, Rows
@@ -122,9 +122,9 @@ def _rows(
         row("approach", "approach_rate_1", first.approach_rate, "rate of the first collision"),
         row("impulse", impulse, first.impulse, "impulse of the first collision"),
     ]
-    if (lips := contact_shown(stop)) is not None:
+    if (lips := lips_shown(mechanism, stop)) is not None:
         height = first.rebound_amplitude
-        rows.insert(1, Number("lips", f"{lips.words} [{lips.unit}]", lips.text(height), height))
+        rows.insert(1, Number("lips", lips.label, lips.text(height), height))
     if others:
         rows.append(Number("others", "other stops", _also(solution, others).strip()))
     if solution.premise_holds is False:

@@ -6,16 +6,14 @@ from rich.console import Console
 
 from ...hybrid import Collision, Solution, Transition
 from ..console import headline, paste, say
-from ..naming import rate_shown, shown
+from ..naming import lips_phrase, rate_shown, shown
 from ..reading import (
     case_text,
-    damper_text,
-    force_text,
+    element_lines,
     index_at,
     law_text,
     restitution_text,
     shown_transitions,
-    spring_text,
 )
 from .remarks import more
 
@@ -31,11 +29,8 @@ def header(solution: Solution, console: Console) -> None:
         say(console, f"restitution: {restitution_text(mechanism.stops)}")
     if law := law_text(mechanism):
         say(console, law)
-    say(console, f"springs: {spring_text(mechanism)}")
-    if dampers := damper_text(mechanism):
-        say(console, f"dampers: {dampers}")
-    if forces := force_text(mechanism):
-        say(console, f"forces: {forces}")
+    for line in element_lines(mechanism):
+        say(console, line)
     say(console, f"Times t count from the start of the run at index {_start(solution)}.")
 
 
@@ -105,7 +100,8 @@ def _rebound(solution: Solution, hit: Collision) -> str:
     mechanism = solution.mechanism
     height = shown(mechanism, "rebound_amplitude_1").phrase(hit.rebound_amplitude)
     lasting = shown(mechanism, "rebound_time_s_1").phrase(hit.rebound_time)
-    return f"{height} in {lasting}"
+    lips = lips_phrase(mechanism, mechanism.stop(hit.stop), hit.rebound_amplitude)
+    return f"{height}{lips} in {lasting}"
 
 
 def _how_ended(solution: Solution) -> str:

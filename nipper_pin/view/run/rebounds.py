@@ -7,9 +7,8 @@ from matplotlib.axes import Axes
 
 from ...hybrid import Collision, Solution, Transition
 from ...mechanism import Stop
-from ...terms import shown_in
 from ...units import MS_PER_S
-from ..naming import coordinate_shown, shown
+from ..naming import contact_shown, coordinate_shown, shown
 from ..reading import gap_noun
 from ..style import SMALL, TEXT, line_colour, tidy
 from .sampling import sample_coordinates
@@ -54,7 +53,7 @@ def draw_rebounds(axes: Axes, solution: Solution, transition: Transition) -> Non
     axes.margins(y=0.18)
     tidy(axes, TIME, f"{stop.name} {gap_noun(mechanism, stop)} [{term.unit}]")
     _heights(axes, solution, collisions, transition.duration)
-    _contact_scale(axes, stop, term.factor)
+    contact_scale(axes, stop, term.factor)
 
 
 def _heights(axes: Axes, solution: Solution, collisions: list[Collision], duration: float) -> None:
@@ -70,14 +69,18 @@ def _heights(axes: Axes, solution: Solution, collisions: list[Collision], durati
         )  # fmt: skip
 
 
-def _contact_scale(axes: Axes, stop: Stop, factor: float) -> None:
-    """Gap at the contact point at the right; none for a stop along its joint."""
-    if stop.contact is None:
+def contact_scale(axes: Axes, stop: Stop, factor: float) -> None:
+    """Gap at the contact point at the right; none for a stop along its joint.
+
+    Args:
+        factor: Of the axis at the left [1/rad or 1/m].
+    """
+    lips = contact_shown(stop)
+    if lips is None:
         return
-    unit, small = shown_in("m", small=True)
-    lever = small * stop.lever / factor
+    lever = lips.factor / factor
     beside = axes.secondary_yaxis(
         "right", functions=(lambda y: lever * np.asarray(y), lambda y: np.asarray(y) / lever)
     )
-    beside.set_ylabel(f"gap at the contact [{unit}]", fontsize=TEXT)
+    beside.set_ylabel(lips.label, fontsize=TEXT)
     beside.tick_params(labelsize=SMALL)

@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
+from itertools import chain
+
 import numpy as np
 from rich.console import Console
 
+from ...arrays import FloatArray
 from ...hybrid import Event, EventKind, Solution
 from ...terms import fixed
 from ...units import MS_PER_S
 from ..console import headline, say, show_table
-from ..naming import coordinate_shown, rate_shown
+from ..naming import coordinate_shown, lips_phrase, rate_shown
 from ..reading import (
     force_name,
     index_at,
     phase_name,
     shown_events,
+    shown_phases,
     shown_until,
 )
-from .sampling import force_ranges, lift, shaft_rates
+from .sampling import sample_coordinates, sample_forces, sample_motion
 
 MOST_ROWS = 100
 """Rows of one kind that are printed: a stop can collide thousands of times in a turn."""
@@ -50,11 +54,14 @@ def _release_text(solution: Solution, event: Event) -> str:
     who = " and ".join(event.stops)
     leave = "leaves its stop" if len(event.stops) == 1 else "leave their stops"
     text = f"The {who} {leave}{where} at index {index_at(solution, event.t):.3f}"
-    lifted = lift(solution, event) if len(event.stops) == 1 else None
-    if lifted is not None:
-        term = coordinate_shown(mechanism, mechanism.stop(event.stops[0]).index, small=True)
-        gap, duration = term.phrase(lifted[0]), f"{MS_PER_S * lifted[1]:.3f}"
-        text += f", opens by up to {gap} and collides {duration} ms later"
+    following = solution.events[event.number :]
+    later = next((item for item in following if event.stops[0] in item.stops), None)
+    if len(event.stops) == 1 and later is not None:
+        stop = mechanism.stop(event.stops[0])
+        gap = float(stop.gaps(sample_coordinates(solution, event.t, later.t)[1]).max())
+        height = coordinate_shown(mechanism, stop.index, small=True).phrase(gap)
+        text += f", opens by up to {height}{lips_phrase(mechanism, stop, gap)} and collides "
+        text += f"{MS_PER_S * (later.t - event.t):.3f} ms later"
     waits = mechanism.transition_stop not in event.closed_before
     if phase is None or phase.number != mechanism.initial_phase or not waits:
         return text + "."
@@ -66,18 +73,18 @@ def _release_text(solution: Solution, event: Event) -> str:
 
 def shafts(solution: Solution, console: Console) -> None:
     """Print the speeds of elastically driven shafts, beside those of held drives."""
-    rates = shaft_rates(solution)
-    if not rates:
+    found = [item.v for item in sample_motion(solution, 0.0, shown_until(solution))]
+    if not found:
         return
     headline(console, "Speeds of the driven joints")
     rows = []
     times = np.linspace(0.0, shown_until(solution), _HELD_SAMPLES)
-    held = solution.shaft.driven(times)[1]
+    v, held = np.concatenate(found), solution.shaft.driven(times)[1]
     for column, drive in enumerate(solution.mechanism.drives):
         rate = rate_shown(solution.mechanism, drive.index)
-        own = held[:, column]
-        values = (*rates[drive.name], float(own.min()), float(own.max()))
-        cells = (f"{rate.value(value):.6g}" for value in values)
+        ranges = (v[:, drive.index], held[:, column])
+        ends = (float(end) for values in ranges for end in (values.min(), values.max()))
+        cells = (f"{rate.value(end):.6g}" for end in ends)
         rows.append((drive.name, rate.unit, *cells))
     headings = ("drive", "unit", "smallest", "largest", "held: smallest", "held: largest")
     show_table(console, headings, rows, text=(0, 1))
@@ -85,23 +92,25 @@ def shafts(solution: Solution, console: Console) -> None:
 
 def forces(solution: Solution, console: Console) -> None:
     """Print the ranges of the forces of closed stops in the turns shown."""
-    ranges = force_ranges(solution)
     headline(console, "Forces of closed stops")
-    if not ranges:
+    mechanism, until = solution.mechanism, shown_until(solution)
+    samples: dict[tuple[frozenset[str], str], list[tuple[FloatArray, FloatArray]]] = {}
+    for phase in shown_phases(solution):
+        sampled = sample_forces(solution, phase.t_start, min(phase.t_end, until))
+        for stop in sorted(phase.closed):
+            samples.setdefault((phase.closed, stop), []).append(sampled[stop])
+    rows = []
+    for (closed, stop), parts in samples.items():
+        t, force = np.concatenate(parts, axis=1)
+        if not np.isnan(force).all():
+            ends = (np.nanargmin(force), np.nanargmax(force))
+            cells = ((fixed(float(force[at]), 2), fixed(index_at(solution, float(t[at])), 3))
+                     for at in ends)  # fmt: skip
+            name = phase_name(mechanism, closed)
+            rows.append((name, force_name(mechanism, stop), stop, *chain(*cells)))
+    if not rows:
         say(console, "No stop is closed in this window.")
         return
-    rows = [
-        (
-            phase_name(solution.mechanism, item.closed),
-            force_name(solution.mechanism, item.stop),
-            item.stop,
-            fixed(item.lowest, 2),
-            fixed(index_at(solution, item.t_lowest), 3),
-            fixed(item.highest, 2),
-            fixed(index_at(solution, item.t_highest), 3),
-        )
-        for item in ranges
-    ]
     headings = ("phase", "force", "stop", "lowest", "at index", "highest", "at index")
     show_table(console, headings, rows, text=(0, 1, 2))
 

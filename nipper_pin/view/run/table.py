@@ -12,6 +12,7 @@ from ...mechanism import Mechanism
 from ...terms import Shown, fixed
 from ...units import MS_PER_S
 from ..console import headline, say, show_table
+from ..naming import lips_shown
 from ..phases import intervals
 from ..reading import index_at, shown_collisions
 from .lead import header, premise, transitions
@@ -81,7 +82,9 @@ def _of_stop(solution: Solution, name: str, hits: Sequence[Collision], console: 
         (item for item in COLLISION if item.name in _KEPT and item.fits(mechanism, name)),
         key=lambda item: _KEPT.index(item.name),
     )
-    terms = [_shown(item, mechanism, name) for item in kept]
+    columns = [(_shown(item, mechanism, name), item.read) for item in kept]
+    if (lips := lips_shown(mechanism, mechanism.stop(name))) is not None:
+        columns.insert(-1, (lips, lambda _, hit: hit.rebound_amplitude))
     largest = max((item.rebound_amplitude or 0.0 for item in hits), default=0.0)
     micro = [
         item
@@ -89,11 +92,11 @@ def _of_stop(solution: Solution, name: str, hits: Sequence[Collision], console: 
         if item.rebound_amplitude is not None and item.rebound_amplitude < _MICRO * largest
     ]
     rows = [
-        (str(hit.number), *(_cell(solution, hit, item, term)
-                            for item, term in zip(kept, terms, strict=True)))
+        (str(hit.number), *(term.text(read(solution, hit) if read else None)
+                            for term, read in columns))
         for hit in hits if hit not in micro
     ]  # fmt: skip
-    headings = ("no.", *(f"{item.words} {item.unit}".rstrip() for item in terms))
+    headings = ("no.", *(f"{term.words} {term.unit}".rstrip() for term, _ in columns))
     show_table(console, headings, rows, text=())
     if micro:
         limit = _shown(_AMPLITUDE, mechanism, name).phrase(_MICRO * largest)
@@ -110,10 +113,6 @@ _SHORT = {"t_s": "t"}
 def _shown(item: Quantity[Collision], mechanism: Mechanism, stop: str) -> Shown:
     found = item.term.shown(coordinate_unit(mechanism, mechanism.stop(stop).index))
     return found.called(_SHORT.get(item.name, found.words))
-
-
-def _cell(solution: Solution, hit: Collision, item: Quantity[Collision], term: Shown) -> str:
-    return term.text(item.read(solution, hit) if item.read else None)
 
 
 def _copies(solution: Solution, console: Console) -> None:

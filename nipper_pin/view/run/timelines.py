@@ -35,7 +35,7 @@ from ..style import (
     shade_phases,
     tidy,
 )
-from .rebounds import TIME, draw_rebounds
+from .rebounds import TIME, contact_scale, draw_rebounds
 from .sampling import sample_coordinates, sample_forces
 
 _PANEL_IN = 2.2
@@ -79,6 +79,7 @@ def motion_figure(solution: Solution) -> Figure:
         low, high = min(0.0, float(y.min())), float(y.max())
         height = (high - low) or 1.0
         axes.set_ylim(low - 0.08 * height, high + 0.24 * height)
+        contact_scale(axes, stop, term.factor)
         _mark_events(solution, axes, stop)
         shade_phases(solution, axes, numbered=True)
     _time_axes(solution, panels)

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from ...arrays import FloatArray
 from ...hybrid.result.quantities import force_unit
 from ...mechanism import Stop
-from ...units import MM_PER_M
-from ..naming import coordinate_shown
+from ..naming import contact_shown, coordinate_shown
 from .film import Film, bouncing_stop
 from .rebounds import highest_drawn
 
@@ -56,15 +55,11 @@ def curves(film: Film) -> list[Curve]:
 
 def _main(film: Film, stop: Stop) -> Iterator[Curve]:
     mechanism = film.solution.mechanism
-    if stop.contact is not None:
-        unit, factor = "mm", MM_PER_M * stop.lever
-    else:
-        term = coordinate_shown(mechanism, stop.index)
-        unit, factor = term.unit, term.factor
-    values = factor * stop.gaps(film.q)
+    term = contact_shown(stop) or coordinate_shown(mechanism, stop.index)
+    values = term.value(stop.gaps(film.q))
     rebounds = highest_drawn(film.solution, film.pace.machine, values)
     most = _ROOM * rebounds if rebounds > 0.0 else _scale(values)
-    yield Curve((f"{stop.name} gap", f"[{unit}]"), stop.name, _GAP, most, values)
+    yield Curve((f"{stop.name} gap", f"[{term.unit}]"), stop.name, _GAP, most, values)
     force = film.force[stop.name]
     unit = force_unit(mechanism, stop)
     yield Curve(("clamping", f"force [{unit}]"), "", _FORCE, _scale(force), force)

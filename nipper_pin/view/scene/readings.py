@@ -14,8 +14,8 @@ from ...hybrid import Collision, Solution, Window
 from ...hybrid.result.quantities import force_unit
 from ...mechanism import INDEX_PER_TURN, Mechanism, Stop
 from ...terms import digits
-from ...units import MM_PER_M, MS_PER_S
-from ..naming import coordinate_shown
+from ...units import MS_PER_S
+from ..naming import contact_shown, coordinate_shown
 from ..phases import intervals
 from ..reading import case_text, force_name, gap_noun
 from .arrows import arrow_stops
@@ -132,8 +132,8 @@ def columns(film: Film) -> Iterator[tuple[str, str, FloatArray]]:
         term = coordinate_shown(mechanism, stop.index, small=small)
         gap = stop.gaps(film.q)
         yield f"{stop.name} {gap_noun(mechanism, stop)}", term.unit, term.value(gap)
-        if stop.contact is not None:
-            yield f"{stop.name} gap at the contact", "mm", MM_PER_M * stop.lever * gap
+        if (lips := contact_shown(stop)) is not None:
+            yield f"{stop.name} {lips.words}", lips.unit, lips.value(gap)
         yield _force(film, stop), force_unit(mechanism, stop), film.force[stop.name]
 
 

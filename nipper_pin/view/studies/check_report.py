@@ -13,7 +13,7 @@ from ...study.next_steps import NextSteps
 from ...terms import counted, fixed
 from ...units import MM_PER_M
 from ..console import headline, paste, say, show_table
-from ..reading import damper_text, force_text, law_text, spring_text, stop_place
+from ..reading import element_lines, law_text, stop_place
 
 
 def print_report(
@@ -116,11 +116,8 @@ def _joints(report: ModelReport, console: Console) -> None:
     total = sum(item.mass_kg for item in report.masses)
     masses = ", ".join(f"{item.link} {item.mass_kg:.4g}" for item in report.masses)
     say(console, f"masses in kg: {masses}; together {total:.4g}")
-    say(console, f"springs: {spring_text(mechanism)}")
-    if dampers := damper_text(mechanism):
-        say(console, f"dampers: {dampers}")
-    if forces := force_text(mechanism):
-        say(console, f"forces: {forces}")
+    for line in element_lines(mechanism):
+        say(console, line)
 
 
 def _stops(report: ModelReport, console: Console) -> None:

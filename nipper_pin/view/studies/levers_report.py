@@ -7,8 +7,9 @@ from rich.console import Console
 
 from ...study.levers import Bounce, Levers
 from ...terms import TERMS
-from ...units import MM_PER_M, MS_PER_S
+from ...units import MS_PER_S
 from ..console import headline, paste, say, show_table
+from ..naming import lips_phrase
 
 _HEADINGS = ("change", "from and to", "first rebound", "time to rest", "holds ms")
 
@@ -63,9 +64,7 @@ def _bounce(found: Levers) -> str:
     """How high and how long it bounces."""
     stop, bounce = found.mechanism.stop(found.stop), found.bounce
     gap = TERMS["rebound_amplitude"].shown(found.unit)
-    height = f"{gap.value(bounce.amplitude):.4g} {gap.unit}"
-    if stop.contact is not None:
-        height += f", {MM_PER_M * stop.lever * bounce.amplitude:.3g} mm at the contact"
+    height = f"{gap.phrase(bounce.amplitude)}{lips_phrase(found.mechanism, stop, bounce.amplitude)}"
     if bounce.duration_s is None:
         return f"Its highest rebound in a turn: {height}."
     return f"First rebound {height}; at rest after {MS_PER_S * bounce.duration_s:.4g} ms."
