@@ -60,7 +60,7 @@ else:
         "dynamics.system": ("DriveMode",),
         "hybrid.case": ("Case", "Resolution", "Window"),
         "hybrid.result.tables": ("Collision", "PhaseInterval", "Transition"),
-        "hybrid.event": ("Event", "EventKind", "Outcome"),
+        "hybrid.history": ("Event", "EventKind", "Outcome"),
         "hybrid.result.json_document": ("record",),
         "hybrid.simulation": ("simulate",),
         "hybrid.result.solution": ("Solution",),

@@ -307,9 +307,6 @@ class Multibody(OpenTree):
         Args:
             v: Velocities that satisfy G v = 0, shape (N, nv).
             armature: Inertia added to each joint, shape (nv,).
-
-        Raises:
-            SingularConfigurationError: The closures lose rank.
         """
         _, jacobians = self.closures(q)
         residuals = self.closure_accelerations(q, v, a)[:, :, None]

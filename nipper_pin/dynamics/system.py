@@ -16,10 +16,9 @@ from ..arrays import FloatArray, Jacobian, Jacobians, Vector, Vectors, product
 from ..mechanism import Mechanism, Stop
 from ..tolerances.mechanics import GOOD_CONDITION, MAX_CONDITION, REPARTITION_GAIN
 from .assembly import Partition, close_velocities, inverses, inverted, partition, products
-from .constraint_set import ConstraintSet, coefficients, constraint_set
+from .constraint_set import ConstraintSet, coefficients, constraint_set, parts
 from .elements import Elements
 from .multibody import INFINITE_INERTIA, multibody
-from .parts import parts
 from .shaft import Driven, ShaftMotion
 
 

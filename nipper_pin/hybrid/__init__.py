@@ -2,13 +2,11 @@
 
 from .case import FASTEST_RPM, START_INDEX, Case, Resolution, Window
 from .error_estimate.event_errors import EventError
-from .event import Event, EventKind, Outcome
-from .result.self_check import need_sound
+from .history import Event, EventKind, Outcome, Segment, State
+from .result.json_document import need_sound
 from .result.solution import Solution
 from .result.tables import Collision, PhaseInterval, Transition
-from .run.start import initial_state
-from .run.windows import comes_back
-from .segment import Segment, State
+from .run.windows import comes_back, initial_state
 from .simulation import simulate
 
 __all__ = [

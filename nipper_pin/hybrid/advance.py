@@ -20,11 +20,11 @@ from ..tolerances.hybrid import ROOT_GAP_ROUND_OFF, SHORTEST_PANEL
 from .case import Resolution
 from .contact.active_set import touching
 from .event_location.guards import Trigger, triggers
+from .history import Segment, State
 from .motion.kinematics import kinematic_panel
 from .motion.panel import Begin, Exact, Panel, one_state_at, serves, suited_split
 from .motion.picard import flight_panel
 from .motion.residual_check import need_described, shows_elements, shows_end
-from .segment import Segment, State
 
 # In one phase; a whole turn of a comber has thirty.
 _MOST_PANELS = 10_000

@@ -12,8 +12,7 @@ from dataclasses import replace
 from ..mechanism import Mechanism, Stop
 from ..mechanism.parallel import group, impulse_shares, led, together
 from .error_estimate.event_errors import EventError
-from .event import Event
-from .segment import Segment
+from .history import Event, Segment
 
 
 def for_all(

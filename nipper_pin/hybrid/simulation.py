@@ -15,8 +15,7 @@ from .case import Case, Window
 from .parallel import for_all
 from .result.solution import Solution
 from .run.phase_manager import PhaseManager
-from .run.start import start_of
-from .run.windows import transition, turns
+from .run.windows import start_of, transition, turns
 
 
 def simulate(

@@ -12,8 +12,8 @@ from small_machines import link, machine, slide, turn
 
 from benchmarks.stress.checks.agreement import within_errors
 from nipper_pin import EventKind, Mechanism, Solution, load
-from nipper_pin.hybrid.error_estimate.freedoms import part_of
 from nipper_pin.hybrid.error_estimate.linear_maps import LinearMaps, PanelMaps, left_out
+from nipper_pin.hybrid.error_estimate.zonotope import part_of
 from nipper_pin.hybrid.result.rebound_errors import rebound_error
 from nipper_pin.hybrid.result.turns import reported_turn
 from nipper_pin.reduced.turns import turn_quantities, turns

@@ -15,9 +15,8 @@ from small_machines import link, machine, slide, turn
 import nipper_pin as nip
 from nipper_pin import Case, DriveMode, EventKind, Resolution, Solution, load, simulate
 from nipper_pin.dynamics import ShaftMotion, System
-from nipper_pin.hybrid.error_estimate.freedoms import free_coordinates
 from nipper_pin.hybrid.error_estimate.saltation import impact_map, sequence_map
-from nipper_pin.hybrid.error_estimate.variational import flight_map
+from nipper_pin.hybrid.error_estimate.variational import flight_map, free_coordinates
 from nipper_pin.hybrid.error_estimate.zonotope import NOTHING_KNOWN, Zonotope
 
 CHANGE = 1e-6

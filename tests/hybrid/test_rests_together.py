@@ -11,7 +11,7 @@ from small_machines import SLED, link, machine, slide, turn
 
 from nipper_pin import Case, Event, EventKind, Mechanism, Outcome, Solution, Window, simulate
 from nipper_pin.dynamics import Impact
-from nipper_pin.dynamics.parts import parts as parts_of
+from nipper_pin.dynamics.constraint_set import parts as parts_of
 from nipper_pin.hybrid import State
 from nipper_pin.hybrid.contact.active_set import Closed
 from nipper_pin.hybrid.run.phase_manager import EventLog

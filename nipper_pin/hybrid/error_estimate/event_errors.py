@@ -6,7 +6,7 @@ What flights leave unresolved (``local_error.py``) and round-off are the sources
 reaches a stop of the coordinate x late by dt = -dx/v-, with a rate that is wrong by dv + a- dt and
 an impulse that is wrong by the derivative of the impact law. A phase without freedom forgets the
 past: only the round-off of its closures and of time is left. Each part of a machine is followed
-from event to event of its own (``freedoms.py``).
+from event to event of its own (:class:`.Part`).
 """
 
 from __future__ import annotations
@@ -26,15 +26,13 @@ from ...tolerances.hybrid import (
     ROOT_RESOLUTION,
     SERIES_ERROR_SAFETY,
 )
-from ..event import Event, EventKind
+from ..history import Event, EventKind, Segment
 from ..motion.panel import forces_at
-from ..segment import Segment
-from .freedoms import Freedoms, free_coordinates, parts_of
 from .linear_maps import ImpactMap, LinearMaps, PanelMaps, pushing
 from .local_error import at_start, of_closures, round_off, unsure
 from .saltation import StrikeError, after_all, beside, stated, still_apart
-from .variational import tangents
-from .zonotope import Zonotope
+from .variational import Freedoms, free_coordinates, tangents
+from .zonotope import Zonotope, parts_of
 
 
 def _late_release(

@@ -30,14 +30,12 @@ from ...errors import ImpactError, SingularConfigurationError
 from ...mechanism import Stop
 from ...tolerances.hybrid import DIFFERENCE_STEP, SMALLEST
 from ...tolerances.mechanics import EPS
-from ..event import Event, EventKind
+from ..history import Event, EventKind, Segment, once_a_source
 from ..motion.panel import Panel
-from ..segment import Segment, once_a_source
-from .freedoms import Part, free_coordinates
 from .local_error import at_end, unresolved, unsure
 from .saltation import impact_map, sequence_map
-from .variational import flight_map
-from .zonotope import NOTHING_KNOWN, Zonotope
+from .variational import flight_map, free_coordinates
+from .zonotope import NOTHING_KNOWN, Part, Zonotope
 
 
 class PanelMap(NamedTuple):
@@ -130,9 +128,6 @@ def left_out(system: System, rest: Event, remaining: float) -> FloatArray:
     Args:
         rest: The end of a series of bounces, with its impulse.
         remaining: Time from the last computed bounce to the rest [s].
-
-    Raises:
-        SingularConfigurationError: The closures do not determine the dependent coordinates.
     """
     stop, phase = system.mechanism.stop(rest.stops[0]), system.constraint_set(rest.closed_after)
     e_N, rate = stop.restitution, stop.rate(rest.v_before)

@@ -28,8 +28,8 @@ from ...tolerances.hybrid import (
     POLYNOMIAL_ROUND_OFF,
     RATE_ROUND_OFF,
 )
+from ..history import Segment
 from ..motion.panel import Panel, defect, nearby, one_state_at
-from ..segment import Segment
 from .zonotope import Zonotope
 
 

@@ -10,7 +10,7 @@ Linearizing Hybrid Dynamical Systems, arXiv 2306.06862.
 Stops that are struck in one event a neighbouring motion strikes at times of their own: by dt after
 the first one, until when it goes on without the change of velocity u that this stop makes, with the
 accelerations from before. At the time of the first one it deviates by -u dt, and what u moves has
-struck with other rates. Parts that do not touch are followed apart (``freedoms.py``).
+struck with other rates. Parts that do not touch are followed apart (:class:`.Part`).
 """
 
 from __future__ import annotations
@@ -26,11 +26,9 @@ from ...dynamics import Partition, System
 from ...dynamics.impact_laws import solve_impact
 from ...mechanism import Stop
 from ...tolerances.hybrid import DIFFERENCE_STEP, NEGLIGIBLE_DEVIATION
-from ..event import Event
-from ..segment import Segment
-from .freedoms import Freedoms, Part
-from .variational import lifts, tangents
-from .zonotope import Zonotope
+from ..history import Event, Segment
+from .variational import Freedoms, lifts, tangents
+from .zonotope import Part, Zonotope
 
 
 def impact_map(
@@ -54,9 +52,6 @@ def impact_map(
         Deviations (dq, dv) after by those before, both at the time at which the neighbouring motion
         strikes, shape (2 nv, 2 nv); and those of the impulses, shape (struck, 2 nv). By those of
         other parts there are none.
-
-    Raises:
-        SingularConfigurationError: The closures do not determine the dependent coordinates.
     """
     nv = system.body.nv
     _, jacobian = system.body.closures(q[None])
@@ -88,14 +83,7 @@ def impact_map(
 
 
 def pushed_by(system: System, q: Vector, stop: Stop, impulse: float) -> FloatArray:
-    """Change of velocity by the impulse of one stop alone, shape (nv,).
-
-    Args:
-        impulse: Its impulse along its gap [N s or N m s].
-
-    Raises:
-        SingularConfigurationError: The closures do not determine the dependent coordinates.
-    """
+    """Change of velocity by the impulse of one stop alone [N s or N m s], shape (nv,)."""
     _, jacobian = system.body.closures(q[None])
     split = system.split(jacobian[0], system.held_coordinates, (stop.index,))
     mass, units = _free_mass(system, q[None], jacobian, split, [stop])

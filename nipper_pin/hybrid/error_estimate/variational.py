@@ -8,10 +8,16 @@ motions differ in them by dy, with
 A and B being differences of accelerations at the nodes. The collocation that integrates the panel
 solves this linear equation, too: for the accelerations of dy at the nodes, a small linear system of
 each part of the machine.
+
+Parts that do not touch one another answer each for itself: a motion beside another one in every
+part at once tells of all of them what one beside it in a single part tells of that.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -20,8 +26,119 @@ from numpy.typing import NDArray
 from ...arrays import FloatArray, Vectors
 from ...chebyshev import evaluate_motion, nodes
 from ...dynamics import ConstraintSet, Partition, System, close_velocities
+from ...mechanism import Stop
+from ...tolerances.hybrid import DIFFERENCE_STEP, SMALLEST
 from ..motion.panel import Panel
-from .freedoms import Freedoms, free_coordinates
+
+
+def free_coordinates(phase: ConstraintSet, split: Partition) -> list[int]:
+    """Independent coordinates that forces move: one for each freedom of a phase."""
+    return [k for k in split.independent if phase.moving[k]]
+
+
+@dataclass(frozen=True, eq=False)
+class Freedoms:
+    """Coordinates that are moved each for itself, those of different parts at once.
+
+    Attributes:
+        units: What each coordinate is measured in, shape (nv,) [rad or m].
+        columns: The coordinates, F of them.
+        part: Place of the part of each in ``members``.
+        members: Coordinates of every part.
+    """
+
+    units: FloatArray
+    columns: tuple[int, ...]
+    part: tuple[int, ...]
+    members: tuple[NDArray[np.intp], ...]
+
+    @classmethod
+    def of(cls, system: System, columns: Sequence[int]) -> Freedoms:
+        """Coordinates of any parts.
+
+        Args:
+            columns: The coordinates; no held shaft is among them.
+        """
+        numbers = system.parts[list(columns)].tolist()
+        # The number of a part is one of its coordinates.
+        found = list(dict.fromkeys(numbers)) or [0]
+        members = [system.members(number) for number in found]
+        part = tuple(found.index(number) for number in numbers)
+        return cls(system.body.units, tuple(columns), part, tuple(members))
+
+    @classmethod
+    def of_one(cls, system: System, columns: Sequence[int], members: NDArray[np.intp]) -> Freedoms:
+        """Coordinates of one part, whose members are, held shafts that move it among them."""
+        return cls(system.body.units, tuple(columns), (0,) * len(columns), (members,))
+
+    @classmethod
+    def struck(cls, system: System, split: Partition, stops: Sequence[Stop]) -> Freedoms:
+        """Independent coordinates of the part of stops, of which there is one at least."""
+        members = system.members(stops[0].index)
+        return cls.of_one(system, [k for k in split.independent if k in members], members)
+
+    @cached_property
+    def direction(self) -> tuple[int, ...]:
+        """Which one of its part each coordinate is: those of one number are moved at once."""
+        return tuple(self.part[:place].count(part) for place, part in enumerate(self.part))
+
+    @cached_property
+    def directions(self) -> FloatArray:
+        """The coordinates that are moved at once, by ones, shape (C, nv)."""
+        found = np.zeros((max(self.direction, default=-1) + 1, len(self.units)))
+        found[list(self.direction), list(self.columns)] = 1.0
+        return found
+
+    @cached_property
+    def own(self) -> NDArray[np.bool_]:
+        """True where a coordinate is of the part of a freedom, shape (nv, F)."""
+        found = np.zeros((len(self.units), len(self.members)), dtype=np.bool_)
+        for place, members in enumerate(self.members):
+            found[members, place] = True
+        return found[:, list(self.part)]
+
+    def alike(self) -> Iterator[tuple[NDArray[np.intp], NDArray[np.intp]]]:
+        """Parts with as many freedoms as one another.
+
+        Yields:
+            Their places, P of them; and those of their freedoms, shape (P, f).
+        """
+        places: list[list[int]] = [[] for _ in self.members]
+        for place, part in enumerate(self.part):
+            places[part].append(place)
+        for count in sorted({len(own) for own in places} - {0}):
+            chosen = [part for part, own in enumerate(places) if len(own) == count]
+            yield np.array(chosen), np.array([places[part] for part in chosen])
+
+    def steps(self, tangents: FloatArray) -> FloatArray:
+        """Steps of difference quotients along each direction in each part, shape (C, parts).
+
+        Args:
+            tangents: Derivatives of all coordinates along the directions, shape (C, N, nv).
+        """
+        sizes = self.largest(np.abs(tangents / self.units).max(axis=1, initial=0.0))
+        most = np.maximum(sizes, self.largest(self.directions / self.units))
+        # Parts of fewer freedoms than others do not move in the last directions.
+        return np.asarray(DIFFERENCE_STEP / np.where(most > 0.0, most, 1.0))
+
+    def fastest(self, v: Vectors) -> FloatArray:
+        """Largest rate of each part in units of its coordinate [1/s], never zero, (parts,)."""
+        return np.maximum(self.largest(np.abs(v / self.units).max(axis=0)), SMALLEST)
+
+    def largest(self, values: FloatArray) -> FloatArray:
+        """Largest value in each part, shape (..., parts), of one for each coordinate, (..., nv)."""
+        ends = np.cumsum([0, *(len(own) for own in self.members[:-1])])
+        found: FloatArray = np.maximum.reduceat(
+            values[..., np.concatenate(self.members)], ends, axis=-1
+        )
+        return found
+
+    def spread(self, values: FloatArray) -> FloatArray:
+        """Values of parts at each of their coordinates, shape (C, 1, nv), from (C, parts)."""
+        found = np.zeros((len(values), 1, len(self.units)))
+        for place, members in enumerate(self.members):
+            found[:, 0, members] = values[:, place, None]
+        return found
 
 
 def lifts(jacobian: FloatArray, split: Partition, directions: FloatArray) -> FloatArray:
@@ -70,9 +187,6 @@ def flight_map(
         Deviations (dq, dv) at the end by those at the start, shape (2 nv, 2 nv); and by dy and dy'
         at the end, shape (2 nv, 2 f), in the order of the free coordinates. Neither has anything
         where one part of the machine would move another one.
-
-    Raises:
-        SingularConfigurationError: The closures do not determine the dependent coordinates.
     """
     along = Freedoms.of(system, free_coordinates(phase, panel.split))
     end = panel.interpolate(np.array([panel.t + length]))

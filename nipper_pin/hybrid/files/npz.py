@@ -30,10 +30,9 @@ from ...outputs import complete_file
 from ...texts import MOST_JSON, opened, read_text
 from ...tolerances.hybrid import CLOCK_ROUND_OFF
 from ..case import Case, Resolution
-from ..event import Event, EventKind, Outcome
+from ..history import Event, EventKind, Outcome, Segment
 from ..motion.panel import Panel
 from ..result.solution import Solution
-from ..segment import Segment
 from .archive import mesh_digests, need_own_files, need_readable, read_archive
 
 FORMAT = 3

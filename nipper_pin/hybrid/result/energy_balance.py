@@ -11,10 +11,9 @@ import numpy as np
 from ...arrays import FloatArray
 from ...dynamics import ConstraintSet, System, drive_impulses
 from ...tolerances.hybrid import ENERGY_AGREEMENT
-from ..event import Event, found_after
+from ..history import Event, Segment, found_after
 from ..motion.panel import Panel, forces_at
 from ..motion.residual_check import rows_met
-from ..segment import Segment
 from .trajectory import Trajectory
 
 _GAUSS_POINTS = 16

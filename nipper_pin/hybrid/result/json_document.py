@@ -1,17 +1,22 @@
-"""A solution as one plain document: the layout that scripts rely on (docs/json.md)."""
+"""A solution as one plain document: the layout that scripts rely on (docs/json.md).
+
+A run that does not pass its own checks is refused, not printed.
+"""
 
 from __future__ import annotations
 
 import math
 from collections import Counter
-from dataclasses import asdict, fields
+from dataclasses import asdict, astuple, fields
 from typing import Any
 
+import numpy as np
+
+from ...errors import SelfCheckError
 from ...mechanism import Mechanism, number_of
-from ...tolerances.hybrid import SHORTEST_PANEL
+from ...tolerances.hybrid import SELF_CHECK, SELF_CHECK_TOLERANCES, SHORTEST_PANEL, STORED_ENERGY
 from ..case import Case
 from .quantities import COLLISION, TRANSITION
-from .self_check import need_sound
 from .simulated import Simulated
 from .tables import Collision
 
@@ -102,3 +107,43 @@ def _shortcuts(mechanism: Mechanism) -> dict[str, float]:
         key = path.rpartition(".")[2]
         found[path if key in taken else key] = number_of(mechanism, path)
     return found
+
+
+def need_sound(solution: Simulated) -> None:
+    """Refuse a run whose closures gape, or whose energy comes from nowhere.
+
+    The gap is compared with the reach of the mechanism, and the energy that is left over with the
+    sum of all terms of the balance.
+
+    Raises:
+        SelfCheckError: A residual is not a number, or far above the tolerance of the run.
+    """
+    allowed = SELF_CHECK + SELF_CHECK_TOLERANCES * solution.case.resolution.tolerance
+    system, energy = solution.system, solution.energy
+    work = allowed * sum(map(abs, astuple(energy))) + STORED_ENERGY * _stored(solution)
+    for name, unit, found, most in (
+        ("the closures gape by", "m", solution.checks.closure_m, allowed * system.body.reach_m),
+        ("the energy balance leaves over", "J", abs(energy.residual), work),
+    ):
+        if found <= most:
+            continue
+        message = (
+            f"this run fails its own check: {name} {found:.2g} {unit}, and at most {most:.2g} "
+            f"{unit} would be right; its numbers are not to be used: check the lengths and masses "
+            "of the model, or report it with the model"
+        )
+        raise SelfCheckError(message, check=name, residual=found, tolerance=most)
+
+
+def _stored(solution: Simulated) -> float:
+    """Energy [J] of springs and weights, of which the balance has small differences."""
+    system, model = solution.system, solution.mechanism.model
+    seen = [event.q for event in solution.events]
+    for segment in solution.segments[:1] + solution.segments[-1:]:
+        seen += [segment.panels[0].q[0], segment.panels[-1].q[-1]]
+    q = np.array(seen).reshape(len(seen), system.body.nv)
+    stored = np.abs(system.spring_energy(q)) + np.abs(system.body.gravity_energy(q))
+    # Heights are sums of lengths.
+    mass = sum(float(link.mass) for link in list(model.inertias)[1:])
+    lifted = mass * abs(solution.mechanism.gravity_m_s2) * system.body.reach_m
+    return float(stored.max(initial=0.0)) + lifted

@@ -28,10 +28,9 @@ from ...tolerances.mechanics import FAINT_GAP_RATE
 from ...units import MS_PER_S
 from ..case import Case, Resolution, Window
 from ..contact.active_set import active_set
-from ..event import Event, EventKind
+from ..history import Event, EventKind, Segment, State
 from ..run.phase_manager import go_on
 from ..run.windows import comes_back, winding
-from ..segment import Segment, State
 from .trajectory import Trajectory
 
 MOST_IN_TURN = 10_000

@@ -13,7 +13,7 @@ from ...errors import UnknownNameError
 from ...mechanism import Mechanism, Stop
 from ...terms import SUBJECTS, Term, term_of
 from ..error_estimate.saltation import StrikeError
-from ..event import EventKind
+from ..history import EventKind
 from .simulated import Simulated
 from .tables import Collision, Transition
 

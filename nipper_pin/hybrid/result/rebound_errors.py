@@ -9,10 +9,9 @@ import numpy as np
 
 from ...tolerances.hybrid import CLOCK_ROUND_OFF
 from ..error_estimate.event_errors import EventError
-from ..error_estimate.freedoms import part_of
 from ..error_estimate.linear_maps import LinearMaps, PanelMaps
-from ..event import EventKind
-from ..segment import Segment
+from ..error_estimate.zonotope import part_of
+from ..history import EventKind, Segment
 from .solution import Solution
 from .tables import Collision
 

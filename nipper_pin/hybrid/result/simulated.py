@@ -12,9 +12,8 @@ from ...mechanism import Mechanism
 from ...mechanism.parallel import led
 from ..case import Case
 from ..error_estimate.event_errors import EventError, event_errors
-from ..event import Event, Outcome
+from ..history import Event, Outcome, Segment
 from ..parallel import errors_for_all, of_leaders
-from ..segment import Segment
 from .tables import (
     Collision,
     PhaseInterval,

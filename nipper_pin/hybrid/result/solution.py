@@ -12,9 +12,8 @@ from ...frames import data_frame
 from ...notebook import html
 from ...terms.shown import counted
 from ...units import MS_PER_S
-from ..event import Event, EventKind, found_after
+from ..history import Event, EventKind, State, found_after
 from ..run.phase_manager import PhaseManager, go_on
-from ..segment import State
 from .columns import TABLES, columns
 from .simulated import Simulated
 

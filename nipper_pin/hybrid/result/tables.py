@@ -16,11 +16,10 @@ from ...dynamics import System
 from ...mechanism import Stop
 from ..advance import advance
 from ..case import Case
-from ..event import Event, EventKind
 from ..event_location.roots import first_descent, polish
+from ..history import Event, EventKind, Segment, State, once_a_source
 from ..motion.panel import Panel
 from ..run.phase_manager import PhaseManager
-from ..segment import Segment, State, once_a_source
 
 
 class Rebounds:

@@ -15,9 +15,8 @@ from ...errors import InputError
 from ...given import refuse
 from ...mechanism import Mechanism
 from ...mechanism.parallel import force_shares
-from ..event import Event
+from ..history import Event, Segment
 from ..motion.panel import Panel, forces_at, state_at
-from ..segment import Segment
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,9 +23,8 @@ from ..contact.active_set import (
     stilled,
     touching,
 )
-from ..event import Event, EventKind
+from ..history import Event, EventKind, Segment, State
 from ..motion.panel import Panel
-from ..segment import Segment, State
 from .series.bounces import ImpactOutcome, Rest, Series
 from .series.rules import NestedBounces, series_rules
 

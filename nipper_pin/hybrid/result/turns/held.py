@@ -15,8 +15,8 @@ from ....arrays import FloatArray
 from ....dynamics.system import Multipliers
 from ....mechanism.parallel import force_shares
 from ....tolerances.hybrid import FORCE_RESOLVED, REAL_ROOT
+from ...history import Segment
 from ...motion.panel import Panel, forces_at
-from ...segment import Segment
 from ..solution import Solution
 
 # Places of one polynomial, and halvings of what it does not hold.

@@ -14,7 +14,7 @@ from ....errors import InputError
 from ....mechanism import INDEX_PER_TURN, within_turn
 from ....tolerances.reduced import SAME_TURN
 from ...case import Window
-from ...event import Event, EventKind, Outcome
+from ...history import Event, EventKind, Outcome
 from ...run.windows import winding
 from ..rebound_errors import rebound_error
 from ..solution import Solution

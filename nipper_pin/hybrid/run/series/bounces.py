@@ -23,7 +23,7 @@ from ....tolerances.mechanics import EPS
 from ...case import Case
 from ...contact.active_set import Closed, active_set
 from ...contact.bounce_series import BounceSeries
-from ...segment import State
+from ...history import State
 
 Series = tuple[BounceSeries, ...]
 

@@ -35,8 +35,7 @@ from ....tolerances.hybrid import (
 from ...case import Case
 from ...contact.active_set import Closed
 from ...contact.bounce_series import NestedSeries
-from ...event import Event, EventKind
-from ...segment import State
+from ...history import Event, EventKind, State
 from .bounces import (
     UNKNOWN,
     Acceleration,
