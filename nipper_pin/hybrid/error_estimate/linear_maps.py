@@ -297,10 +297,7 @@ class LinearMaps:
         """Round-off of impulses: one linear system gives all, so each has that of the largest."""
         names = list(event.P_N)
         columns = [self.system.mechanism.stop(name).index for name in names]
-        try:
-            sizes = inverse_mass_roots(self.system, event.q, columns)
-        except np.linalg.LinAlgError:
-            return dict.fromkeys(names, NOTHING_KNOWN)
+        sizes = inverse_mass_roots(self.system, event.q, columns)
         pushed = np.abs(np.array(list(event.P_N.values())))
         energies = pushed * sizes
         largest = float(energies.max(initial=0.0))

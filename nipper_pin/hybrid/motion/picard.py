@@ -36,6 +36,19 @@ _DECAYS = 0.1
 # Contraction of the sweeps on a panel that is short beside all that happens on it: the few nodes of
 # a coarse grid are to be trusted.
 _SHORT = 1e-2
+# Sweeps start on coarse grids, nested in the finest one, and move on when they have gained what
+# such a grid can hold; a short flight never needs the finest one.
+_COARSE_STRIDES = (4, 2)
+_COARSE_SWEEPS = 2
+_MAX_SWEEPS = 24
+_EASY_SWEEPS = 14
+# What a coarse grid foretells of the finest one is an estimate, and has to be so much too large.
+_FORESEEN_ROUGH = 8.0
+# Growth of panels as long as they do not need the finest grid.
+_LONGER = 2.0
+# Motion on one panel [rad or m] beyond which inertia could no longer be neglected beside that of a
+# held shaft.
+_RUN_AWAY = 1e9
 
 
 def _next(moved: FloatArray, guess: FloatArray) -> float:
@@ -53,27 +66,23 @@ def _next(moved: FloatArray, guess: FloatArray) -> float:
 
 
 class PicardIteration:
-    """Picard iteration of one panel.
+    """Picard iteration of one panel of the length h [s].
 
-    Args:
-        h: Its length [s].
+    Attributes:
         finest: Number of nodes of the finest grid.
         tolerance: Relative change of the positions that ends the iteration.
-        nested: True if the iteration starts on coarser grids.
+        count: Number of sweeps.
     """
 
     def __init__(
-        self,
-        system: System,
-        phase: ConstraintSet,
-        begin: Begin,
-        h: float,
-        finest: int,
-        tolerance: float,
-        nested: bool,
+        self, system: System, phase: ConstraintSet, begin: Begin, h: float, resolution: Resolution
     ) -> None:
         """Compute what no sweep changes."""
-        self._system, self._phase, self._h, self._tolerance = system, phase, h, tolerance
+        self._system, self._phase, self._h = system, phase, h
+        self.finest = finest = resolution.flight_nodes
+        self.tolerance = resolution.tolerance if resolution.adaptive else ITERATION_FLOOR
+        # Whether the iteration starts on coarser grids.
+        self._nested = resolution.adaptive and (finest - 1) % _COARSE_STRIDES[0] == 0
         t, q, v, _, _ = begin
         elapsed = h * nodes(finest).sigma
         motion = system.shaft.driven(t + elapsed, t + 0.5 * h)
@@ -102,16 +111,48 @@ class PicardIteration:
         self._contraction = 1.0
         # What turns integrals over the unit interval into positions and velocities.
         self._scales = np.array([h * h, h])[:, None, None]
-        self.count, self.too_rough, self._nested = 0, False, nested
+        self.count, self._too_rough = 0, False
 
-    def converges(self, a: FloatArray, stride: int, most: int) -> bool:
+    def swept(self, a: FloatArray) -> tuple[FloatArray, float] | tuple[None, float]:
+        """Sweep over one grid after the other, until one of them resolves the motion.
+
+        Args:
+            a: Acceleration at the first node, shape (1, nv).
+
+        Returns:
+            Accelerations at the nodes and what they leave over; or None and the ratio of the length
+            of the next attempt.
+        """
+        tolerance, finest = self.tolerance, self.finest
+        for stride in _COARSE_STRIDES if self._nested else ():
+            a = prolonged(a, (finest - 1) // stride + 1)
+            if self._converges(a, stride, _COARSE_SWEEPS) or (
+                self._nearly(a) and self._converges(a, stride, 1)
+            ):
+                left_over = self.left_over(a)
+                if left_over <= tolerance:
+                    return a, left_over
+            elif stride == _COARSE_STRIDES[-1]:
+                foreseen = self._foreseen(a)
+                if foreseen > _FORESEEN_ROUGH * tolerance:
+                    return None, shorter(foreseen / tolerance, finest)
+        a = prolonged(a, finest)
+        if not self._converges(a, 1, _MAX_SWEEPS):
+            if self._too_rough:
+                return None, shorter(self.left_over(a) / tolerance, finest)
+            settled = self.allows_round_off() and np.abs(self._moved).max(initial=0.0) <= tolerance
+            if not settled:
+                return None, 0.5
+        return a, self.left_over(a)
+
+    def _converges(self, a: FloatArray, stride: int, most: int) -> bool:
         """Sweep over one grid, in place, until another sweep would change nothing that matters.
 
         Args:
             a: Accelerations at the nodes, shape (N, nv), the first one exact.
             stride: Step from node to node on the finest grid.
         """
-        count, h, system = len(a), self._h, self._system
+        count, h, system, tolerance = len(a), self._h, self._system, self.tolerance
         # Nothing changes at the first node.
         operator = (nodes(count).motion[:, 1:] * self._scales).reshape(-1, count)
         lines, forcing = self._lines[:, stride::stride].copy(), self._forcing[stride::stride].copy()
@@ -125,7 +166,7 @@ class PicardIteration:
             if not self._weight.size:
                 self._way += h**2 * largest(new)
                 self._weigh()
-                if max(self._weight.tolist()) * self._still > self._tolerance:
+                if max(self._weight.tolist()) * self._still > tolerance:
                     # A link stands nearly still: all that it has may be round-off of the others.
                     self._allow(of_closures(system, v[0], new[0]))
             guess, moved = moved, (new - unknown) * weights
@@ -141,21 +182,16 @@ class PicardIteration:
             known = self._contraction if sweep == 1 else 0.0
             self._contraction = min(max(change / max(previous, SMALLEST), known), 1.0)
             # The next sweep would change by this times the contraction, so it is not needed.
-            if change * self._contraction <= self._tolerance and (
-                sweep == 1 or self.count > 2 or _next(moved, guess) <= self._tolerance
+            if change * self._contraction <= tolerance and (
+                sweep == 1 or self.count > 2 or _next(moved, guess) <= tolerance
             ):
                 return True
             if stride == 1 and sweep == _TELLING_SWEEPS and self._is_too_rough(a):
-                self.too_rough = True
+                self._too_rough = True
                 return False
             if sweep > _FREE_SWEEPS and change > _WORST_CONTRACTION * previous:
                 return change <= ITERATION_FLOOR
         return False
-
-    @property
-    def settled(self) -> bool:
-        """True if the latest sweep has changed no position by more than the tolerance."""
-        return float(np.abs(self._moved).max(initial=0.0)) <= self._tolerance
 
     def _weigh(self) -> None:
         # What is prescribed does not move: its accelerations are round-off of the armature.
@@ -173,14 +209,14 @@ class PicardIteration:
         most: float = max((decayed(a) * self._weight).tolist())
         return most / (2.0 * len(a)) ** 2
 
-    def nearly(self, a: FloatArray) -> bool:
+    def _nearly(self, a: FloatArray) -> bool:
         """True if one more sweep ends the iteration on a grid that resolves the motion."""
         if self._contraction > _SHORT or not self._smooth:
             return False
         next_but_one = self._change * self._contraction**2
-        return next_but_one <= self._tolerance and self.left_over(a) <= self._tolerance
+        return next_but_one <= self.tolerance and self.left_over(a) <= self.tolerance
 
-    def foreseen(self, a: FloatArray) -> float:
+    def _foreseen(self, a: FloatArray) -> float:
         """What :meth:`left_over` will be on the next grid, if coefficients go on to decay.
 
         From grid to grid the degree doubles. Zero where they do not decay, as those of round-off,
@@ -193,7 +229,7 @@ class PicardIteration:
 
     def _is_too_rough(self, a: FloatArray) -> bool:
         """True if what follows the last coefficients is too large, even beside round-off."""
-        least = _TOO_ROUGH * self._tolerance
+        least = _TOO_ROUGH * self.tolerance
         if not self._nested or self.left_over(a) <= least:
             return False
         beside = self._weight * (self._way / (self._way + self._allowance(self._roughness)))
@@ -226,7 +262,7 @@ class PicardIteration:
 
     def _allowance(self, rough: FloatArray) -> FloatArray:
         """Ways beside which round-off of accelerations is within the tolerance, shape (nv,)."""
-        return np.asarray(ROUND_OFF_SAFETY * self._h**2 * rough / self._tolerance)
+        return np.asarray(ROUND_OFF_SAFETY * self._h**2 * rough / self.tolerance)
 
     def motion(self, a: FloatArray) -> FloatArray:
         """Positions and velocities at the nodes, shape (2, N, nv), of accelerations there."""
@@ -235,21 +271,6 @@ class PicardIteration:
         moved = product(operator, a * self._free[:count]).reshape(2, *a.shape)
         stride = (self._lines.shape[1] - 1) // (count - 1)
         return np.asarray(moved * self._scales + self._lines[:, ::stride])
-
-
-# Sweeps start on coarse grids, nested in the finest one, and move on when they have gained what
-# such a grid can hold; a short flight never needs the finest one.
-_COARSE_STRIDES = (4, 2)
-_COARSE_SWEEPS = 2
-_MAX_SWEEPS = 24
-_EASY_SWEEPS = 14
-# What a coarse grid foretells of the finest one is an estimate, and has to be so much too large.
-_FORESEEN_ROUGH = 8.0
-# Growth of panels as long as they do not need the finest grid.
-_LONGER = 2.0
-# Motion on one panel [rad or m] beyond which inertia could no longer be neglected beside that of a
-# held shaft.
-_RUN_AWAY = 1e9
 
 
 def flight_panel(
@@ -272,14 +293,11 @@ def flight_panel(
     Raises:
         SimulationError: A link has run away, as one does that a turning shaft throws outwards.
     """
-    finest = resolution.flight_nodes
-    nested = resolution.adaptive and (finest - 1) % _COARSE_STRIDES[0] == 0
-    tolerance = resolution.tolerance if resolution.adaptive else ITERATION_FLOOR
     if h * h * np.vdot(begin.v, begin.v) > _RUN_AWAY**2:
         raise _run_away(system, h * begin.v)
-    sweeps = PicardIteration(system, phase, begin, h, finest, tolerance, nested)
+    sweeps = PicardIteration(system, phase, begin, h, resolution)
     none = np.empty((0, len(phase.stops)))
-    a, left_over = _swept(sweeps, begin.a[None], finest, tolerance, nested)
+    a, left_over = sweeps.swept(begin.a[None])
     if a is None:
         return Attempt(None, none, left_over)
     moved = sweeps.motion(a)
@@ -288,50 +306,17 @@ def flight_panel(
     forces = forces_at(system, phase, panel, panel.times)[3].la_N if phase.stops else none
     if not resolution.adaptive:
         return Attempt(panel, forces, 1.0)
-    hard = sweeps.count > _EASY_SWEEPS
+    hard, tolerance = sweeps.count > _EASY_SWEEPS, sweeps.tolerance
     if left_over > tolerance and sweeps.allows_round_off():
         left_over = sweeps.left_over(a)
         if left_over <= tolerance:
             # No shorter panel would resolve it either.
             return Attempt(panel, forces, 1.0 if hard else _LONGER)
-    if len(a) < finest and not hard:
+    if len(a) < sweeps.finest and not hard:
         # A coarse grid was enough, and a panel that only just suits it would stay short for ever.
         return Attempt(panel, forces, _LONGER)
     attempt = judged(panel, forces, left_over / tolerance, len(a))
     return attempt._replace(factor=min(attempt.factor, 1.0)) if hard else attempt
-
-
-def _swept(
-    sweeps: PicardIteration, a: FloatArray, finest: int, tolerance: float, nested: bool
-) -> tuple[FloatArray, float] | tuple[None, float]:
-    """Sweep over one grid after the other, until one of them resolves the motion.
-
-    Args:
-        a: Acceleration at the first node, shape (1, nv).
-
-    Returns:
-        Accelerations at the nodes and what they leave over; or None and the ratio of the length of
-        the next attempt.
-    """
-    for stride in _COARSE_STRIDES if nested else ():
-        a = prolonged(a, (finest - 1) // stride + 1)
-        if sweeps.converges(a, stride, _COARSE_SWEEPS) or (
-            sweeps.nearly(a) and sweeps.converges(a, stride, 1)
-        ):
-            left_over = sweeps.left_over(a)
-            if left_over <= tolerance:
-                return a, left_over
-        elif stride == _COARSE_STRIDES[-1]:
-            foreseen = sweeps.foreseen(a)
-            if foreseen > _FORESEEN_ROUGH * tolerance:
-                return None, shorter(foreseen / tolerance, finest)
-    a = prolonged(a, finest)
-    if not sweeps.converges(a, 1, _MAX_SWEEPS):
-        if sweeps.too_rough:
-            return None, shorter(sweeps.left_over(a) / tolerance, finest)
-        if not (sweeps.allows_round_off() and sweeps.settled):
-            return None, 0.5
-    return a, sweeps.left_over(a)
 
 
 def _run_away(system: System, moved: FloatArray) -> SimulationError:

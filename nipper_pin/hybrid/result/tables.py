@@ -100,16 +100,12 @@ class Rebounds:
         struck = [trigger.stop for trigger in reached.triggers]
         if leader in struck or not struck:
             return (reached.segment,) if struck else ()
-        # Of stops that bounce in step another one is back first.
-        return _past_others(PhaseManager(system, self._case, start), leader, limit)
-
-
-def _past_others(manager: PhaseManager, name: str, limit: float) -> tuple[Segment, ...]:
-    """Motion until a stop is struck, past events of other stops; empty if it is not."""
-    while manager.step(limit):
-        if any(name in event.P_N for event in manager.events):
-            return tuple(manager.segments)
-    return ()
+        # Of stops that bounce in step another one is back first: on to this one past their events.
+        manager = PhaseManager(system, self._case, start)
+        while manager.step(limit):
+            if any(leader in event.P_N for event in manager.events):
+                return tuple(manager.segments)
+        return ()
 
 
 def _highest_of(segment: Segment, stop: Stop) -> float:

@@ -153,7 +153,9 @@ def _resolved(
             if values is None:
                 return
             coefficients = _array(chebyshev.chebfit(x, values, _PLACES - 1))
-            if halving < _HALVINGS and _rough(coefficients):
+            size = np.abs(coefficients)
+            # The last ones are small where a polynomial holds the force.
+            if halving < _HALVINGS and size[-2:].max() > FORCE_RESOLVED * size.max():
                 middle = 0.5 * (low + high)
                 rough += [(low, middle), (middle, high)]
             else:
@@ -163,9 +165,3 @@ def _resolved(
 
 def _array(values: Any) -> FloatArray:
     return np.asarray(values, dtype=np.float64)
-
-
-def _rough(coefficients: FloatArray) -> bool:
-    """Whether the last coefficients are not small."""
-    size = np.abs(coefficients)
-    return bool(size[-2:].max() > FORCE_RESOLVED * size.max())

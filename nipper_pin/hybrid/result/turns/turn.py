@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -121,6 +121,46 @@ _SHOWN = 200
 _ENDED = (Outcome.COMPLETED, Outcome.STILL_BOUNCING)
 
 
+class _Index:
+    """Index of the event that is found in a turn, or its estimated error; None without one."""
+
+    def __init__(self, find: Callable[[Turn], Event | None], error: bool) -> None:
+        self._find, self._error = find, error
+
+    def __get__(self, turn: Turn, owner: type[Turn]) -> float | None:
+        """Read it off a turn."""
+        event, run, period = self._find(turn), turn.solution, turn.solution.shaft.period
+        if event is None:
+            return None
+        if self._error:
+            return INDEX_PER_TURN * run.errors[event.number - 1].time / period
+        travel = event.t / period - (turn.number - 1)
+        return float(within_turn(run.case.start_index + INDEX_PER_TURN * travel))
+
+
+def _index_of(find: Callable[[Turn], Event | None]) -> tuple[_Index, _Index]:
+    return _Index(find, error=False), _Index(find, error=True)
+
+
+def _first(kind: EventKind, turn: Turn) -> Event | None:
+    """The first event of a kind that concerns the transition stop."""
+    found = (item for item in turn.events if item.kind is kind and turn.stop in item.stops)
+    return next(found, None)
+
+
+def _closing(turn: Turn) -> Event | None:
+    """The first collision that strikes it."""
+    hits = (event for event in turn.events if event.kind is EventKind.COLLISION)
+    return next((event for event in hits if turn.stop in turn.struck(event)), None)
+
+
+def _opening(turn: Turn) -> Event | None:
+    """The collision of another stop that throws it open."""
+    hits = (event for event in turn.events if event.kind is EventKind.COLLISION)
+    thrown = (item for item in hits if turn.stop in item.closed_before - item.closed_after)
+    return next(thrown, None)
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Turn:
     """One turn of a run; indices are from 0 to below 40.
@@ -140,45 +180,14 @@ class Turn:
     repeats_after: int
     least_force: float = 0.0
 
-    @property
-    def closing_index(self) -> float | None:
-        """Index of the first collision of the transition stop."""
-        return self._index(self._closing)
-
-    @property
-    def closing_index_error(self) -> float | None:
-        """Estimated error of that; so are the others called."""
-        return self._index_error(self._closing)
-
-    @property
-    def rest_index(self) -> float | None:
-        """Index of its first rest."""
-        return self._index(self._first(EventKind.REST))
-
-    @property
-    def rest_index_error(self) -> float | None:
-        """Its error."""
-        return self._index_error(self._first(EventKind.REST))
-
-    @property
-    def loss_index(self) -> float | None:
-        """Index at which its force falls to zero and it opens by itself."""
-        return self._index(self._first(EventKind.RELEASE))
-
-    @property
-    def loss_index_error(self) -> float | None:
-        """Its error."""
-        return self._index_error(self._first(EventKind.RELEASE))
-
-    @property
-    def opening_index(self) -> float | None:
-        """Index at which a collision of another stop throws it open."""
-        return self._index(self._opening)
-
-    @property
-    def opening_index_error(self) -> float | None:
-        """Its error."""
-        return self._index_error(self._opening)
+    closing_index, closing_index_error = _index_of(_closing)
+    """Index of the first collision of the transition stop; and the estimated error of that."""
+    rest_index, rest_index_error = _index_of(partial(_first, EventKind.REST))
+    """Index of its first rest."""
+    loss_index, loss_index_error = _index_of(partial(_first, EventKind.RELEASE))
+    """Index at which its force falls to zero and it opens by itself."""
+    opening_index, opening_index_error = _index_of(_opening)
+    """Index at which a collision of another stop throws it open."""
 
     @property
     def clamped_time(self) -> float:
@@ -231,7 +240,7 @@ class Turn:
     def at(self, name: str) -> StopTurn | DriveTurn:
         """What a stop or a drive does in the turn; of two with one name, the stop."""
         if name in {stop.name for stop in self.solution.mechanism.stops}:
-            return StopTurn(self.solution, name, self._events)
+            return StopTurn(self.solution, name, self.events)
         return self.drive(name)
 
     def drive(self, name: str) -> DriveTurn:
@@ -239,7 +248,8 @@ class Turn:
         return DriveTurn(self.solution, name, *self._span)
 
     @property
-    def _stop(self) -> str:
+    def stop(self) -> str:
+        """Name of the transition stop."""
         return self.solution.mechanism.transition_stop
 
     @property
@@ -252,7 +262,7 @@ class Turn:
         return (self.number - 1) * self._period, self.number * self._period
 
     @cached_property
-    def _events(self) -> tuple[Event, ...]:
+    def events(self) -> tuple[Event, ...]:
         """Events of the turn; one at its very end is the next turn's."""
         begin, end = self._span
         return tuple(event for event in self.solution.events if begin <= event.t < end)
@@ -263,17 +273,7 @@ class Turn:
         kinds = [EventKind.COLLISION]
         if self.solution.case.rest_rate is None:
             kinds.append(EventKind.REST)
-        return [event for event in self._events if event.kind in kinds]
-
-    @cached_property
-    def _hits(self) -> list[Collision]:
-        """Collisions of the transition stop in the turn."""
-        numbers = {event.number for event in self._events}
-        return [
-            hit
-            for hit in self.solution.collisions
-            if hit.stop == self._stop and hit.event.number in numbers
-        ]
+        return [event for event in self.events if event.kind in kinds]
 
     @cached_property
     def _highest(self) -> Collision | None:
@@ -281,7 +281,7 @@ class Turn:
         own = [
             (hit.rebound_amplitude, hit)
             for hit in self.solution.collisions
-            if hit.stop == self._stop and self._ends_there(hit)
+            if hit.stop == self.stop and self._ends_there(hit)
         ]
         known = [(height, hit) for height, hit in own if height is not None]
         return max(known, key=lambda item: item[0])[1] if known else None
@@ -294,12 +294,13 @@ class Turn:
             return False
         if left_out is not None and self.solution.case.rest_rate is not None:
             return False
-        if end.kind is EventKind.COLLISION and self._stop not in self._struck(end):
+        if end.kind is EventKind.COLLISION and self.stop not in self.struck(end):
             return False
         between = self.solution.events[hit.event.number : end.number - 1]
         return all(event.kind is not EventKind.COLLISION for event in between)
 
-    def _struck(self, event: Event) -> list[str]:
+    def struck(self, event: Event) -> list[str]:
+        """Names of the stops that an event strikes."""
         return [stop.name for stop in event.struck(self.solution.mechanism)]
 
     @cached_property
@@ -308,43 +309,9 @@ class Turn:
         parts = [
             (max(item.t_start, begin), min(item.t_end, end))
             for item in self.solution.phases
-            if self._stop in item.closed and item.t_start < end and item.t_end > begin
+            if self.stop in item.closed and item.t_start < end and item.t_end > begin
         ]
-        return held(self.solution, self._stop, parts, self.least_force)
-
-    @property
-    def _closing(self) -> Event | None:
-        return next((hit.event for hit in self._hits), None)
-
-    @property
-    def _opening(self) -> Event | None:
-        """The collision of another stop that throws it open."""
-        name = self._stop
-        opened = (
-            event
-            for event in self._events
-            if event.kind is EventKind.COLLISION
-            and name in event.closed_before
-            and name not in event.closed_after
-        )
-        return next(opened, None)
-
-    def _first(self, kind: EventKind) -> Event | None:
-        """Its first event of a kind."""
-        found = (item for item in self._events if item.kind is kind and self._stop in item.stops)
-        return next(found, None)
-
-    def _index(self, event: Event | None) -> float | None:
-        if event is None:
-            return None
-        travel = event.t / self._period - (self.number - 1)
-        return float(within_turn(self.solution.case.start_index + INDEX_PER_TURN * travel))
-
-    def _index_error(self, event: Event | None) -> float | None:
-        if event is None:
-            return None
-        error: float = self.solution.errors[event.number - 1].time
-        return INDEX_PER_TURN * error / self._period
+        return held(self.solution, self.stop, parts, self.least_force)
 
 
 def reported_turn(solution: Solution, least_force: float = 0.0) -> Turn:
