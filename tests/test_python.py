@@ -44,6 +44,9 @@ def test_texts_of_a_line_and_of_a_notebook(words: Words) -> None:
         shown = eval(item.name, names)
         page = ElementTree.fromstring(f"<page>{shown._repr_html_()}</page>")
         assert "script" not in {part.tag for part in page.iter()}
+        assert page.find("p/b") is not None
+        heads, first = page.findall("table/thead/tr/th"), page.findall("table/tbody/tr[1]/td")
+        assert len(heads) == len(first)
         rows = [
             " | ".join("".join(cell.itertext()) for cell in row) or (row.text or "")
             for row in page.iter()
