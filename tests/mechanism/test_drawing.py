@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 import pytest
-from snapshots import Words
+from snapshots import Words, blocks, without_the_machine
 
 from nipper_pin import Case, Drawing, InputError, ModelError, Outcome, export, load, simulate
 from nipper_pin.cli import main
@@ -21,6 +21,7 @@ from nipper_pin.mechanism.drawing.mass import mass_of
 from nipper_pin.mechanism.files import toml
 from nipper_pin.mechanism.gallery import GALLERY, drawn
 from nipper_pin.view.sketch import sketch
+from tests.refusals.bases import edited
 
 HERE = Path(__file__).parent
 POINTS = {
@@ -322,85 +323,16 @@ def test_ways_to_find_a_point(point: str, at: tuple[float, float]) -> None:
     assert [*found][:4] == ["P", "A", "B", "C"]
 
 
-WRONG = {
-    "no such layout": ("drawing = 1", "drawing = 2"),
-    "no title": ('title = "a <yoke>"\n', ""),
-    "no number": ("speed_rpm = 60.0", "speed_rpm = inf"),
-    "two ways": ("right_mm = 20.0", "right_mm = 20.0, radius_mm = 1.0"),
-    "half a way": (", up_mm = 0.0", ""),
-    "no such key": ("right_mm", "rigth_mm"),
-    "no such point": ('beside = "O"', 'beside = "Q"'),
-    "found from itself": ('beside = "O"', 'beside = "A/O"'),
-    **{name: ('beside = "O", right_mm = 20.0, up_mm = 0.0', new) for name, new in {
-        "nowhere": 'meet = ["O", "Y"], radii_mm = [9.0, 9.0], side = "left"',
-        "beside a line": 'centre = "O", radius_mm = 1, line = "F", along = [1, 0], side = "ahead"',
-        "around one point": 'meet = ["O", "O"], radii_mm = [9.0, 9.0], side = "left"',
-        "beside one point": 'between = ["O", "O"], share = 0.5, left_mm = 1.0',
-        "no line": 'centre = "O", radius_mm = 1.0, line = "O", along = [0, 0], side = "ahead"',
-        "the other kind of side": 'meet = ["O", "Y"], radii_mm = [30.0, 30.0], side = "ahead"',
-    }.items()},
-    "halfway to nowhere": ('points = "O A"', 'points = "O A/Q"'),
-    "halfway of three": ('points = "O A"', 'points = "O A/O/Y"'),
-    "forces that are none": ("drawing = 1", "drawing = 1\nforces = 3"),
-    "a spring that is none": ("[springs]", "[springs]\nsoft = 3"),
-    "no words": ("Y = [10.0", '"Y Y" = [10.0'),
-    "two strokes": ("Y = [10.0", '"Y--Y" = [10.0'),
-    "no kind of joint": ('pin = "O"', 'hinge = "O"'),
-    "two kinds": ('slide = "lift"', 'slide = "lift", pin = "O"'),
-    "a slide without a direction": (', along = "O Y"', ""),
-    "no such body": ('child = "lever"', 'child = "laver"'),
-    "the frame": ("crank = { points", "frame = { points"),
-    "two units": ("density_kg_m = 2.0", "density_kg_m = 2.0, density_g_per_mm = 2.0"),
-    "another kind of unit": ("right_mm = 20.0", "right_kg = 20.0"),
-    "a plate of two corners": ("density_kg_m = 2.0", "thickness_mm = 2.0"),
-    "no thickness": ("density_kg_m = 2.0", "width_mm = 2.0"),
-    "corners in no order": ('points = "O A", density_kg_m = 2.0',
-                            'points = "O R/Y A Y", thickness_mm = 2.0'),
-    "points in one place": ('points = "A O F F"', 'points = "A A"'),
-    **{name: ("[drives]", f"[shapes]\nlip = {{ {keys} }}\n[drives]") for name, keys in {
-        "a shape of nobody": "body = 'ramm', at = 'A', radius_mm = 1",
-        "a shape nowhere": "body = 'ram', at = 'Q', radius_mm = 1",
-        "no shape": "body = 'ram', at = [1.0, 2.0]",
-        "two shapes": "body = 'ram', at = 'A', radius_mm = 1, box_mm = [1.0, 2.0]",
-    }.items()},
-    "follows none": ('along = "O Y"', 'along = "O Y", follows = "feet", ratio = 2.0'),
-    "follows a cut pin": ('parent = "frame", child = "crank"', 'parent = "frame", child = "crank", '
-                          'follows = "slot", ratio = 2.0'),
-    "follows by nothing": ('along = "O Y"', 'along = "O Y", follows = "feed"'),
-    "by a lead": ('along = "O Y"', 'along = "O Y", follows = "feed", lead_mm_per_turn = 2.0'),
-    "a ratio to nothing": ('along = "O Y"', 'along = "O Y", ratio = 2.0'),
-    "a key of the whole": ("touch_deg = 12.0", "touch_dg = 12.0"),
-    "no freedom": (
-        '  { pin = "A"', '  { pin = "A", name = "two", parent = "crank", child = "ram" },\n'
-        '  { pin = "Y", parent = "yoke", child = "ram" },\n  { pin = "A"'),
-    "loose body": ("[drives]", 'loose = { points = "O A" }\n[drives]'),
-    "no mass": ("mass_kg = 1.5, ", ""),
-    "two joints": ('slide = "feed"', 'slide = "lift"'),
-    "a slide that closes": ("  { pin = \"A\"", "  { slide = \"s\", parent = \"frame\", "
-                            "child = \"ram\", at = \"R\", along = [1.0, 0.0] },\n  { pin = \"A\""),
-    "no direction": ('along = "O Y"', 'along = "Y"'),
-    "nowhere along": ("along = [3.0, 4.0]", "along = [0.0, 0.0]"),
-    "a stop that is none": ('transition_stop = "shut"', 'transition_stop = "shot"'),
-    "closed by none": ("drawing = 1", 'drawing = 1\nclosed = ["open", "lid"]'),
-    "a stop of a pin that closes": ('open = { joint = "A"', 'open = { joint = "B"'),
-    "an end that is none": ('ends = ["yoke Y", "frame F"]', 'ends = ["yok Y", "frame F"]'),
-    "no end": ('ends = ["yoke Y", "frame F"]', 'ends = ["yoke Y", "frame G"]'),
-    "no place of a body": ('points = "O A"', 'points = "O Q"'),
-    "no ends": ('ends = ["yoke Y", "frame F"]', 'ends = ["yoke"]'),
-    "another kind of spring": ("stiffness_N_m_per_rad = 2.0", "stiffness_N_per_m = 2.0"),
-    "closures of its own": ("[drives]", "[closures.pin]\nframe_a = 'a'\nframe_b = 'b'\n[drives]"),
-}  # fmt: skip
-
-
 def test_what_a_file_may_not_say(words: Words) -> None:
+    """The mistakes stand in the reviewed text, each above its sentence."""
     told = ""
-    for name, (old, new) in WRONG.items():
-        assert TEXT.count(old) >= 1, name
-        drawing = Drawing(tomllib.loads(TEXT.replace(old, new, 1)), "yoke")
+    for item in blocks(__file__, "test_what_a_file_may_not_say"):
+        text = edited({"yoke.toml": TEXT}, item.edits)["yoke.toml"]
+        drawing = Drawing(tomllib.loads(text), "yoke")
         with pytest.raises(InputError) as caught:
             drawing.mechanism()
-        told += f"{name}\n    {caught.value.message}\n"
-    words(told)
+        told += f"{item.text}    {without_the_machine(caught.value.message)}\n"
+    words(told, masked=False)
 
 
 @pytest.mark.parametrize("place", ["machine.toml", "machine/machine.toml", "machine/other.toml"])
