@@ -79,7 +79,7 @@ def partition(
     preferred: Sequence[int],
     limit: float = MAX_CONDITION,
 ) -> Partition:
-    """Choose dependent coordinates.
+    """Choose dependent coordinates, each column of their block by pivoting on its size.
 
     Args:
         jacobian: Closure Jacobian G by coordinates in their units, G * units, shape (m, nv).
@@ -87,9 +87,6 @@ def partition(
         preferred: Coordinates to keep independent, the most important first, as far as the
             closures allow it.
         limit: Condition number that this may cost.
-
-    Returns:
-        The partition; every column of the dependent block is chosen by pivoting on its size.
 
     Raises:
         SingularConfigurationError: The closures do not determine the dependent coordinates.

@@ -129,13 +129,10 @@ class Loops:
         return rows.reshape(len(q), 2 * len(self._owners))
 
     def _turned(self, q: Vectors, slid: FloatArray | float) -> NDArray[np.complex128]:
-        """Units turned with the bodies, then lengths turned with the slides.
+        """Units turned with the bodies, then lengths with the slides, shape (N, joints + slides).
 
         Args:
             slid: The lengths, shape (N, slides), or one for all.
-
-        Returns:
-            Shape (N, joints + slides).
         """
         angles = product(q, self._turning)
         turned = np.empty((len(q), len(self._matrix)), dtype=np.complex128)

@@ -183,10 +183,9 @@ class System:
         return forces
 
     def train_torques(self, motion: Driven, q: Vectors, v: Vectors) -> FloatArray:
-        """Torques of elastic drive trains, I a_law + k (q_law - q) + c (v_law - v).
+        """Torques of elastic drive trains, shape (N, drives) [N m or N].
 
-        Returns:
-            Shape (N, drives) [N m or N].
+        I a_law + k (q_law - q) + c (v_law - v).
         """
         q_law, v_law, a_law = motion
         numbers = self._numbers

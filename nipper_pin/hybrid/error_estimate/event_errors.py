@@ -259,7 +259,8 @@ def _struck(maps: LinearMaps, before: _State, arrival: _Arrival) -> tuple[Zonoto
         impulses = {name: before.error.impulse * abs(P) for name, P in event.P_N.items()}
         return before.deviations, replace(before.error, impulses=impulses)
     impact = maps.impact(event)
-    found = still_apart(system, part, maps.whole(event), arrival.last, before.deviations)
+    whole = maps.panels.events[event.number - 1]
+    found = still_apart(system, part, whole, arrival.last, before.deviations)
     # Linear maps know nothing of flights that miss the stop: no collision is off by all its flight.
     most = max(before.error.time + flown, 0.0)
     late = -found.states[place] / rate

@@ -198,16 +198,16 @@ class LinearMaps:
 
     def __init__(self, part: Part, panels: PanelMaps) -> None:
         """Begin with none."""
-        self.system, self.part, self._all = panels.system, part, panels
+        self.system, self.part, self.panels = panels.system, part, panels
 
     def determined(self, segment: Segment) -> bool:
         """True if drives and closed stops determine the motion of the part."""
-        return segment.kinematic or not self._all.free(segment)[self.part.coordinates].any()
+        return segment.kinematic or not self.panels.free(segment)[self.part.coordinates].any()
 
     @once_a_source
     def end(self, segment: Segment) -> Zonotope:
         """Deviations at the end of a segment that determines the part, and forgets those before."""
-        return self.part.of(self._all.end(segment).states)
+        return self.part.of(self.panels.end(segment).states)
 
     def left_out(self, rest: Event, remaining: float) -> Zonotope:
         """Deviations by bounces that are not computed, in a time before a rest [s]."""
@@ -219,20 +219,16 @@ class LinearMaps:
             found = np.full(2 * self.system.body.nv, NOTHING_KNOWN)
         return self.part.of(found[:, None])
 
-    def whole(self, event: Event) -> Event:
-        """An event of the part with the stops of all parts."""
-        return self._all.events[event.number - 1]
-
     def unresolved(self, segment: Segment, index: int) -> float:
         """What the position of a coordinate is left unresolved by on the last panel of a flight."""
-        pieces = self._all.pieces(segment)
+        pieces = self.panels.pieces(segment)
         return float(pieces[-1].position[index]) if pieces else 0.0
 
     @once_a_source
     def flight(self, segment: Segment) -> FlightMap:
         """A segment of some length in which the part has freedom."""
         part, first = self.part, segment.panels[0]
-        piece, *others = self._all.pieces(segment)
+        piece, *others = self.panels.pieces(segment)
         matrix, own = piece.matrix[part.square], part.of(piece.made).merged()
         for piece in others:
             carried = piece.matrix[part.square]

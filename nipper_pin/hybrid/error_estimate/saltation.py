@@ -98,11 +98,7 @@ def _laws(
     struck: Sequence[Stop],
     restitution: Sequence[float],
 ) -> tuple[FloatArray, FloatArray]:
-    """Velocities after and impulses of the stops by velocities before, at N configurations.
-
-    Returns:
-        Shapes (N, nv, nv) and (N, struck, nv).
-    """
+    """Velocities after, (N, nv, nv), and impulses, (N, struck, nv), by the velocities before."""
     nv = system.body.nv
     mass, units = _free_mass(system, q, system.body.closures(q)[1], split, struck)
     gaps = np.zeros((len(struck), nv))
@@ -121,11 +117,7 @@ def _free_mass(
     split: Partition,
     struck: Sequence[Stop],
 ) -> tuple[FloatArray, FloatArray]:
-    """Mass matrices of the coordinates that impulses at stops move, and what these lift to.
-
-    Returns:
-        Shapes (N, K, K) and (N, nv, K).
-    """
+    """Mass matrices of what impulses at stops move, (N, K, K), and what it lifts to, (N, nv, K)."""
     reached = Freedoms.struck(system, split, struck).columns
     free = [k for k in reached if k not in system.held_coordinates]
     units = np.moveaxis(lifts(jacobian, split, np.eye(system.body.nv)[free]), 0, 2)
@@ -146,15 +138,12 @@ def sequence_map(
     contacts: Sequence[Stop],
     pushed: Sequence[Stop],
 ) -> tuple[FloatArray, FloatArray]:
-    """Derivative of an impact whose strikes follow one another, by differences of the whole.
+    """As :func:`impact_map`, of strikes that follow one another, by differences of the whole.
 
     Args:
         v: Velocity before, shape (nv,).
         contacts: Stops in contact, all of one part of the machine.
         pushed: Those whose impulses are asked for.
-
-    Returns:
-        What :func:`.saltation.impact_map` returns.
 
     Raises:
         SingularConfigurationError: The closures do not determine the dependent coordinates.

@@ -142,14 +142,11 @@ class Freedoms:
 
 
 def lifts(jacobian: FloatArray, split: Partition, directions: FloatArray) -> FloatArray:
-    """Derivatives of all coordinates along independent ones, at N states.
+    """Derivatives of all coordinates along independent ones, at N states, shape (C, N, nv).
 
     Args:
         jacobian: Closure Jacobians G, shape (N, m, nv).
         directions: How fast independent coordinates move, shape (C, nv).
-
-    Returns:
-        Shape (C, N, nv): one after another.
     """
     shape = len(directions), len(jacobian), jacobian.shape[2]
     units = np.zeros(shape)

@@ -43,9 +43,6 @@ def kinematic_panel(
     Args:
         begin: Where it begins; the guess for the nodes is made from it.
         h: Length [s].
-
-    Returns:
-        The panel with the stop forces, or the advice to try a shorter one.
     """
     t, q, v, _, jacobian = begin
     times = t + h * nodes(resolution.kinematic_nodes).sigma

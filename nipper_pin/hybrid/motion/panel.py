@@ -260,9 +260,6 @@ def nearby(
 
     Dependent coordinates stand where the closures let them stand, and have the rates of that place:
     what the closures are open by near a dead centre makes itself felt there.
-
-    Returns:
-        q and v, shape (N, nv).
     """
     body, columns = system.body, split.columns
     signs = (-1.0) ** np.arange(body.nv)

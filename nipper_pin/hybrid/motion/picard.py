@@ -241,11 +241,7 @@ class PicardIteration:
         return roughness(self._system, self._phase, *self._start)
 
     def allows_round_off(self) -> bool:
-        """Weigh anew, so that round-off of accelerations is within the tolerance.
-
-        Returns:
-            Whether there is any coordinate to which this makes a difference.
-        """
+        """Weigh anew, so that round-off of accelerations is allowed; True if that matters."""
         if self._allowed or not self._weight.size:
             return False
         self._allowed = True
@@ -286,9 +282,6 @@ def flight_panel(
     Args:
         begin: Where it begins; its acceleration is that of the first node.
         h: Length [s].
-
-    Returns:
-        The panel with the stop forces, or the advice to try a shorter one.
 
     Raises:
         SimulationError: A link has run away, as one does that a turning shaft throws outwards.

@@ -145,9 +145,6 @@ class Trajectory:
             t: Times [s], shape (K,) or a number.
             left: At an event, the limit from before instead of the one from after.
 
-        Returns:
-            The states.
-
         Raises:
             InputError: A time lies outside the solution.
         """

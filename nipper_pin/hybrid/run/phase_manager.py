@@ -171,6 +171,7 @@ class PhaseManager:
     """Events and segments of one run as they grow.
 
     Attributes:
+        events: The events so far, in order of time.
         end: End of the window [s]: bounces that outlast it are followed, not summed up.
     """
 
@@ -182,14 +183,9 @@ class PhaseManager:
         self.collisions = 0
         self.end = math.inf
         self._log = EventLog(system.coupled)
-        self._nested = NestedBounces(system, case)
-        self._rules = series_rules(system, case, self._log.events, self._nested)
+        self.events, self._nested = self._log.events, NestedBounces(system, case)
+        self._rules = series_rules(system, case, self.events, self._nested)
         self._known: tuple[FloatArray | None, FloatArray] = (None, np.empty(0))
-
-    @property
-    def events(self) -> list[Event]:
-        """The events so far, in order of time."""
-        return self._log.events
 
     def touch(self) -> None:
         """Collide or close the open stops that touch at the start.

@@ -67,11 +67,7 @@ def held(
 
 
 def largest_torque(solution: Solution, drive: str, begin: float, end: float) -> float:
-    """Largest magnitude of the torque of a drive between the events from begin to end [s].
-
-    Returns:
-        The torque [N m], or the force of a drive along a slide [N].
-    """
+    """Largest torque [N m], or force along a slide [N], of a drive from begin to end [s]."""
     place = [item.name for item in solution.mechanism.drives].index(drive)
 
     def torque(_: Segment, forces: Multipliers) -> FloatArray:
