@@ -84,7 +84,8 @@ def collide(
     if min(before) >= 0.0:
         return _grazed(system, v, contacts)
     jumps = [after - rate for after, rate in zip(wanted, before, strict=True)]
-    for chosen in _choices(system, q, jacobian, contacts, jumps):
+    sets = [(0,)] if len(before) == 1 else _choices(system, q, jacobian, contacts, jumps)
+    for chosen in sets:
         if len(chosen) == len(before):
             solved = _impulses(system, q, jacobian, contacts, jumps)
         else:

@@ -327,7 +327,8 @@ class PhaseManager:
         for follow in self._rules:
             series, rests = follow(struck, self._acceleration)
             rests = [rest for rest in rests if rest.t <= self.end]
-            self.state = self.state._replace(series=series)
+            if series is not self.state.series:
+                self.state = self.state._replace(series=series)
             for rest in rests:
                 self._rest(rest)
             if rests:

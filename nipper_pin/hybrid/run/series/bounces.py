@@ -226,7 +226,7 @@ def bounces(
         if len(limits) == len(bouncing & part)
         and (len(limits) == 1 or _as_one(system, case, limits))
     ]
-    return (*state.series, *found), rests_of(system, state, at_rest)
+    return (*state.series, *found), rests_of(system, state, at_rest) if at_rest else ()
 
 
 def _as_one(system: System, case: Case, limits: Sequence[Limit]) -> bool:
