@@ -86,11 +86,8 @@ def collide(
     jumps = [after - rate for after, rate in zip(wanted, before, strict=True)]
     sets = [(0,)] if len(before) == 1 else _choices(system, q, jacobian, contacts, jumps)
     for chosen in sets:
-        if len(chosen) == len(before):
-            solved = _impulses(system, q, jacobian, contacts, jumps)
-        else:
-            struck = [contacts[i] for i in chosen]
-            solved = _impulses(system, q, jacobian, struck, [jumps[i] for i in chosen])
+        struck = [contacts[i] for i in chosen]
+        solved = _impulses(system, q, jacobian, struck, [jumps[i] for i in chosen])
         if solved is None or min(solved[2].tolist()) < 0.0:
             continue
         still = _still(system, q, jacobian, v, contacts, chosen, wanted, solved[0])

@@ -1,5 +1,6 @@
 """Impacts at several stops: each part of the machine by itself, by the law of the model.
 
+Before an impact G v = 0; contacts are stops with zero gap: the colliding ones and those that touch.
 In sequence, impulses pass from contact to contact: the limit of small gaps between touching stops.
 """
 
@@ -39,8 +40,6 @@ def sequential_impacts(
     are struck together, so that no order of names counts and mirrored machines stay mirrored.
 
     Args:
-        v: Velocity before, G v = 0, shape (nv,).
-        contacts: Stops with zero gap: the colliding ones and those that touch.
         most: Strikes at which to give up.
 
     Returns:
@@ -164,8 +163,6 @@ def solve_impact(
     """Return the impact of the stops in contact.
 
     Args:
-        v: Velocity before, G v = 0, shape (nv,).
-        contacts: Stops with zero gap: the colliding ones and those that touch.
         law: Law of contacts that share a motion; by default that of the mechanism.
         most: Number of strikes from contact to contact at which to give up.
 
@@ -192,12 +189,7 @@ def solve_impact(
 def same_by_every_law(
     v: FloatArray, v_after: FloatArray, contacts: Sequence[Stop], P_N: Mapping[str, float]
 ) -> bool:
-    """Whether one contact alone approached and took the impulse, and none approaches then.
-
-    Args:
-        v: Velocity before, shape (nv,).
-        v_after: Velocity after, shape (nv,).
-    """
+    """Whether one contact alone approached and took the impulse, and none approaches then."""
     approaching = sum(stop.rate(v) < 0.0 for stop in contacts)
     struck = sum(P_N[stop.name] > 0.0 for stop in contacts)
     return approaching < 2 and struck < 2 and min(stop.rate(v_after) for stop in contacts) >= 0.0

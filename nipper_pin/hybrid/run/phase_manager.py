@@ -26,7 +26,7 @@ from ..contact.active_set import (
 from ..history import Event, EventKind, Segment, State
 from ..motion.panel import Panel
 from .series.bounces import ImpactOutcome, Rest, Series
-from .series.rules import NestedBounces, series_rules
+from .series.rules import NestedBounces, need_no_jam, series_rules
 
 
 class EventLog:
@@ -184,7 +184,7 @@ class PhaseManager:
         self.end = math.inf
         self._log = EventLog(system.coupled)
         self.events, self._nested = self._log.events, NestedBounces(system, case)
-        self._rules = series_rules(system, case, self.events, self._nested)
+        self._rules = series_rules(system, case, self._nested)
         self._known: tuple[FloatArray | None, FloatArray] = (None, np.empty(0))
 
     def touch(self) -> None:
@@ -265,14 +265,10 @@ class PhaseManager:
         # A rate that the acceleration turns within round-off of the time is none.
         none = 0.5 * TIME_ROUND_OFF * self.system.shaft.period
         v = self.state.v
-        if len(stops) == 1 and stops[0].rate(v) < -none * abs(stops[0].rate(a)):
-            self.collide(set(hit))
+        if any(stop.rate(v) < -none * abs(stop.rate(a)) for stop in stops):
+            # Of stops that touch within round-off of one time some may be on their way out.
+            self.collide({stop.name for stop in stops if stop.rate(v) <= 0.0})
             return
-        for stop in stops:
-            if stop.rate(v) < -none * abs(stop.rate(a)):
-                # Of stops that touch within round-off of one time some may be on their way out.
-                self.collide({item.name for item in stops if item.rate(v) <= 0.0})
-                return
         still = [stop for stop in stops if stop.rate(v) <= none * abs(stop.rate(a))]
         if still:
             v = v.copy()
@@ -285,9 +281,7 @@ class PhaseManager:
         state, lying = self._lying(self.state, hit)
         self.collisions += 1
         met = hit | lying
-        meeting = met | state.closed
-        if not self.system.whole:
-            meeting = met | (state.closed & self.system.coupled(met))
+        meeting = met | (state.closed & self.system.coupled(met))
         contacts = [stop for stop in self.mechanism.stops if stop.name in meeting]
         impact = solve_impact(self.system, state.q, state.v, state.jacobian, contacts)
         rates = {stop.name: stop.rate(impact.v_after) for stop in contacts}
@@ -324,6 +318,8 @@ class PhaseManager:
 
     def _go_on(self, struck: ImpactOutcome) -> None:
         """Go on with the series that a collision belongs to, or end it."""
+        if len(self.mechanism.stops) > 1:
+            need_no_jam(self.system, self.events, struck.number)
         for follow in self._rules:
             series, rests = follow(struck, self._acceleration)
             rests = [rest for rest in rests if rest.t <= self.end]

@@ -53,27 +53,24 @@ from .bounces import (
 _JAM = 20
 
 
-def need_no_jam(
-    system: System, log: Sequence[Event], struck: ImpactOutcome, acceleration: Acceleration
-) -> Followed:
+def need_no_jam(system: System, log: Sequence[Event], number: int) -> None:
     """Refuse to go on from a jam: collisions in one instant that do not become slower.
 
     Args:
         log: The events of the run, as they are written down.
+        number: Number of the last collision.
 
     Raises:
         ImpactError: The last collisions are one.
     """
-    del acceleration
-    nothing, mechanism = (struck.after.series, ()), system.mechanism
     # Times nearer than an instant are one.
-    first, instant = struck.number - _JAM, SIMULTANEOUS * system.shaft.period
-    if first < 0 or log[struck.number - 1].t - log[first].t > instant:
-        return nothing
-    events = log[: struck.number]
+    first, instant = number - _JAM, SIMULTANEOUS * system.shaft.period
+    if first < 0 or log[number - 1].t - log[first].t > instant:
+        return
+    events, mechanism = log[:number], system.mechanism
     hits = [event for event in events[-2 * _JAM :] if event.kind is EventKind.COLLISION][-_JAM:]
     if len(hits) < _JAM or hits[-1].t - hits[0].t > instant:
-        return nothing
+        return
     stops = sorted({name for event in hits for name in event.stops})
     series = {name: _approaches(mechanism, name, hits) for name in stops}
     jammed = {name: rates for name, rates in series.items() if rates}
@@ -90,7 +87,6 @@ def need_no_jam(
             "room, or let the drives be inertial"
         )
         raise ImpactError(message, stops=list(jammed), rates_before=series)
-    return nothing
 
 
 def _approaches(mechanism: Mechanism, name: str, events: Iterable[Event]) -> list[float]:
@@ -235,14 +231,12 @@ def _rise(stop: Stop, state: State, a: FloatArray, lasts: float) -> float:
     return gap + rate * min(lasts, 0.5 * rate / deceleration if deceleration > 0.0 else lasts)
 
 
-def series_rules(
-    system: System, case: Case, events: Sequence[Event], nested: NestedBounces
-) -> tuple[Rule, ...]:
+def series_rules(system: System, case: Case, nested: NestedBounces) -> tuple[Rule, ...]:
     """Return the rules of a machine, in the order in which they are asked."""
     single = partial(bounces, system, case)
     if len(system.mechanism.stops) < 2:
         return (single,)
-    rules: list[Rule] = [partial(need_no_jam, system, events), nested.followed]
+    rules: list[Rule] = [nested.followed]
     if case.rest_rate is None and any(stop.at for stop in system.mechanism.stops):
         rules.append(partial(vanishing_bounces, system))
     return (*rules, single)
