@@ -240,7 +240,8 @@ def test_dry_run_says_how_long(
     assert found["seconds"] == pytest.approx(1.5 + 6 * found["scenario_s"], rel=1e-12)
     assert found["scenario_s"] > 0.0
     assert {item.name for item in tmp_path.iterdir()} == {Path(path).name, "plan"}
-    size, time, following = capsys.readouterr().out.splitlines()
+    size, time, written, following = capsys.readouterr().out.splitlines()
+    assert written == "written: plan"
     assert size == "6 of 30 scenarios of 15 mechanisms in 2 of 8 chunks"
     words = (
         r"about \S+ (s|min|h) on 1 processors here: \S+ ms a scenario \(timed: 2 by the .* direct\)"
