@@ -45,7 +45,8 @@ def tables_of(
         inertia = np.zeros((cells, count_u))
         inertia[:, 0] = 1.0
     numbers = np.zeros(layout.CASE_NUMBERS)
-    numbers[[layout.TRAVEL_MOST, layout.SPAN, layout.LOW, layout.HIGH]] = travel, travel, low, high
+    numbers[[layout.TRAVEL_MOST, layout.PER_RAD]] = travel, cells / travel
+    numbers[[layout.LOW, layout.HIGH]] = low, high
     numbers[layout.SCALE] = 2.0 / (high - low)
     numbers[[layout.ARRIVE, layout.ARRIVE_ERROR]] = approach, approach_residual
     numbers[layout.INERTIA_ERROR] = inertia_residual
@@ -119,8 +120,8 @@ def solve(
 def one_of(charts: Charts, place: int) -> Charts:
     """One chart of a machine, without the cells that pad it."""
     one = Charts(*(array[place : place + 1] for array in charts[:-1]), charts.lever)
-    travel, span = one.numbers[0, [layout.TRAVEL_MOST, layout.SPAN]]
-    cells = round(one.equation.shape[2] * travel / span)
+    travel, per_rad = one.numbers[0, [layout.TRAVEL_MOST, layout.PER_RAD]]
+    cells = round(travel * per_rad)
     equation, gaps = one.equation[:, :, :cells], one.gaps[:, :, :cells]
     return one._replace(equation=equation, gaps=gaps)
 
@@ -221,6 +222,7 @@ def work_of(charts: Charts, one: Case, *, most: int = 8) -> tuple[Work, panel.So
         array.fill(np.nan)
     work.pressed.fill(False)
     turn_charts.press(charts, work, 0, one)
-    source, span = turn_charts.source_of(charts, work, 0, one), work.case[0, layout.SPAN]
-    panel.reach(source, span, 0.0, span)
+    source = turn_charts.source_of(charts, work, 0, one)
+    per_rad, travel = work.case[0, [layout.PER_RAD, layout.TRAVEL_MOST]]
+    panel.reach(source, per_rad, 0.0, travel)
     return work, source

@@ -175,7 +175,7 @@ def test_a_series_that_is_surely_over(change: dict[str, float], over: bool) -> N
         level(given["a"] / SPEED**2), travel=travel, steepest_u=np.array([steepest, *[0.0] * 5])
     )
     work, source = work_of(charts, case(SPEED, 1.0, [], []))
-    panel.contract(source.mixed, work.poly, len(work.poly) - 1, travel, u)
+    panel.contract(source.mixed, work.poly, len(work.poly) - 1, 1.0 / travel, u)
     until = u + given["let_go"] * 2.0 * SPEED * ahead
     line = np.array([[0.5 * travel - until, 0.5 * travel]])
     found = series.surely_over(
@@ -301,4 +301,4 @@ def test_where_a_stop_lets_go(values: Any, begin: float, end: float, expected: f
             for cell in range(cells)
         ]
     )
-    assert release.released(line, 3.0, begin, end) == pytest.approx(expected, abs=1e-9)
+    assert release.released(line, 1.0, begin, end) == pytest.approx(expected, abs=1e-9)

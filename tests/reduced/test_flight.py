@@ -25,6 +25,7 @@ from nipper_pin.reduced.kernels.layout import (
     NODE_V,
     NODE_X,
     OTHER_STOP,
+    PER_RAD,
     PROBES,
     RESIDUAL,
     SERIES_ONCE,
@@ -419,6 +420,7 @@ def test_a_panel_is_as_accurate_as_it_says(
     work, source = work_of(tables, case(QUICK, 1.0, [], []))
     nodes = work.nodes
     a0 = -(QUICK**2) * (1.5 * x0 + 1.0) - 0.4 * QUICK * v0
+    panel.contract(source.mixed, work.poly, 0, work.case[0, PER_RAD], 0.0)
     level, length, change, left = panel.solve_panel(
         grids(), work.case[0], source, work.poly, nodes, 3, 0.0, h, x0, v0, a0, False, tolerance
     )
@@ -446,6 +448,7 @@ def test_the_length_of_a_panel_meets_the_next_zero(guess: float, left_over: floa
     """From a guess that is too long or too short, but never beyond the travel."""
     tables, motion = oscillator(1.5, 0.2, -0.5, 2.0)
     work, source = work_of(tables, case(QUICK, 1.0, [], []))
+    panel.contract(source.mixed, work.poly, 0, work.case[0, PER_RAD], 30.0 - left_over)
     level, length, _, _ = panel.solve_panel(
         grids(), work.case[0], source, work.poly, work.nodes, 3, 30.0 - left_over, guess,
         0.0, 4.0, -(QUICK**2) - 0.4 * QUICK * 4.0, True, 1e-10,

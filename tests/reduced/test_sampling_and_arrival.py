@@ -156,9 +156,8 @@ def test_what_presses_the_stops(
         fast.shaft.driven(np.array([u / speed])), q, m, fast.constraint_set(frozenset())
     )
     series, residual = charts.along[place], charts.bounds[place, layout.RESIDUAL]
-    width = float(charts.numbers[place, layout.SPAN]) / series.shape[1]
-    cell = int(share * length / width)
-    f = chebyshev.chebval(2.0 * (share * length / width - cell) - 1.0, series[:, cell].T)
+    cells = share * length * float(charts.numbers[place, layout.PER_RAD])
+    f = chebyshev.chebval(2.0 * (cells - int(cells)) - 1.0, series[:, int(cells)].T)
     found = f[0] * speed**2 + f[3] + 9000.0 * (0.011 * f[4] + f[5])
     assert found == pytest.approx(a[0, e62.stop(name).index], rel=1e-7)
     assert ((residual > 0.0) & (residual < 1e-7 * np.abs(f).max())).all()

@@ -118,6 +118,8 @@ def _next_block(nodes: FloatArray) -> int:
     return first
 
 
+# Travel in which accelerations hardly change, so that a first guess needs no better one [rad].
+_STEADY = 0.1
 _MOST_PANELS = 64
 _MOST_HALVINGS = 12
 
@@ -188,11 +190,13 @@ def _highest(grids: FloatArray, nodes: FloatArray, level: int, h: float, x0: flo
     for j in range(1, count):
         if grids[rows.SIGMA, level, 0, j] < end and nodes[rows.NODE_X, j] > best:
             best, place, number = nodes[rows.NODE_X, j], grids[rows.SIGMA, level, 0, j], j
-    low = grids[rows.SIGMA, level, 0, max(number - 1, 0)]
+    before = max(number - 1, 0)
+    low, rising = grids[rows.SIGMA, level, 0, before], nodes[rows.NODE_V, before]
     high = min(grids[rows.SIGMA, level, 0, min(number + 1, count - 1)], end)
-    if rate_at(nodes, count, h, v0, low) <= 0.0 or rate_at(nodes, count, h, v0, high) >= 0.0:
+    falling = rate_at(nodes, count, h, v0, high)
+    if rising <= 0.0 or falling >= 0.0:
         return best, place
-    peak = place if low < place < high else 0.5 * (low + high)
+    peak = low + (high - low) * rising / (rising - falling)
     for _ in range(60):
         v = rate_at(nodes, count, h, v0, peak)
         if v > 0.0:
@@ -215,12 +219,12 @@ def _ballistic(case: FloatArray, source: Source, poly: FloatArray, degree: int, 
                x: float, v: float, a0: float) -> float:  # fmt: skip
     """Time to the next zero of x, for an acceleration a0 < 0 that changes linearly with time."""
     h = (v + sqrt(max(v * v - 2.0 * a0 * x, 0.0))) / -a0
-    if x > 0.0 or u + h * case[rows.SPEED] > case[rows.TRAVEL_MOST]:
+    until, row = u + h * case[rows.SPEED], poly.shape[0] - 1
+    if x > 0.0 or until > case[rows.TRAVEL_MOST] or until - u < _STEADY:
         return h
-    until = u + h * case[rows.SPEED]
-    reach(source, case[rows.SPAN], until, until)
-    contract(source.mixed, poly, poly.shape[0] - 1, case[rows.SPAN], until)
-    mean = (2.0 * a0 + acceleration(case, poly, degree, 0.0, -v)) / 3.0
+    reach(source, case[rows.PER_RAD], until, until)
+    contract(source.mixed, poly, row, case[rows.PER_RAD], until)
+    mean = (2.0 * a0 + acceleration(case, poly, row, degree, 0.0, -v)) / 3.0
     return 2.0 * v / -mean if mean < 0.5 * a0 else h
 
 
@@ -247,9 +251,9 @@ def flight(grids: FloatArray, case: FloatArray, source: Source, poly: FloatArray
         longest = (travel - u) / speed
         if longest <= TRAVEL_END * travel / speed:
             return rows.LEFT_TRAVEL, t, v, amplitude, peak_time, a, fastest, changed, left, x, -1.0
-        reach(source, case[rows.SPAN], u, u)
-        contract(mixed, poly, poly.shape[0] - 1, case[rows.SPAN], u)
-        a0 = acceleration(case, poly, degree, x, v)
+        reach(source, case[rows.PER_RAD], u, u)
+        contract(mixed, poly, rows.ZERO, case[rows.PER_RAD], u)
+        a0 = acceleration(case, poly, rows.ZERO, degree, x, v)
         h = longest
         # At a release a0 is round-off.
         if a0 < 0.0 and (x > 0.0 or v > 0.0):

@@ -87,7 +87,7 @@ def _slopes(held: Held, sigma: float) -> tuple[float, float]:
     """Derivatives of x'' by x and by x' at a place of a panel."""
     case, poly, degree = held.case, held.poly, held.degree
     row = poly.shape[0] - 1
-    contract(held.mixed, poly, row, case[rows.SPAN], held.u + held.h * case[rows.SPEED] * sigma)
+    contract(held.mixed, poly, row, case[rows.PER_RAD], held.u + held.h * case[rows.SPEED] * sigma)
     x = position(held.nodes, held.order, held.h, held.x0, held.v0, sigma)
     v = rate_at(held.nodes, held.order, held.h, held.v0, sigma)
     place = case[rows.SCALE] * (x - case[rows.LOW]) - 1.0

@@ -82,7 +82,7 @@ def _gap_at(held: Held, column: int, sigma: float) -> float:
     """Gap of another stop at a place sigma of the panel."""
     row, case = held.poly.shape[0] - 1, held.case
     contract(
-        held.mixed, held.poly, row, case[rows.SPAN], held.u + held.h * case[rows.SPEED] * sigma
+        held.mixed, held.poly, row, case[rows.PER_RAD], held.u + held.h * case[rows.SPEED] * sigma
     )
     x = position(held.nodes, held.order, held.h, held.x0, held.v0, sigma)
     return chebyshev(

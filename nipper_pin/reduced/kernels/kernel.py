@@ -73,8 +73,8 @@ def _clamps(turn: Charts, work: Work, one: Case, rest: float) -> bool:
         return False
     work.pressed[_CLAMPING] = False
     press(turn, work, _CLAMPING, one)
-    span = turn.numbers[_CLAMPING, rows.SPAN]
-    return bool(released(work.line[_CLAMPING], span, rest, opening) > opening)
+    per_rad = turn.numbers[_CLAMPING, rows.PER_RAD]
+    return bool(released(work.line[_CLAMPING], per_rad, rest, opening) > opening)
 
 
 @part

@@ -6,17 +6,17 @@ REST where it goes on in the next chart; the errors are those of its ends [rad].
 Ends of turns: chart and travel of the last rest's end (-1 without one), then chart, gap and its
 rate, and bounds on the errors of both.
 
-Operators: integrals at nodes (ONCE, TWICE) and at probes, Chebyshev coefficients (VALUE, INTEGRAL,
-DOUBLE); REFINE from the coarser grid; SIGMA holds the nodes, then the probes.
+Operators: integrals at nodes (ONCE, TWICE) and at probes, Chebyshev coefficients (VALUE); REFINE
+from the coarser grid; SIGMA holds the nodes, then the probes.
 
 Scratch: values at the nodes, and the coefficients of the panel's motion. A block of the same rows
 follows for every panel that is kept; see the module that keeps them.
 
-Numbers of a chart: SCALE takes x - low to [0, 2]; SPAN is the length of all cells, those of the
-padding included; BEGIN is the travel from the start of the turn to u = 0. Where another stop takes
-over at the end: ARRIVE, the derivative by u of its gap there, negative, THROW, the rate of x by
-that of this gap, and CORNER_ERROR, the bound on the error of the end itself [rad]; zeros where it
-is the same stop. A case on it has the speed, too.
+Numbers of a chart: SCALE takes x - low to [0, 2]; PER_RAD is the number of its cells in a radian;
+BEGIN is the travel from the start of the turn to u = 0. Where another stop takes over at the end:
+ARRIVE, the derivative by u of its gap there, negative, THROW, the rate of x by that of this gap,
+and CORNER_ERROR, the bound on the error of the end itself [rad]; zeros where it is the same stop. A
+case on it has the speed, too.
 
 Places of a chart: its stop, the chart that follows where it ends, and from OTHERS on the other
 stops.
@@ -80,16 +80,14 @@ END_COLUMNS = 7
 
 LEVELS = (4, 7, 13, 25)
 # Operators on nodal values.
-(
-    ONCE, TWICE, VALUE, INTEGRAL, DOUBLE, REFINE, PROBE, PROBE_ONCE, PROBE_TWICE, SIGMA,
-) = numbered(10)  # fmt: skip
+ONCE, TWICE, VALUE, REFINE, PROBE, PROBE_ONCE, PROBE_TWICE, SIGMA = numbered(8)
 PROBES = 3
 # Rows of the scratch array.
 NODE_A, NODE_NEW, NODE_X, NODE_V, SERIES, SERIES_ONCE, SERIES_TWICE, GROWTH, KEPT = numbered(9)
 SCRATCH_ROWS = 9
 # Numbers of a chart, and of a case on it.
 (
-    SPEED, TRAVEL_MOST, LOW, HIGH, SCALE, SPAN, BEGIN, ARRIVE, ARRIVE_ERROR, THROW, CORNER_ERROR,
+    SPEED, TRAVEL_MOST, LOW, HIGH, SCALE, PER_RAD, BEGIN, ARRIVE, ARRIVE_ERROR, THROW, CORNER_ERROR,
     INERTIA_ERROR,
 ) = numbered(12)  # fmt: skip
 CASE_NUMBERS = 12

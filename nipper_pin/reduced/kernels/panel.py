@@ -44,10 +44,10 @@ class Source(NamedTuple):
 
 
 @part
-def reach(source: Source, span: float, u: float, until: float) -> None:
+def reach(source: Source, per_rad: float, u: float, until: float) -> None:
     """Combine the cells between two travels."""
     cells = len(source.ready)
-    first, last = cell_at(span, cells, u)[0], cell_at(span, cells, until)[0]
+    first, last = cell_at(per_rad, cells, u)[0], cell_at(per_rad, cells, until)[0]
     for cell in range(first, last + 1):
         if not source.ready[cell]:
             _mix(source, cell)
@@ -81,32 +81,38 @@ def _mix(source: Source, cell: int) -> None:
 
 
 @part
-def cell_at(span: float, cells: int, u: float) -> tuple[int, float]:
+def cell_at(per_rad: float, cells: int, u: float) -> tuple[int, float]:
     """Cell of a travel, and its place in [-1, 1] there."""
-    width = span / cells
-    cell = min(max(int(u / width), 0), cells - 1)
-    return cell, 2.0 * (u - cell * width) / width - 1.0
+    past = u * per_rad
+    cell = min(max(int(past), 0), cells - 1)
+    return cell, 2.0 * (past - cell) - 1.0
 
 
 @part
-def contract(mixed: FloatArray, poly: FloatArray, j: int, span: float, u: float) -> None:
+def contract(mixed: FloatArray, poly: FloatArray, j: int, per_rad: float, u: float) -> None:
     """Polynomials in x at one travel, into row j of ``poly``."""
     cells, count_u, size = mixed.shape
-    cell, place = cell_at(span, cells, u)
+    cell, place = cell_at(per_rad, cells, u)
     for m in range(size):
         poly[j, m] = mixed[cell, 0, m] + place * mixed[cell, 1, m]
-    older, old = 1.0, place
-    # Two terms a pass: the polynomials are written half as often.
-    for i in range(2, count_u - 1, 2):
+    older, old, i = 1.0, place, 2
+    # Four terms a pass: the polynomials are written less often.
+    while i + 3 < count_u:
         first = 2.0 * place * old - older
         second = 2.0 * place * first - old
+        older = 2.0 * place * second - first
+        old = 2.0 * place * older - second
         for m in range(size):
-            poly[j, m] += first * mixed[cell, i, m] + second * mixed[cell, i + 1, m]
-        older, old = first, second
-    if count_u % 2 == 1 and count_u > 2:
-        last = 2.0 * place * old - older
+            poly[j, m] += (
+                first * mixed[cell, i, m] + second * mixed[cell, i + 1, m]
+                + older * mixed[cell, i + 2, m] + old * mixed[cell, i + 3, m]
+            )  # fmt: skip
+        i += 4
+    while i < count_u:
+        older, old = old, 2.0 * place * old - older
         for m in range(size):
-            poly[j, m] += last * mixed[cell, count_u - 1, m]
+            poly[j, m] += old * mixed[cell, i, m]
+        i += 1
 
 
 @part
@@ -114,22 +120,24 @@ def chebyshev(table: FloatArray, row: int, first: int, count: int, place: float)
     """Chebyshev series in a row of a table at a place in [-1, 1]."""
     high = low = 0.0
     for i in range(first + count - 1, first, -1):
-        high, low = table[row, i] + 2.0 * place * high - low, high
-    return float(table[row, first] + place * high - low)
+        # In this order a term waits for one product and one sum of those before.
+        high, low = 2.0 * place * high + (table[row, i] - low), high
+    return float(place * high + (table[row, first] - low))
 
 
 @part
-def along(line: FloatArray, span: float, u: float) -> float:
+def along(line: FloatArray, per_rad: float, u: float) -> float:
     """Value of a series of the travel, one row a cell."""
-    cell, place = cell_at(span, line.shape[0], u)
+    cell, place = cell_at(per_rad, line.shape[0], u)
     return chebyshev(line, cell, 0, line.shape[1], place)
 
 
 @part
-def acceleration(case: FloatArray, poly: FloatArray, degree: int, x: float, v: float) -> float:
-    """Acceleration at the single point that was contracted last."""
+def acceleration(
+    case: FloatArray, poly: FloatArray, row: int, degree: int, x: float, v: float
+) -> float:
+    """Acceleration at the travel that was contracted into a row."""
     place = case[rows.SCALE] * (x - case[rows.LOW]) - 1.0
-    row = poly.shape[0] - 1
     p0 = chebyshev(poly, row, 0, degree, place)
     p1 = chebyshev(poly, row, degree, degree, place)
     p2 = chebyshev(poly, row, 2 * degree, degree, place)
@@ -201,7 +209,7 @@ def _defect(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatA
             nodes: FloatArray, degree: int, level: int, u: float, h: float, x0: float,
             v0: float) -> float:  # fmt: skip
     """By how much x'' of the panel misses the equation of motion between the nodes."""
-    most = 0.0
+    most, row = 0.0, poly.shape[0] - 1
     for probe in range(rows.PROBES):
         value = once = twice = 0.0
         for j in range(rows.LEVELS[level]):
@@ -210,10 +218,24 @@ def _defect(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatA
             once += grids[rows.PROBE_ONCE, level, j, probe] * a
             twice += grids[rows.PROBE_TWICE, level, j, probe] * a
         sigma = grids[rows.SIGMA, level, 1, probe]
-        contract(mixed, poly, poly.shape[0] - 1, case[rows.SPAN], u + h * case[rows.SPEED] * sigma)
+        contract(mixed, poly, row, case[rows.PER_RAD], u + h * case[rows.SPEED] * sigma)
         x, v = x0 + h * (sigma * v0 + h * twice), v0 + h * once
-        most = max(most, abs(acceleration(case, poly, degree, x, v) - value))
+        most = max(most, abs(acceleration(case, poly, row, degree, x, v) - value))
     return most
+
+
+@part
+def _too_coarse(grids: FloatArray, nodes: FloatArray, level: int, allowed: float) -> bool:
+    """Whether a grid will leave out more than is allowed, if coefficients go on to fall as they do.
+
+    It only saves sweeps: whether a finer grid resolves the motion is asked there.
+    """
+    count = rows.LEVELS[level]
+    last = before = 0.0
+    for j in range(count):
+        last += grids[rows.VALUE, level, j, count - 1] * nodes[rows.NODE_A, j]
+        before += grids[rows.VALUE, level, j, count - 2] * nodes[rows.NODE_A, j]
+    return DEFECT_EFFECT * last * last > count * count * max(abs(before), abs(last)) * allowed
 
 
 @part
@@ -223,19 +245,21 @@ def solve_panel(grids: FloatArray, case: FloatArray, source: Source, poly: Float
                 tolerance: float) -> tuple[int, float, float, float]:  # fmt: skip
     """Solve one panel; its length first meets the next zero of x, if ``estimate``.
 
+    Its start has been contracted into the first row.
+
     Returns:
         Level of the grid (-1: not resolved), length, the last change of x'', and the steady error
         of x'' that does what the coefficients missing from the series and round-off do.
     """
-    speed, span, mixed = case[rows.SPEED], case[rows.SPAN], source.mixed
+    speed, per_rad, mixed = case[rows.SPEED], case[rows.PER_RAD], source.mixed
     longest = (case[rows.TRAVEL_MOST] - u) / speed
     for j in range(rows.LEVELS[0]):
         nodes[rows.NODE_A, j] = a0
     for _ in range(4 if estimate else 1):
         h = min(h, longest)
-        reach(source, span, u, u + h * speed)
-        for j in range(rows.LEVELS[0]):
-            contract(mixed, poly, j, span, u + h * speed * grids[rows.SIGMA, 0, 0, j])
+        reach(source, per_rad, u, u + h * speed)
+        for j in range(1, rows.LEVELS[0]):
+            contract(mixed, poly, j, per_rad, u + h * speed * grids[rows.SIGMA, 0, 0, j])
         if not estimate:
             break
         for _ in range(3):
@@ -243,8 +267,8 @@ def solve_panel(grids: FloatArray, case: FloatArray, source: Source, poly: Float
             if change <= COARSE_SWEEP * abs(a0):
                 break
         _positions(grids, nodes, rows.ZERO, h, x0, v0)
-        last = rows.LEVELS[0] - 1
-        end_x, end_v = nodes[rows.NODE_X, last], nodes[rows.NODE_V, last]
+        end = rows.LEVELS[0] - 1
+        end_x, end_v = nodes[rows.NODE_X, end], nodes[rows.NODE_V, end]
         # Nor does a motion that overflows tell where its zero is.
         if not -np.inf < end_v < 0.0 or not np.isfinite(end_x):
             break
@@ -254,25 +278,28 @@ def solve_panel(grids: FloatArray, case: FloatArray, source: Source, poly: Float
         h *= OVERSHOOT * min(max(root, 0.3), 3.0)
     else:
         h = min(h, longest)
-        reach(source, span, u, u + h * speed)
-        for j in range(rows.LEVELS[0]):
-            contract(mixed, poly, j, span, u + h * speed * grids[rows.SIGMA, 0, 0, j])
+        reach(source, per_rad, u, u + h * speed)
+        for j in range(1, rows.LEVELS[0]):
+            contract(mixed, poly, j, per_rad, u + h * speed * grids[rows.SIGMA, 0, 0, j])
+    last = len(rows.LEVELS) - 1
     for level in range(len(rows.LEVELS)):
         count = rows.LEVELS[level]
         if level > 0:
             _spread(grids, poly, nodes, level)
             for j in range(1, count, 2):
-                contract(mixed, poly, j, span, u + h * speed * grids[rows.SIGMA, level, 0, j])
+                contract(mixed, poly, j, per_rad, u + h * speed * grids[rows.SIGMA, level, 0, j])
         converged = False
         scale = 1.0
         change = np.inf
-        for sweep in range(24 if level == len(rows.LEVELS) - 1 else 4):
+        for sweep in range(24 if level == last else 4):
             previous = change
             change = _sweep(grids, case, poly, nodes, degree, level, h, x0, v0)
             largest = 0.0
             for j in range(count):
                 largest = max(largest, abs(nodes[rows.NODE_A, j]))
             scale = abs(v0) / h + largest
+            if sweep == 0 and level < last and _too_coarse(grids, nodes, level, tolerance * scale):
+                break
             # Infinity is within no tolerance of itself.
             if change <= tolerance * scale < np.inf:
                 converged = True
@@ -292,16 +319,28 @@ def solve_panel(grids: FloatArray, case: FloatArray, source: Source, poly: Float
 
 @part
 def coefficients(grids: FloatArray, nodes: FloatArray, level: int) -> None:
-    """Series of the accelerations and of their integrals."""
+    """Series of the accelerations and of their integrals from the start of the panel."""
     count = rows.LEVELS[level]
-    for i in range(count + 2):
-        nodes[rows.SERIES, i] = nodes[rows.SERIES_ONCE, i] = nodes[rows.SERIES_TWICE, i] = 0.0
+    for i in range(count):
+        nodes[rows.SERIES, i] = 0.0
     for j in range(count):
         a = nodes[rows.NODE_A, j]
-        for i in range(count + 2):
+        for i in range(count):
             nodes[rows.SERIES, i] += grids[rows.VALUE, level, j, i] * a
-            nodes[rows.SERIES_ONCE, i] += grids[rows.INTEGRAL, level, j, i] * a
-            nodes[rows.SERIES_TWICE, i] += grids[rows.DOUBLE, level, j, i] * a
+    _integrate(nodes, rows.SERIES, rows.SERIES_ONCE, count)
+    _integrate(nodes, rows.SERIES_ONCE, rows.SERIES_TWICE, count + 1)
+
+
+@part
+def _integrate(nodes: FloatArray, row: int, to: int, count: int) -> None:
+    """Integrate a series of so many terms from the start of the panel, by the panel."""
+    start, sign = 0.0, 1.0
+    for i in range(1, count + 1):
+        before = nodes[row, i - 1] if i > 1 else 2.0 * nodes[row, 0]
+        value = 0.25 * (before - (nodes[row, i + 1] if i + 1 < count else 0.0)) / i
+        nodes[to, i] = value
+        start, sign = start + sign * value, -sign
+    nodes[to, 0] = start
 
 
 @part
@@ -334,8 +373,9 @@ def grids() -> FloatArray:
         probes = 0.5 * (1.0 - np.cos([first, middle, np.pi - first]))
         found[rows.SIGMA, level, 0, :count] = grid.sigma
         found[rows.SIGMA, level, 1, : rows.PROBES] = probes
-        operators = [(rows.ONCE, grid.once), (rows.TWICE, grid.twice)]
-        operators += zip((rows.VALUE, rows.INTEGRAL, rows.DOUBLE), grid.integrals, strict=True)
+        operators = [
+            (rows.ONCE, grid.once), (rows.TWICE, grid.twice), (rows.VALUE, grid.integrals[0]),
+        ]  # fmt: skip
         operators += [
             (kind, evaluate(np.eye(count), probes, integrations))
             for integrations, kind in enumerate((rows.PROBE, rows.PROBE_ONCE, rows.PROBE_TWICE))

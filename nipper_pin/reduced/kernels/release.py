@@ -16,14 +16,14 @@ _ROOT_STEPS = 60
 
 
 @part
-def released(line: FloatArray, length: float, begin: float, end: float) -> float:
+def released(line: FloatArray, per_rad: float, begin: float, end: float) -> float:
     """First place in [begin, end] from which on the force of a stop is zero or below.
 
     Returns:
         The place; ``end`` plus 1 if there is none; -1 if round-off hides the sign.
     """
     cells, count = line.shape
-    width = length / cells
+    width = 1.0 / per_rad
     scale = 0.0
     for cell in range(cells):
         scale = max(scale, abs(line[cell, 0]))
@@ -44,7 +44,7 @@ def released(line: FloatArray, length: float, begin: float, end: float) -> float
             u = left + step * j
             value = within(line, cell, width, u)
             if value > 0.0:
-                return u if old == -np.inf else _crossing(line, length, u - step, u)
+                return u if old == -np.inf else _crossing(line, per_rad, u - step, u)
             if j == 0:
                 # The end of the cell before.
                 old = value if old == -np.inf else old
@@ -52,12 +52,12 @@ def released(line: FloatArray, length: float, begin: float, end: float) -> float
             # Between places it is higher by less than it falls beside them.
             fall = old - value if older == -np.inf else old - min(older, value)
             if old >= older and old >= value and old + fall > 0.0:
-                top = _top(line, length, max(begin, u - 2.0 * step), u)
-                highest = along(line, length, top)
+                top = _top(line, per_rad, max(begin, u - 2.0 * step), u)
+                highest = along(line, per_rad, top)
                 if abs(highest) <= beside:
                     return -1.0
                 if highest > 0.0:
-                    return _crossing(line, length, max(begin, u - 2.0 * step), top)
+                    return _crossing(line, per_rad, max(begin, u - 2.0 * step), top)
             older, old = old, value
     return -1.0 if old > -beside and old > -np.inf else end + 1.0
 
@@ -69,12 +69,12 @@ def within(line: FloatArray, cell: int, width: float, u: float) -> float:
 
 
 @part
-def _top(line: FloatArray, length: float, low: float, high: float) -> float:
+def _top(line: FloatArray, per_rad: float, low: float, high: float) -> float:
     """Place of the largest value between two places that hold one."""
     for _ in range(_ROOT_STEPS):
         third = (high - low) / 3.0
         left, right = low + third, high - third
-        if along(line, length, left) < along(line, length, right):
+        if along(line, per_rad, left) < along(line, per_rad, right):
             low = left
         else:
             high = right
@@ -82,24 +82,29 @@ def _top(line: FloatArray, length: float, low: float, high: float) -> float:
 
 
 @part
-def _crossing(line: FloatArray, length: float, low: float, high: float) -> float:
-    """Rising zero of a line, on its far side."""
+def _crossing(line: FloatArray, per_rad: float, low: float, high: float) -> float:
+    """Rising zero of a line, on its far side (regula falsi, the Illinois way)."""
+    below, above, side = along(line, per_rad, low), along(line, per_rad, high), 0
     for _ in range(_ROOT_STEPS):
-        middle = 0.5 * (low + high)
+        middle = high - above * (high - low) / (above - below)
+        if not low < middle < high:
+            middle = 0.5 * (low + high)
         if not low < middle < high:
             break
-        if along(line, length, middle) > 0.0:
-            high = middle
+        value = along(line, per_rad, middle)
+        # An end that stays counts half, so that the other side is met, too.
+        if value > 0.0:
+            high, above, below, side = middle, value, (0.5 * below if side > 0 else below), 1
         else:
-            low = middle
+            low, below, above, side = middle, value, (0.5 * above if side < 0 else above), -1
     return high
 
 
 @part
-def release_error(line: FloatArray, sizes: FloatArray, span: float, u: float) -> float:
+def release_error(line: FloatArray, sizes: FloatArray, per_rad: float, u: float) -> float:
     """Bound on the error of the travel at which the force of a stop has fallen to zero."""
-    width = span / line.shape[0]
-    cell, _ = cell_at(span, line.shape[0], u)
+    width = 1.0 / per_rad
+    cell, _ = cell_at(per_rad, line.shape[0], u)
     step = 1e-3 * width
     later, before = within(line, cell, width, u + step), within(line, cell, width, u - step)
     slope = (later - before) / (2.0 * step)

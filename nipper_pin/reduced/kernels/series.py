@@ -90,7 +90,7 @@ def settles(case: FloatArray, poly: FloatArray, degree: int, sizes: FloatArray, 
     """
     if rest_rate > 0.0:
         return w < rest_rate and still < 0.0, 0.0, 0.0
-    a = acceleration(case, poly, degree, 0.0, w)
+    a = acceleration(case, poly, poly.shape[0] - 1, degree, 0.0, w)
     ahead, uncertain = np.inf, np.inf
     if a < 0.0 and restitution < 1.0:
         ahead = -2.0 * w / (a * (1.0 - restitution))
@@ -120,12 +120,14 @@ def surely_over(case: FloatArray, poly: FloatArray, degree: int, sizes: FloatArr
 
     All others are those of ``settles``.
     """
-    a = acceleration(case, poly, degree, 0.0, w)
+    a = acceleration(case, poly, poly.shape[0] - 1, degree, 0.0, w)
     if not (a < 0.0 and still < 0.0 and restitution < 1.0):
         return False, 0.0
     ahead = -2.0 * w / (a * (1.0 - restitution))
     if drift(sizes, case[rows.SPEED], w, a, ahead) >= STEADY_DECELERATION:
         return False, 0.0
     ahead *= LATE_REST_SAFETY
-    over, travel = u + case[rows.SPEED] * ahead, case[rows.TRAVEL_MOST]
-    return over < travel and released(line, case[rows.SPAN], u, travel) > over, ahead
+    over = u + case[rows.SPEED] * ahead
+    if over >= case[rows.TRAVEL_MOST]:
+        return False, ahead
+    return released(line, case[rows.PER_RAD], u, over) > over, ahead

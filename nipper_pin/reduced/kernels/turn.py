@@ -102,15 +102,19 @@ def _rest(charts: Charts, work: Work, one: Case, clamp: int, records: Records,
           at: Motion) -> tuple[int, int, Motion]:  # fmt: skip
     """Stay closed up to the end of the chart, or to where the force of the stop falls to zero."""
     c, memory, line, number = at.chart, work.memory, work.line[at.chart], charts.numbers[at.chart]
-    travel, span, stop = number[rows.TRAVEL_MOST], number[rows.SPAN], charts.stops[c, rows.OWN]
-    place = released(line, span, at.u, travel)
+    travel, per_rad, stop = (
+        number[rows.TRAVEL_MOST],
+        number[rows.PER_RAD],
+        charts.stops[c, rows.OWN],
+    )
+    place = released(line, per_rad, at.u, travel)
     if place < 0.0:
         return rows.UNTOLD, RESTING, at
     at_end = place > travel
     u = travel if at_end else place
     if off_rows(charts, c, at.u, u, (0.0, 0.0), 0.0, 0.0):
         return rows.OFF_ROWS, RESTING, at
-    freed = 0.0 if at_end else release_error(line, work.sizes[c], span, u)
+    freed = 0.0 if at_end else release_error(line, work.sizes[c], per_rad, u)
     if stop == clamp:
         _hold(charts, memory, records, at, u, at_end, freed)
     gone = TURN * records.counts[rows.TURNS] + number[rows.BEGIN] + u
@@ -152,10 +156,11 @@ def _bounce(charts: Charts, work: Work, one: Case, settings: Settings, to_rest: 
     """Count a bounce, and come to rest where what is left of its series is known."""
     c, memory, case, sizes = at.chart, work.memory, work.case[at.chart], work.sizes[at.chart]
     degree, most, stop = charts.equation.shape[4], work.series.shape[1], charts.stops[c, rows.OWN]
-    source, span = source_of(charts, work, c, one), case[rows.SPAN]
-    reach(source, span, at.u, at.u)
-    contract(source.mixed, work.poly, work.poly.shape[0] - 1, span, at.u)
-    still = acceleration(case, work.poly, degree, 0.0, 0.0)
+    source, per_rad = source_of(charts, work, c, one), case[rows.PER_RAD]
+    reach(source, per_rad, at.u, at.u)
+    row = work.poly.shape[0] - 1
+    contract(source.mixed, work.poly, row, per_rad, at.u)
+    still = acceleration(case, work.poly, row, degree, 0.0, 0.0)
     found, ahead, uncertain = at.v <= 0.0 and still < 0.0, 0.0, 0.0
     if at.v > 0.0:
         bounces = int(memory[rows.BOUNCES])

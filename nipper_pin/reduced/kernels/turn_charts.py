@@ -82,7 +82,7 @@ def line(functions: FloatArray, one: Case, found: FloatArray) -> None:
 def surface(table: FloatArray, row: int, case: FloatArray, u: float, x: float) -> float:
     """Value of one function of (u, x), shape of ``table`` (functions, cells, Nu, Nx)."""
     _, cells, count_u, count_x = table.shape
-    cell, place_u = cell_at(case[rows.SPAN], cells, u)
+    cell, place_u = cell_at(case[rows.PER_RAD], cells, u)
     place_x = case[rows.SCALE] * (x - case[rows.LOW]) - 1.0
     total = 0.0
     older, old = 0.0, 1.0
@@ -111,7 +111,7 @@ def off_rows(charts: Charts, c: int, begin: float, end: float, gaps: tuple[float
     parts = charts.on_rows.shape[1]
     if parts == 0:
         return False
-    width = charts.numbers[c, rows.SPAN] / parts
+    width = charts.equation.shape[2] / (charts.numbers[c, rows.PER_RAD] * parts)
     last = min(int(end / width), parts - 1)
     for row in range(min(int(begin / width), last), last + 1):
         before, after = (row + 1) * width - begin, end - row * width

@@ -49,7 +49,7 @@ def strike(charts: Charts, work: Work, one: Case, records: Records, at: Motion) 
     number = charts.numbers[at.chart]
     stop = charts.stops[at.chart, rows.OWN]
     e_N, lever, v = one.restitution[stop], charts.lever[stop], at.v
-    C = along(charts.inertia[at.chart], number[rows.SPAN], at.u)
+    C = along(charts.inertia[at.chart], number[rows.PER_RAD], at.u)
     row = records.events[counts[rows.EVENTS]]
     row[:] = np.nan
     row[rows.KIND], row[rows.STOP], row[rows.TIME] = rows.COLLISION, stop, at.t

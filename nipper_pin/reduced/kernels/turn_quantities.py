@@ -43,14 +43,14 @@ def force_at(charts: Charts, work: Work, c: int, u: float) -> tuple[float, float
         u: Travel in it [rad].
     """
     cells, count = charts.inertia.shape[1], charts.inertia.shape[2]
-    width = charts.numbers[c, rows.SPAN] / cells
+    per_rad = charts.numbers[c, rows.PER_RAD]
     # The end of a cell belongs to it: beyond the last one functions are constant.
-    cell = min(max(int(u / width * (1.0 - 8.0 * EPS)), 0), cells - 1)
-    place = 2.0 * (u - cell * width) / width - 1.0
+    cell = min(max(int(u * per_rad * (1.0 - 8.0 * EPS)), 0), cells - 1)
+    place = 2.0 * (u * per_rad - cell) - 1.0
     C, C_u = _series(charts.inertia[c], cell, count, place)
     a, a_u = _series(work.line[c], cell, count, place)
     lever = charts.lever[charts.stops[c, rows.OWN]]
-    return -C * a / lever, -(C_u * a + C * a_u) * 2.0 / (width * lever)
+    return -C * a / lever, -(C_u * a + C * a_u) * 2.0 * per_rad / lever
 
 
 @part
@@ -111,7 +111,7 @@ def _passes(at: _Stretch, low: float, high: float, rises: bool) -> float:
         new = u - (force - at.level) / slope if slope != 0.0 else low
         if not low < new < high:
             new = 0.5 * (low + high)
-        if abs(new - u) <= 2.0 * EPS * at.charts.numbers[at.c, rows.SPAN]:
+        if abs(new - u) <= 2.0 * EPS * at.charts.numbers[at.c, rows.TRAVEL_MOST]:
             return new
         u = new
     return u
@@ -121,7 +121,7 @@ def _passes(at: _Stretch, low: float, high: float, rises: bool) -> float:
 def _unsure(at: _Stretch, u: float) -> float:
     """Travel to either side of a place beyond which the force is surely off the level."""
     slope = abs(force_at(at.charts, at.work, at.c, u)[1])
-    beside, most = 8.0 * EPS * at.charts.numbers[at.c, rows.SPAN], at.end - at.begin
+    beside, most = 8.0 * EPS * at.charts.numbers[at.c, rows.TRAVEL_MOST], at.end - at.begin
     if slope > 0.0:
         beside += min(2.0 * at.wrong / slope, most)
     while beside < most:
@@ -162,7 +162,7 @@ def held(charts: Charts, work: Work, hold: FloatArray,
     absolute, relative = wrong_by(charts, work, c)
     near = absolute + relative * abs(level)
     at = _Stretch(charts, work, c, begin, end, level, near)
-    step = charts.numbers[c, rows.SPAN] / (charts.inertia.shape[1] * _PLACES)
+    step = 1.0 / (charts.numbers[c, rows.PER_RAD] * _PLACES)
     u = begin
     old, old_slope = force_at(charts, work, c, u)
     least = most = old
@@ -294,7 +294,7 @@ def _add_rest_of_series(charts: Charts, work: Work, found: FloatArray, row: Floa
     if w <= 0.0 or c < 0:
         return
     place, e_N = rows.TURN_NUMBERS + rows.PER_STOP * stop, w / -row[rows.APPROACH]
-    a = along(work.line[c], charts.numbers[c, rows.SPAN], travel - charts.numbers[c, rows.BEGIN])
+    a = along(work.line[c], charts.numbers[c, rows.PER_RAD], travel - charts.numbers[c, rows.BEGIN])
     uneven = 1.0
     if a < 0.0:
         uneven = drift(work.sizes[c], speed, w, a, ahead)

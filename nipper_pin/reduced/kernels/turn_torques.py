@@ -38,7 +38,7 @@ def torque_at(torques: Charts, work: Work, i: int, u: float, x: float, v: float,
         v: Its rate.
     """
     row, degree = work.poly.shape[0] - 1, torques.equation.shape[4]
-    contract(work.mixed[i], work.poly, row, torques.numbers[i, rows.SPAN], u)
+    contract(work.mixed[i], work.poly, row, torques.numbers[i, rows.PER_RAD], u)
     place = work.case[i, rows.SCALE] * (x - work.case[i, rows.LOW]) - 1.0
     p0 = chebyshev(work.poly, row, 0, degree, place)
     p1 = chebyshev(work.poly, row, degree, degree, place)
@@ -90,8 +90,8 @@ def _panel(torques: Charts, work: Work, i: int, block: FloatArray, speed: float,
     order, end = int(numbers[panels.NODES]), numbers[panels.COVERED]
     count = _PER_NODE * order
     if order == 0:
-        width = torques.numbers[i, rows.SPAN] / torques.equation.shape[2]
-        count = max(_LEAST, int(_PER_CELL * speed * numbers[panels.LENGTH] / width) + 1)
+        cells = speed * numbers[panels.LENGTH] * torques.numbers[i, rows.PER_RAD]
+        count = max(_LEAST, int(_PER_CELL * cells) + 1)
     most, older = 0.0, 0.0
     old = first = _value(torques, work, i, block, speed, 0.0)
     slope = 0.0
@@ -152,7 +152,7 @@ def _after_bounces(charts: Charts, work: Work, torques: Charts, mixed: Work, c: 
                    block: FloatArray) -> float:  # fmt: skip
     """Torque in bounces too small to be computed: at rest, but for the acceleration of a flight."""
     u = block[rows.KEPT, panels.FROM]
-    still = along(work.line[c], charts.numbers[c, rows.SPAN], u)
+    still = along(work.line[c], charts.numbers[c, rows.PER_RAD], u)
     return abs(torque_at(torques, mixed, i, u, 0.0, 0.0, still)[0])
 
 
@@ -179,8 +179,8 @@ def largest_torques(charts: Charts, work: Work, torques: Charts, mixed: Work, on
         for d in range(drives):
             i = c * drives + d
             press(torques, mixed, i, one)
-            span = mixed.case[i, rows.SPAN]
-            reach(source_of(torques, mixed, i, one), span, 0.0, span)
+            per_rad, travel = mixed.case[i, rows.PER_RAD], mixed.case[i, rows.TRAVEL_MOST]
+            reach(source_of(torques, mixed, i, one), per_rad, 0.0, travel)
             value, late = _panel(torques, mixed, i, block, speed, most[d])
             late += _wrong(torques, mixed, i, block, speed)
             if block[rows.KEPT, panels.BOUNCED] > 0.0:

@@ -360,7 +360,7 @@ def stacked(charts: list[Chart], after: list[int], lever: FloatArray) -> Charts:
         arrive, arrive_error, throw, corner_error = chart.meets
         travel, low, high = chart.domain.travel, chart.domain.low, chart.domain.high
         numbers.append((
-            0.0, travel, low, high, 2.0 / (high - low), travel / shape[0] * cells, chart.begin,
+            0.0, travel, low, high, 2.0 / (high - low), shape[0] / travel, chart.begin,
             arrive, arrive_error, throw, corner_error, chart.inertia_error,
         ))  # fmt: skip
         others = [place for place in range(len(lever)) if place != chart.stop]
