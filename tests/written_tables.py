@@ -104,17 +104,25 @@ def rest_of_turn(
 
 def solve(
     charts: Charts, cases: Cases, settings: Settings, most: int, *, ask: bool = False,
-    angle: tuple[float, float] = (0.0, 1.0), **given: Any,
-) -> dict[str, Any]:  # fmt: skip
-    """What is written of cases, of their transitions or of what is asked of the turn before."""
+    angle: tuple[float, float] = (0.0, 1.0), premise: int = layout.HOLDS, before: Any = None,
+) -> tuple[Any, Any, Any]:  # fmt: skip
+    """What is written of cases, of their transitions or of what is asked of the turn before.
+
+    Args:
+        before: What was written of them before.
+    """
     n = len(cases.speed)
-    told = {
-        "table": np.empty((n, most + layout.BESIDE, layout.COLUMNS)),
-        "state": np.full((n, 4), np.nan), "told": np.full((n, 2), layout.GOES_ON),
-        "rest": np.full((n, 5), np.nan), "premise": np.full((n, 1), layout.HOLDS),
-    } | given  # fmt: skip
-    kernel.run_transitions(panel.grids(), charts, cases, settings, ask, angle, *told.values())
-    return told
+    table = np.empty((n, most + layout.BESIDE, layout.COLUMNS))
+    rest, told = np.full((n, layout.REST_COLUMNS), np.nan), np.full((n, 3), layout.GOES_ON)
+    if before is not None:
+        rest, told = before[1:]
+    if before is None or premise == layout.NOT_ASKED:
+        told[:, 2] = premise
+    found = table, rest, told
+    kernel.run_transitions(
+        panel.grids(), tuple(charts), tuple(cases), tuple(settings), ask, angle, *found
+    )
+    return found
 
 
 def one_of(charts: Charts, place: int) -> Charts:

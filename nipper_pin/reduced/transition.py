@@ -23,6 +23,8 @@ from .kernels.layout import (
     HOLDS,
     NOT_ASKED,
     OWN,
+    REST_COLUMNS,
+    RESTS,
     UNKNOWN,
     Cases,
     Settings,
@@ -74,9 +76,11 @@ def transition(
     """
     check_run(rest_rate, tolerance, max_collisions)
     e_N = model.restitution if restitution is None else restitution
+    restitutions = model.restitutions.copy()
+    restitutions[model.charts.stops[0, OWN]] = number("restitution", e_N, 0.0, 1.0)
     cases = Cases(
         np.array([speed_of(speed_rpm) * (math.tau / S_PER_MIN)]),
-        _restitutions(model, np.array([number("restitution", e_N, 0.0, 1.0)])),
+        restitutions[None],
         one_row("stiffness", stiffness, model.stiffness, 0.0),
         one_row("preload", preload, model.preload, -LARGEST),
         _ALL if gravity is None else _weight(model, gravity)[:1],
@@ -84,7 +88,7 @@ def transition(
     # Few transitions need the room for all collisions, which takes time to clear.
     for most in sorted({min(_USUAL, max_collisions), max_collisions}):
         found, tell = _solved(model, cases, rest_rate, tolerance, assumed, most)
-        status, count = found.told[0].tolist()
+        status, count, _ = found.told[0].tolist()
         if status != Status.TOO_MANY_COLLISIONS:
             break
     if status != _AT_REST:
@@ -130,17 +134,9 @@ def transitions(
     require("study", "numba", what=_ENGINE)
     check_run(rest_rate, tolerance, max_collisions)
     found, tell = _solved(model, cases, rest_rate, tolerance, assumed, max_collisions)
-    status, counts = found.told.T.copy()
+    status, counts, _ = found.told.T.copy()
     rows = found.table[:, :max_collisions].swapaxes(1, 2)
-    return TransitionBatch(model.name, status, counts, found.rest, rows, tell)
-
-
-def _restitutions(model: ReducedModel, transition_stop: FloatArray) -> FloatArray:
-    """Those of all stops in n cases, from those of the transition stop, shape (n, K)."""
-    found = np.empty((len(transition_stop), len(model.restitutions)))
-    found[:] = model.restitutions
-    found[:, model.charts.stops[0, OWN]] = transition_stop
-    return found
+    return TransitionBatch(model.name, status, counts, found.rest[:, :RESTS], rows, tell)
 
 
 class _Found(NamedTuple):
@@ -148,17 +144,13 @@ class _Found(NamedTuple):
 
     Attributes:
         table: Collisions, shape (n, most + BESIDE, COLUMNS).
-        state: Of machines in flight over the touch gap and rate, and their errors, shape (n, 4).
-        told: Status and collisions, shape (n, 2).
-        rest: Duration, its error, share, worst relative error, and travel, shape (n, 5).
-        premise: Whether machines arrive in their initial phase, shape (n, 1).
+        rest: Shape (n, REST_COLUMNS).
+        told: Status, collisions, and whether they arrive in their initial phase, shape (n, 3).
     """
 
     table: FloatArray
-    state: FloatArray
-    told: NDArray[np.int64]
     rest: FloatArray
-    premise: NDArray[np.int64]
+    told: NDArray[np.int64]
 
 
 @cache
@@ -176,10 +168,10 @@ def _run(model: ReducedModel, cases: Cases, settings: Settings, ask: bool, found
     run_transitions, grids = _kernel()
     charts = model.arrival.charts if ask else model.charts
     if charts is None:
-        found.premise.fill(UNKNOWN)
+        found.told[:, 2] = UNKNOWN
         return
     angle = model.touch_angle_rad, float(model.sense)
-    run_transitions(grids, charts, cases, settings, ask, angle, *found)
+    run_transitions(grids, (*charts,), (*cases,), (*settings,), ask, angle, *found)
 
 
 def _solved(
@@ -188,31 +180,28 @@ def _solved(
 ) -> tuple[_Found, partial[NDArray[np.int64]]]:  # fmt: skip
     """Transitions of checked cases, and what tells their premise."""
     n, settings = len(cases.speed), Settings(float(rest_rate or 0.0), float(tolerance))
-    found = _Found(
-        np.empty((n, most + BESIDE, COLUMNS)), np.empty((n, 4)), np.full((n, 2), GOES_ON),
-        np.empty((n, 5)), np.full((n, 1), HOLDS if assumed else NOT_ASKED),
-    )  # fmt: skip
+    told = np.empty((n, 3), dtype=np.int64)
+    told[:] = GOES_ON, 0, HOLDS if assumed else NOT_ASKED
+    found = _Found(np.empty((n, most + BESIDE, COLUMNS)), np.empty((n, REST_COLUMNS)), told)
     if not assumed:
         _run(model, cases, settings, True, found)
     _run(model, cases, settings, False, found)
     if assumed:
-        return found, partial(_premise, model, cases, settings, found.told, found.rest)
+        return found, partial(_premise, model, cases, settings, found)
     _run(model, cases, settings, True, found)
-    lost = (found.premise[:, 0] == UNKNOWN) & (found.told[:, 0] == _AT_REST)
-    found.told[lost] = int(Status.UNTOLD), 0
+    lost = (told[:, 2] == UNKNOWN) & (told[:, 0] == _AT_REST)
+    told[lost, :2] = int(Status.UNTOLD), 0
     found.table[lost], found.rest[lost] = math.nan, math.nan
-    return found, partial(found.premise.ravel)
+    return found, partial(told[:, 2].copy)
 
 
 def _premise(
-    model: ReducedModel, cases: Cases, settings: Settings, told: NDArray[np.int64],
-    rest: FloatArray,
-) -> NDArray[np.int64]:  # fmt: skip
+    model: ReducedModel, cases: Cases, settings: Settings, found: _Found
+) -> NDArray[np.int64]:
     """Whether machines arrive in their initial phase, of transitions that are known."""
-    n = len(told)
-    table, premise = np.empty((n, BESIDE, COLUMNS)), np.full((n, 1), NOT_ASKED)
-    _run(model, cases, settings, True, _Found(table, np.empty((n, 4)), told, rest, premise))
-    return premise[:, 0]
+    found.told[:, 2] = NOT_ASKED
+    _run(model, cases, settings, True, found)
+    return found.told[:, 2].copy()
 
 
 def _cases(
@@ -236,7 +225,8 @@ def _cases(
         "preload", model.preload if preload is None else preload, springs, -LARGEST
     )
     speed, e_N, weight, rates, lengths = of_all_cases(speed, e_N, weight, rates, lengths)
-    restitutions = _restitutions(model, e_N)
+    restitutions = np.tile(model.restitutions, (len(e_N), 1))
+    restitutions[:, model.charts.stops[0, OWN]] = e_N
     return Cases(speed * (math.tau / S_PER_MIN), restitutions, rates, lengths, weight)
 
 

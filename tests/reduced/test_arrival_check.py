@@ -61,9 +61,9 @@ def arrival(
     turn = turning(travel, push, **more) if turn is None else turn
     none = np.empty((1, 0))
     cases = Cases(np.array([SPEED]), np.array([[0.3, e]]), none, none, np.ones(1))
-    asked = np.full((1, 1), layout.NOT_ASKED)
-    found = solve(turn, cases, Settings(rest_rate, tolerance), 0, ask=True, premise=asked)
-    return int(found["premise"][0, 0]), *found["state"][0]
+    settings = Settings(rest_rate, tolerance)
+    _, rest, told = solve(turn, cases, settings, 0, ask=True, premise=layout.NOT_ASKED)
+    return int(told[0, 2]), *rest[0, layout.OVER :]
 
 
 @pytest.mark.parametrize(

@@ -42,6 +42,7 @@ from nipper_pin.reduced.kernels.layout import (
     RATE_ERROR,
     REBOUND,
     REBOUND_ERROR,
+    RESTS,
     SEPARATION,
     STOP,
     TIME,
@@ -83,18 +84,19 @@ def run(
         charts = tables_of(EQUATION, **TABLES)
     stops = np.array([[e, WAITING_E_N]])
     cases = Cases(np.array([SPEED]), stops, K[None], P[None], np.array([gravity]))
-    settings, asked = Settings(rest_rate, 1e-9), {"premise": np.full((1, 1), NOT_ASKED)}
+    settings, asked = Settings(rest_rate, 1e-9), None
     if not assumed:
-        asked = solve(turn, cases, settings, 0, ask=True, angle=ANGLE, **asked)
-        asked.pop("table")
-    found = solve(charts, cases, settings, most, angle=ANGLE, **asked if not assumed else {})
-    premise = UNKNOWN
-    if turn is not None:
-        later = {**found, **asked} if assumed else found
-        premise = solve(turn, cases, settings, 0, ask=True, angle=ANGLE, **later)["premise"][0, 0]
-    status, count = found["told"][0]
-    assert np.isnan(found["table"][0, count:]).all()
-    return status, found["rest"][0, :4], premise, found["table"][0, :count].T
+        asked = solve(turn, cases, settings, 0, ask=True, premise=NOT_ASKED)
+    found = solve(charts, cases, settings, most, angle=ANGLE, before=asked)
+    table, rest, told = found
+    status, count, premise = told[0]
+    if turn is None:
+        premise = UNKNOWN
+    else:
+        known = HOLDS if asked else NOT_ASKED
+        premise = solve(turn, cases, settings, 0, ask=True, premise=known, before=found)[2][0, 2]
+    assert np.isnan(table[0, count:]).all()
+    return status, rest[0, :RESTS], premise, table[0, :count].T
 
 
 def expected(count: int) -> dict[int, Any]:

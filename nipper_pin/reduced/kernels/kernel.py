@@ -17,7 +17,7 @@ from ...tolerances.reduced import (
 )
 from . import layout as rows
 from .compiled import compiled, part
-from .layout import Case, Cases, Charts, Motion, Records, Settings, Work
+from .layout import Case, Cases, Charts, Motion, Plain, Records, Settings, Work
 from .release import released
 from .turn import FLYING, STRIKING, follow
 from .turn_charts import case_of, press, scratch
@@ -110,54 +110,54 @@ def summary(events: FloatArray, status: int, count: int, rest: FloatArray) -> No
 
 @part
 def _transition(grids: FloatArray, charts: Charts, work: Work, one: Case, settings: Settings,
-                angle: tuple[float, float], state: FloatArray, premise: int, records: Records,
-                told: NDArray[np.int64], rest: FloatArray) -> None:  # fmt: skip
+                angle: tuple[float, float], records: Records, rest: FloatArray,
+                told: NDArray[np.int64]) -> None:  # fmt: skip
     """One transition: from the touch, from the flight over it, or from what is not known."""
     events, most = records.events, len(records.events) - rows.BESIDE
     phase, at = STRIKING, _met(charts, _CLAMPING, _CLAMPING, one.speed)
-    if premise == rows.FAILS:
-        phase, at = FLYING, Motion(_CLAMPING, 0.0, 0.0, state[0], state[1], 0.0, state[2], state[3])
+    if told[2] == rows.FAILS:
+        over = rest[rows.OVER :]
+        phase, at = FLYING, Motion(_CLAMPING, 0.0, 0.0, over[0], over[1], 0.0, over[2], over[3])
     status, count = rows.UNTOLD, rows.ZERO
-    if premise != rows.UNKNOWN:
+    if told[2] != rows.UNKNOWN:
         status, _ = follow(
             grids, charts, work, one, settings, rows.ZERO, phase, at, _CLAMPING, records
         )
         count = records.counts[rows.EVENTS]
-    rest[4] = np.nan
+    rest[rows.RESTS] = np.nan
     if count > 0:
         if events[count - 1, rows.KIND] == rows.REST:
             status, count = rows.AT_REST, count - 1
-            rest[4] = events[count, rows.TRAVEL]
+            rest[rows.RESTS] = events[count, rows.TRAVEL]
         count = min(count, most)
         _write(events, count, angle)
     told[0], told[1] = status, count
-    summary(events, status, count, rest[:4])
+    summary(events, status, count, rest[: rows.RESTS])
     events[count:] = np.nan
 
 
 @part
 def _premise(grids: FloatArray, turn: Charts, work: Work, one: Case, settings: Settings,
-             state: FloatArray, told: int, rest: float, premise: NDArray[np.int64],
-             records: Records) -> None:  # fmt: skip
+             rest: FloatArray, told: NDArray[np.int64], records: Records) -> None:  # fmt: skip
     """Find how one machine arrives, and how its transition begins, or whether that ends so."""
-    if premise[0] == rows.NOT_ASKED:
+    if told[2] == rows.NOT_ASKED:
         rough = Settings(settings.rest_rate, PHASE_TOLERANCE, True)
-        premise[0], _ = _arrival(grids, turn, work, one, rough, 1.0, records)
-        if told == rows.GOES_ON and premise[0] == rows.FAILS:
+        told[2], _ = _arrival(grids, turn, work, one, rough, 1.0, records)
+        if told[0] == rows.GOES_ON and told[2] == rows.FAILS:
             finer = max(ARRIVAL_SHARE * settings.tolerance, FINEST_TOLERANCE)
             fine = Settings(settings.rest_rate, finer, False)
-            premise[0], at = _arrival(grids, turn, work, one, fine, FLIGHT_UNRESOLVED, records)
-            state[0], state[1], state[2], state[3] = at.x, at.v, at.dx, at.dv
-    known = told == rows.AT_REST and _clamps(turn, work, one, rest)
-    if told != rows.GOES_ON and not known:
-        premise[0] = rows.UNKNOWN
+            told[2], at = _arrival(grids, turn, work, one, fine, FLIGHT_UNRESOLVED, records)
+            over = rest[rows.OVER :]
+            over[0], over[1], over[2], over[3] = at.x, at.v, at.dx, at.dv
+    known = told[0] == rows.AT_REST and _clamps(turn, work, one, rest[rows.RESTS])
+    if told[0] != rows.GOES_ON and not known:
+        told[2] = rows.UNKNOWN
 
 
 @compiled
-def run_transitions(grids: FloatArray, charts: Charts, cases: Cases, settings: Settings,
-                    ask: bool, angle: tuple[float, float], table: FloatArray, state: FloatArray,
-                    told: NDArray[np.int64], rest: FloatArray,
-                    premise: NDArray[np.int64]) -> None:  # fmt: skip
+def run_transitions(grids: FloatArray, charts: Plain, cases: Plain, settings: Plain, ask: bool,
+                    angle: tuple[float, float], table: FloatArray, rest: FloatArray,
+                    told: NDArray[np.int64]) -> None:  # fmt: skip
     """Transitions of a batch, or how machines arrive at the touch.
 
     Args:
@@ -168,33 +168,29 @@ def run_transitions(grids: FloatArray, charts: Charts, cases: Cases, settings: S
         angle: Angle psi of the touch, and sign of its rate.
         table: Written: collisions, shape (n, most + BESIDE, COLUMNS), NaN beyond the last of a
             case.
-        state: Of machines in flight over the touch gap and rate, and their errors, shape (n, 4).
-        told: Written: status and number of collisions, shape (n, 2); GOES_ON before.
-        rest: Written, shape (n, 5): time of rest and its error [s], share of the first two
-            rebounds in it, bound on the worst relative error, and travel of the rest.
-        premise: HOLDS, where transitions begin at the touch, FAILS, where they begin from the
-            state, or UNKNOWN, shape (n, 1).
+        rest: Written, shape (n, REST_COLUMNS).
+        told: Written: status (GOES_ON before), number of collisions, and premise: HOLDS, where
+            transitions begin at the touch, FAILS, where they begin from the state over it, or
+            UNKNOWN; shape (n, 3).
     """
+    at, given, shared = Charts(*charts), Cases(*cases), Settings(*settings)
     most = table.shape[1] - rows.BESIDE
-    work = scratch(charts, _MOST_BOUNCES if ask else most, 0)
+    work = scratch(at, _MOST_BOUNCES if ask else most, 0)
     holds, ends = np.empty((2, rows.HOLD_COLUMNS)), np.empty((2, rows.END_COLUMNS))
     counts = np.zeros(rows.COUNTS, dtype=np.int64)
     bounces = Records(np.empty((2 * _MOST_BOUNCES, rows.COLUMNS)), holds, ends, counts)
-    for i in range(len(cases.speed)):
+    for i in range(len(given.speed)):
         records = bounces if ask else Records(table[i], holds, ends, counts)
-        _one(grids, charts, work, cases, i, settings, ask, angle, state[i], told[i], rest[i],
-             premise[i], records)  # fmt: skip
+        _one(grids, at, work, given, i, shared, ask, angle, rest[i], told[i], records)
 
 
 @part
 def _one(grids: FloatArray, charts: Charts, work: Work, cases: Cases, i: int, settings: Settings,
-         ask: bool, angle: tuple[float, float], state: FloatArray, told: NDArray[np.int64],
-         rest: FloatArray, premise: NDArray[np.int64], records: Records) -> None:  # fmt: skip
+         ask: bool, angle: tuple[float, float], rest: FloatArray, told: NDArray[np.int64],
+         records: Records) -> None:  # fmt: skip
     """One of the cases."""
     one = case_of(cases, i)
     if ask:
-        _premise(grids, charts, work, one, settings, state, told[0], rest[4], premise, records)
+        _premise(grids, charts, work, one, settings, rest, told, records)
     else:
-        _transition(
-            grids, charts, work, one, settings, angle, state, premise[0], records, told, rest
-        )
+        _transition(grids, charts, work, one, settings, angle, records, rest, told)

@@ -61,6 +61,11 @@ COLLISION, REST, RELEASE = numbered(3)
 ) = numbered(16)  # fmt: skip
 ANGLE = TRAVEL
 COLUMNS = 16
+# What is told of a transition: time of rest and its error [s], share of the first two rebounds in
+# it, bound on the worst relative error; travel of the rest; of a machine in flight over the touch
+# gap and rate, and bounds on the errors of both.
+RESTS, OVER = 4, 5
+REST_COLUMNS = 9
 # Rooms for events of a transition beyond its collisions: a rest, and a collision too many.
 BESIDE = 2
 # Columns of the stretches on which the clamping stop is closed.
@@ -107,6 +112,10 @@ MEMORY = 12
 # What was written of a motion.
 EVENTS, STRETCHES, TURNS = numbered(3)
 COUNTS = 3
+
+
+# At the door of compiled code named tuples cost a microsecond, plain ones of the same a third.
+Plain = tuple[Any, ...]
 
 
 class Charts(NamedTuple):

@@ -13,7 +13,7 @@ from ...tolerances.mechanics import EPS
 from . import layout as rows
 from .compiled import compiled, part
 from .flight_errors import drift, size
-from .layout import Cases, Charts, Motion, Records, Settings, Work
+from .layout import Cases, Charts, Motion, Plain, Records, Settings, Work
 from .panel import along
 from .turn import FLYING, RESTING, STRUCK, follow
 from .turn_charts import case_of, chart_at, scratch
@@ -349,9 +349,9 @@ def begun(begin: tuple[int, float, float, float, bool], speed: float) -> tuple[i
 
 
 @compiled
-def run_turns(grids: FloatArray, charts: Charts, cases: Cases, settings: Settings, most: int,
+def run_turns(grids: FloatArray, charts: Plain, cases: Plain, settings: Plain, most: int,
               turns: int, begin: tuple[int, float, float, float, bool], clamp: int, level: float,
-              records: Records, told: NDArray[np.int64], found: FloatArray) -> None:  # fmt: skip
+              records: Plain, told: NDArray[np.int64], found: FloatArray) -> None:  # fmt: skip
     """Quantities of the last turns of many cases.
 
     Args:
@@ -365,10 +365,11 @@ def run_turns(grids: FloatArray, charts: Charts, cases: Cases, settings: Setting
         told: Written: status, turns, after how many the last repeats, and events, shape (n, 4).
         found: Written, shape (n, last, quantities): the last turn first; NaN before the first one.
     """
-    work = scratch(charts, most, 0)
-    for i in range(len(cases.speed)):
+    machine, given, shared = Charts(*charts), Cases(*cases), Settings(*settings)
+    done, work = Records(*records), scratch(machine, most, 0)
+    for i in range(len(given.speed)):
         _turns(
-            grids, charts, work, cases, i, settings, turns, begin, clamp, level, records, told[i],
+            grids, machine, work, given, i, shared, turns, begin, clamp, level, done, told[i],
             found[i],
         )  # fmt: skip
 

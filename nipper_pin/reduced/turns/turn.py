@@ -111,6 +111,6 @@ def follow(
     from ..kernels.turn_quantities import run_turns
 
     run_turns(
-        grids(), model.charts, cases, run.settings, run.most, run.turns, model.begin, model.clamp,
-        run.least_force, records, told, found,
+        grids(), (*model.charts,), (*cases,), (*run.settings,), run.most, run.turns, model.begin,
+        model.clamp, run.least_force, (*records,), told, found,
     )  # fmt: skip
