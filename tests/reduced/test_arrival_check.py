@@ -175,7 +175,7 @@ def test_a_series_that_is_surely_over(change: dict[str, float], over: bool) -> N
         level(given["a"] / SPEED**2), travel=travel, steepest_u=np.array([steepest, *[0.0] * 5])
     )
     work, source = work_of(charts, case(SPEED, 1.0, [], []))
-    panel.contract(source.mixed, work.poly, len(work.poly) - 1, 1.0 / travel, u)
+    panel.contract(source.mixed, work.poly, 0, 1.0 / travel, u)
     until = u + given["let_go"] * 2.0 * SPEED * ahead
     line = np.array([[0.5 * travel - until, 0.5 * travel]])
     found = series.surely_over(

@@ -108,6 +108,7 @@ def solved(tables: Charts, u: float, x: float, v: float) -> Any:
 def flown(tables: Charts, u: float, x: float, v: float, tolerance: float = 1e-10) -> Any:
     k, p = np.array(SPRINGS).T
     work, source = work_of(tables, case(SPEED, GRAVITY, k, p))
+    panel.contract(source.mixed, work.poly, 0, work.case[0, PER_RAD], u)
     found = flight.flight(
         grids(), work.case[0], source, work.poly, work.nodes, tables.equation.shape[4], u, x,
         v, tolerance, x == 0.0,

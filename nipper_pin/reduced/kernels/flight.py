@@ -234,6 +234,8 @@ def flight(grids: FloatArray, case: FloatArray, source: Source, poly: FloatArray
             touching: bool) -> tuple[float, ...]:  # fmt: skip
     """Flight from x0 with rate w to the next zero of x; from x0 = 0 with w > 0, or at a release.
 
+    Its start has been contracted into the first row.
+
     Returns:
         Status (AT_REST: the flight ended at the stop; LEFT_TRAVEL: at the end of the tables;
         OTHER_STOP: where another stop closes), time, rate at the end, amplitude, time of the peak,
@@ -251,8 +253,9 @@ def flight(grids: FloatArray, case: FloatArray, source: Source, poly: FloatArray
         longest = (travel - u) / speed
         if longest <= TRAVEL_END * travel / speed:
             return rows.LEFT_TRAVEL, t, v, amplitude, peak_time, a, fastest, changed, left, x, -1.0
-        reach(source, case[rows.PER_RAD], u, u)
-        contract(mixed, poly, rows.ZERO, case[rows.PER_RAD], u)
+        if panel > 0:
+            reach(source, case[rows.PER_RAD], u, u)
+            contract(mixed, poly, rows.ZERO, case[rows.PER_RAD], u)
         a0 = acceleration(case, poly, rows.ZERO, degree, x, v)
         h = longest
         # At a release a0 is round-off.

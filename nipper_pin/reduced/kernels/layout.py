@@ -25,6 +25,10 @@ Bounds of a case: sums that bound the error of x'' and its derivatives by x, tra
 the powers of the rate in the columns. Those of the functions of a chart, likewise: their errors,
 largest derivatives by x and by u, and largest values.
 
+What is told of a transition: time of rest and its error [s], share of the first two rebounds in it,
+bound on the worst relative error; RESTS: travel of the rest; from OVER on, of a machine in flight
+over the touch, gap and rate, and bounds on the errors of both.
+
 Memory of a motion: number of bounces of a series, when it began, and its fastest rebound; the
 collision whose rebound is under way (-1 without one), how high and long that has been, and the
 errors of both; the error of the travel of the last rest, and whether bounces that are not computed
@@ -61,9 +65,7 @@ COLLISION, REST, RELEASE = numbered(3)
 ) = numbered(16)  # fmt: skip
 ANGLE = TRAVEL
 COLUMNS = 16
-# What is told of a transition: time of rest and its error [s], share of the first two rebounds in
-# it, bound on the worst relative error; travel of the rest; of a machine in flight over the touch
-# gap and rate, and bounds on the errors of both.
+# Columns of what is told of a transition.
 RESTS, OVER = 4, 5
 REST_COLUMNS = 9
 # Rooms for events of a transition beyond its collisions: a rest, and a collision too many.

@@ -75,7 +75,7 @@ def settles(case: FloatArray, poly: FloatArray, degree: int, sizes: FloatArray, 
 
     Args:
         case: Numbers of the case.
-        poly: Polynomials of the place of the last collision, in their last row.
+        poly: Polynomials of the place of the last collision, in their first row.
         degree: Coefficients of each.
         sizes: Bounds of the case.
         series: Times and rates of the bounces, and scratch, shape (3, collisions).
@@ -90,7 +90,7 @@ def settles(case: FloatArray, poly: FloatArray, degree: int, sizes: FloatArray, 
     """
     if rest_rate > 0.0:
         return w < rest_rate and still < 0.0, 0.0, 0.0
-    a = acceleration(case, poly, poly.shape[0] - 1, degree, 0.0, w)
+    a = acceleration(case, poly, rows.ZERO, degree, 0.0, w)
     ahead, uncertain = np.inf, np.inf
     if a < 0.0 and restitution < 1.0:
         ahead = -2.0 * w / (a * (1.0 - restitution))
@@ -120,7 +120,7 @@ def surely_over(case: FloatArray, poly: FloatArray, degree: int, sizes: FloatArr
 
     All others are those of ``settles``.
     """
-    a = acceleration(case, poly, poly.shape[0] - 1, degree, 0.0, w)
+    a = acceleration(case, poly, rows.ZERO, degree, 0.0, w)
     if not (a < 0.0 and still < 0.0 and restitution < 1.0):
         return False, 0.0
     ahead = -2.0 * w / (a * (1.0 - restitution))

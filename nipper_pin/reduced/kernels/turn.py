@@ -59,7 +59,7 @@ def follow(grids: FloatArray, charts: Charts, work: Work, one: Case, settings: S
     work.memory[rows.LAST] = work.memory[rows.REST_CHART] = -1.0
     closed = float(at.chart) if phase == RESTING else -1.0
     mark(records.ends, rows.ZERO, (closed, np.inf), at)
-    status = rows.GOES_ON
+    status, bounced = rows.GOES_ON, False
     while status == rows.GOES_ON:
         if _no_room(work, records):
             return rows.TOO_MANY, rows.ZERO
@@ -72,8 +72,10 @@ def follow(grids: FloatArray, charts: Charts, work: Work, one: Case, settings: S
             phase, at = STRUCK, strike(charts, work, one, records, at)
         elif phase == STRUCK:
             status, phase, at = _bounce(charts, work, one, settings, turns == 0, records, at)
+            bounced = phase == FLYING
         elif phase == FLYING:
-            status, phase, at = _fly(grids, charts, work, one, settings, records, at)
+            status, phase, at = _fly(grids, charts, work, one, settings, bounced, records, at)
+            bounced = False
         elif turns == 0:
             return rows.LEFT_TRAVEL, rows.ZERO
         else:
@@ -158,9 +160,8 @@ def _bounce(charts: Charts, work: Work, one: Case, settings: Settings, to_rest: 
     degree, most, stop = charts.equation.shape[4], work.series.shape[1], charts.stops[c, rows.OWN]
     source, per_rad = source_of(charts, work, c, one), case[rows.PER_RAD]
     reach(source, per_rad, at.u, at.u)
-    row = work.poly.shape[0] - 1
-    contract(source.mixed, work.poly, row, per_rad, at.u)
-    still = acceleration(case, work.poly, row, degree, 0.0, 0.0)
+    contract(source.mixed, work.poly, rows.ZERO, per_rad, at.u)
+    still = acceleration(case, work.poly, rows.ZERO, degree, 0.0, 0.0)
     found, ahead, uncertain = at.v <= 0.0 and still < 0.0, 0.0, 0.0
     if at.v > 0.0:
         bounces = int(memory[rows.BOUNCES])
@@ -203,13 +204,21 @@ def _bounce(charts: Charts, work: Work, one: Case, settings: Settings, to_rest: 
 
 @part
 def _fly(grids: FloatArray, charts: Charts, work: Work, one: Case, settings: Settings,
-         records: Records, at: Motion) -> tuple[int, int, Motion]:  # fmt: skip
+         bounced: bool, records: Records, at: Motion) -> tuple[int, int, Motion]:  # fmt: skip
     """Fly to the next collision, with the own stop or another one, or to the end of the chart."""
     c, speed, memory, before = at.chart, one.speed, work.memory, kept(work.nodes)
-    case, sizes, nodes = work.case[c], work.sizes[c], work.nodes
+    case, sizes, nodes, source = (
+        work.case[c],
+        work.sizes[c],
+        work.nodes,
+        source_of(charts, work, c, one),
+    )
+    if not bounced:
+        reach(source, case[rows.PER_RAD], at.u, at.u)
+        contract(source.mixed, work.poly, rows.ZERO, case[rows.PER_RAD], at.u)
     end, T, rate, top, peak, a, fastest, changed, left, gap, hit = flight(
-        grids, case, source_of(charts, work, c, one), work.poly, nodes, charts.equation.shape[4],
-        at.u, at.x, at.v, settings.tolerance, at.u == 0.0 and at.x == 0.0,
+        grids, case, source, work.poly, nodes, charts.equation.shape[4], at.u, at.x, at.v,
+        settings.tolerance, at.u == 0.0 and at.x == 0.0,
     )  # fmt: skip
     status, u, t = int(end), at.u + speed * T, at.t + T
     if off_rows(charts, c, at.u, u, (at.x, gap), top, fastest / speed):
