@@ -12,6 +12,7 @@ from .cylinder import (
 from .drives.law import DriveLaw
 from .elements import Characteristic, Damper, Strut, TabulatedSpring
 from .load import (
+    collision_model,
     from_sources,
     load,
     need_as_written,
@@ -21,7 +22,6 @@ from .mechanism import Mechanism, Shared
 from .model_files import find_model, known_models, model_folder
 from .other_numbers import changed, layout_of, number_of, numbers_of, retuned
 from .parts import Closure, Contact, Drive, Joint, Phase, Simultaneous, Spring, Start, Stop
-from .shapes import collision_model
 
 __all__ = [
     "INDEX_PER_TURN",

@@ -12,6 +12,7 @@ from dataclasses import fields, is_dataclass
 from pathlib import Path
 
 import numpy as np
+import pinocchio as pin
 
 from ..errors import AssemblyError, InputError, ModelError
 from .mechanism import Mechanism
@@ -40,7 +41,7 @@ def load(model: str | Path = "e62", overrides: Mapping[str, object] | None = Non
     """
     from .build.mechanism import build_mechanism
     from .files.csv_tables import inline_tables
-    from .files.other_units import in_known_units
+    from .files.describe import in_known_units
     from .files.toml_text import read_toml
     from .files.xml_text import as_unicode, encoding_of
 
@@ -165,3 +166,20 @@ def with_advice(error: AssemblyError, overrides: Mapping[str, object]) -> Assemb
     )
     evidence = error.evidence
     return AssemblyError(**{**evidence, "allowed": f"{evidence['allowed']}; {advice}"})
+
+
+def collision_model(mechanism: Mechanism) -> tuple[pin.GeometryModel, dict[str, tuple[str, ...]]]:
+    """Collision shapes of a mechanism, for checks of clearance.
+
+    Returns:
+        Geometry model without any collision pairs, its objects named like the collision elements
+        of the URDF, and these names by link.
+    """
+    # The URDF is read again here, and a run that looks at no shape needs no parser.
+    from .build.tree import collision_geometry
+    from .files.urdf import check_urdf, parse_xml
+
+    file, folder = f"{mechanism.name}.urdf", Path(mechanism.mesh_folder)
+    urdf = check_urdf(parse_xml(mechanism.urdf, file), file, folder)
+    geometry = collision_geometry(mechanism.model, urdf, file)
+    return geometry, dict(urdf.shapes)

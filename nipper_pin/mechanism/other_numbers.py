@@ -145,7 +145,7 @@ def _entries_of_forces(
     mechanism: Mechanism, paths: Mapping[str, object]
 ) -> list[tuple[str, str]] | None:
     """Section and name of each spring, damper and stop; None if a path leads to anything else."""
-    from .edit.urdf_paths import steps_of
+    from .edit.paths import steps_of
 
     found = []
     for path in paths:
@@ -168,7 +168,7 @@ def _with_forces(
 ) -> Mechanism:
     """The mechanism with other numbers of springs, dampers and stops."""
     from .build.elements import build_element
-    from .edit.toml_paths import replace_value
+    from .edit.paths import replace_value
     from .files.describe import describe_entry
 
     file = f"{mechanism.name}.toml"
@@ -195,7 +195,7 @@ def _with_forces(
 def _masses(mechanism: Mechanism, paths: Mapping[str, object]) -> dict[str, tuple[str, float]]:
     """Links and their masses [kg] by the paths that give such; what cannot be one is left out."""
     from .edit.overrides import LARGEST
-    from .edit.toml_paths import number_from
+    from .edit.paths import number_from
 
     found = {}
     for path, value in paths.items():

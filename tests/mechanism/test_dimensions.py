@@ -15,9 +15,9 @@ from small_machines import link as body
 
 from nipper_pin import AssemblyError, Mechanism, ModelError, load
 from nipper_pin.mechanism import changed, joint_placements, number_of
-from nipper_pin.mechanism.build.closing import closure_gaps
+from nipper_pin.mechanism.build.closures import closure_gaps
 from nipper_pin.mechanism.edit import Layout, read_layout
-from nipper_pin.mechanism.edit.urdf_paths import find_value
+from nipper_pin.mechanism.edit.paths import find_value
 from nipper_pin.mechanism.files import parse_xml
 from tests.refusals.bases import model
 

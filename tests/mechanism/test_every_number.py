@@ -28,7 +28,7 @@ from nipper_pin.mechanism import known_models, need_as_written, number_of, numbe
 from nipper_pin.mechanism.drives import Table
 from nipper_pin.mechanism.edit import apply_overrides, number_at, read_dimension, read_layout
 from nipper_pin.mechanism.edit.overrides import with_tables
-from nipper_pin.mechanism.edit.toml_paths import number_from
+from nipper_pin.mechanism.edit.paths import number_from
 from nipper_pin.mechanism.files import parse_xml
 from nipper_pin.mechanism.files.describe import describe
 from nipper_pin.written_units import unit_of_key

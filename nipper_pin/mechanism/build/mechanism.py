@@ -14,21 +14,18 @@ from ...errors import ModelError, UnknownNameError
 from ..drives import DriveLaw
 from ..files.describe import describe
 from ..files.description import Description
-from ..files.side_view import side_view_text
 from ..files.toml_text import need_plain_text
 from ..files.urdf import check_urdf, parse_xml
-from ..files.urdf_parts import Urdf
+from ..files.urdf_parts import Urdf, side_view_text
 from ..mechanism import Mechanism
 from ..parallel import together
 from ..parts import Closure, Coupling, Drive, Joint, Phase, Stop
-from .closing import close_gaps
+from .closures import block_of, check_frames, close_gaps, with_blocks
 from .elements import build_elements
 from .laws import build_cylinder, build_laws, check_drive
 from .parallel import with_leaders
 from .placements import joint_placements
-from .slots import block_of, check_frames, with_blocks
-from .starts import build_starts
-from .stops import build_stops
+from .stops import build_starts, build_stops
 from .touch_checks import check_assembly, held_by
 from .tree import (
     Tree,

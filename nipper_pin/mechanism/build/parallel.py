@@ -18,7 +18,7 @@ from ...tolerances.hybrid import GAP_ROUND_OFF
 from ...tolerances.mechanics import RANK_TOLERANCE
 from ..parts import Stop
 from ..scale import reach, unit_of, units_of
-from .closing import PLANE
+from .closures import PLANE
 from .touch_checks import Constraints
 from .tree import Tree
 

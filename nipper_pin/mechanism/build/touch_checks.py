@@ -13,11 +13,10 @@ from ...errors import AssemblyError, ModelError
 from ...tolerances.mechanics import ASSEMBLY_TOLERANCE_M, DEPENDENT_SHARE, RANK_TOLERANCE
 from ...units import MM_PER_M
 from ..drives import OscillatingGuide
-from ..files.side_view import side_view_text
-from ..files.urdf_parts import Urdf
+from ..files.urdf_parts import Urdf, side_view_text
 from ..parts import Closure, Coupling, Drive, Joint, Phase, Stop
 from ..scale import reach, unit_of, units_of, written
-from .closing import PLANE, frame_point
+from .closures import PLANE, frame_point
 from .placements import supports
 from .tree import Tree
 

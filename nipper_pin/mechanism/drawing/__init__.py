@@ -2,6 +2,6 @@
 
 from .drawing import Drawing
 from .layout import FRAME
-from .places import Place
+from .points import Place
 
 __all__ = ["FRAME", "Drawing", "Place"]

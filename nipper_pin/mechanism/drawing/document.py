@@ -6,8 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ...errors import meant
-from .read import Drawn, read
-from .tree import Tree, grown
+from .read import Drawn, Tree, grown, read
 from .urdf_text import LINE, ends_of, frame_name, urdf_text
 
 # Of a model's file, in the order in which they are written.

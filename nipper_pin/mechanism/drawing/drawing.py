@@ -13,7 +13,7 @@ from ..load import from_sources
 from ..mechanism import Mechanism
 from ..model_files import new_model, read_model_text
 from .document import drawn_sources
-from .places import Place
+from .points import Place
 from .read import read
 
 

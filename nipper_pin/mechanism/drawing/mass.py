@@ -9,7 +9,7 @@ from math import pi
 
 from ...units import M_PER_MM
 from .layout import STEEL_KG_M3, BodyTable
-from .places import Place, distance, place
+from .points import Place, distance, place
 
 
 @dataclass(frozen=True)

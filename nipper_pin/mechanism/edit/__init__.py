@@ -1,9 +1,9 @@
 """Changing single values of a model by their paths, before anything is validated."""
 
 from .dimensions import HEADS, read_dimension
-from .layout import Layout, read_layout
 from .overrides import apply_overrides
-from .toml_paths import number_at
+from .paths import number_at
+from .points import Layout, read_layout
 
 __all__ = [
     "HEADS",

@@ -8,7 +8,7 @@
 * ``links.<link>.com_x_mm`` and ``.com_z_mm``: centre of mass in the world at touch;
 * ``links.<link>.gyration_mm``: radius of gyration about it, sqrt(inertia / mass); with it the
   inertia goes with the mass, as that of a body of one shape does;
-* ``urdf. ...``: one number of the file in its own words (:mod:`.urdf_paths`), nothing else moves.
+* ``urdf. ...``: one number of the file in its own words (:mod:`.paths`), nothing else moves.
 
 Points are changed first, then raw numbers, then links, so that a given centre of mass is exact.
 """
@@ -28,9 +28,8 @@ from ...tolerances.mechanics import ASSEMBLY_TOLERANCE_M, IN_PLANE_RAD, ROUNDED_
 from ...units import M_PER_MM, MM_PER_M
 from ..files.urdf_values import numbers, origin, rotation_from_rpy
 from ..scale import written
-from .layout import Layout, read_layout
-from .points import move_points, write_origin
-from .urdf_paths import find_value, steps_of
+from .paths import find_value, steps_of
+from .points import Layout, move_points, read_layout, write_origin
 
 HEADS = ("points", "links", "urdf")
 """First steps of the paths that lead into the URDF."""

@@ -13,8 +13,7 @@ from ..files.csv_tables import inline_tables
 from ..files.describe import describe
 from ..files.urdf import parse_xml
 from .dimensions import HEADS, change_dimensions
-from .toml_paths import UNWRITTEN, in_unit_of, number_at, number_from, replace_value
-from .urdf_paths import steps_of
+from .paths import UNWRITTEN, in_unit_of, number_at, number_from, replace_value, steps_of
 
 # Squares and products of larger numbers overflow before they can be checked.
 LARGEST = 1e12
@@ -88,7 +87,7 @@ def apply_overrides(
     Args:
         data: The TOML document, its tables written out.
         overrides: New values by path: a path into the TOML document such as
-            ``stops.jaw.restitution`` (:mod:`.toml_paths`), or one of ``points.``, ``links.`` and
+            ``stops.jaw.restitution`` (:mod:`.paths`), or one of ``points.``, ``links.`` and
             ``urdf.`` into the URDF (:mod:`.dimensions`). Strings are converted to the type of the
             value that they replace.
         urdf_file: Name of the URDF file, for messages.

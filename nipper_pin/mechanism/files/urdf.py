@@ -10,10 +10,8 @@ from xml.etree import ElementTree
 import numpy as np
 
 from ...errors import ModelError, UnknownNameError
-from .plane import Plane
-from .side_view import in_side_view
 from .toml_text import NAMES, is_name
-from .urdf_parts import Mimic, Urdf, UrdfJoint, UrdfLink
+from .urdf_parts import Mimic, Plane, Urdf, UrdfJoint, UrdfLink, in_side_view
 from .urdf_shapes import check_colours, read_shapes
 from .urdf_values import check_limits, finite, numbers, placement, read_damping, read_inertial
 from .xml_text import edit as edit

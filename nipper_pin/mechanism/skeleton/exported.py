@@ -23,7 +23,7 @@ from ...errors import InputError, ModelError, with_words
 from ...texts import followed, is_path
 from ...tolerances.mechanics import ROUNDED_SHARE
 from ...units import MM_PER_M
-from ..build.closing import PLANE, frame_point
+from ..build.closures import PLANE, frame_point
 from ..build.placements import joint_placements
 from ..files import parse_xml, toml
 from ..files.schema import SCHEMA_FILE, schema_text
