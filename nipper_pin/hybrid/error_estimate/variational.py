@@ -18,7 +18,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,18 +96,13 @@ class Freedoms:
             found[members, place] = True
         return found[:, list(self.part)]
 
-    def alike(self) -> Iterator[tuple[NDArray[np.intp], NDArray[np.intp]]]:
-        """Parts with as many freedoms as one another.
-
-        Yields:
-            Their places, P of them; and those of their freedoms, shape (P, f).
-        """
+    def alike(self) -> Iterator[NDArray[np.intp]]:
+        """Places of the freedoms of parts with as many as one another, shape (P, f)."""
         places: list[list[int]] = [[] for _ in self.members]
         for place, part in enumerate(self.part):
             places[part].append(place)
         for count in sorted({len(own) for own in places} - {0}):
-            chosen = [part for part, own in enumerate(places) if len(own) == count]
-            yield np.array(chosen), np.array([places[part] for part in chosen])
+            yield np.array([own for own in places if len(own) == count])
 
     def steps(self, tangents: FloatArray) -> FloatArray:
         """Steps of difference quotients along each direction in each part, shape (C, parts).
@@ -189,8 +183,8 @@ def flight_map(
     end = panel.interpolate(np.array([panel.t + length]))
     q, v = (np.vstack(pair) for pair in zip((panel.q, panel.v), end, strict=True))
     units, turned = tangents(system, q, v, panel.split, along)
-    changes = _Changes.of(system, phase, panel, along, (units[:, :-1], turned[:, :-1]))
-    found = _propagated(changes, panel, length, along)
+    slopes = _slopes(system, phase, panel, along, units[:, :-1], turned[:, :-1])
+    found = _propagated(slopes, panel, length, along)
     f, nv, each = len(along.columns), system.body.nv, list(along.direction)
     unit, turn = (np.where(along.own, part[each, -1].T, 0.0) for part in (units, turned))
     lifted = np.block([[unit, np.zeros((nv, f))], [turn, unit]])
@@ -199,64 +193,46 @@ def flight_map(
     return whole, lifted
 
 
-class _Changes(NamedTuple):
-    """Accelerations at the nodes of a panel beside those of the motion.
+def _slopes(
+    system: System,
+    phase: ConstraintSet,
+    panel: Panel,
+    along: Freedoms,
+    units: FloatArray,
+    turned: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """A and B at the nodes of a panel, of all coordinates: shapes (N, nv, C) [1/s^2, 1/s].
 
-    Attributes:
-        by_places: Along each direction at its places, shape (N, nv, C).
-        by_rates: At its rates, shape (N, nv, C).
-        aside: How far aside the places are, in each part, shape (C, parts).
-        faster: How much the rates differ, in each part, shape (C, parts).
+    Args:
+        units: What :func:`tangents` gives there, as does ``turned``.
     """
-
-    by_places: FloatArray
-    by_rates: FloatArray
-    aside: FloatArray
-    faster: FloatArray
-
-    @classmethod
-    def of(
-        cls,
-        system: System,
-        phase: ConstraintSet,
-        panel: Panel,
-        along: Freedoms,
-        tangent: tuple[FloatArray, FloatArray],
-    ) -> _Changes:
-        """Beside the motion of a panel, with what :func:`tangents` gives at its nodes."""
-        units, turned = tangent
-        count, nv, nodes_of = len(units), system.body.nv, panel.order
-        x = along.steps(units)
-        w = x * along.fastest(panel.v)
-        still = np.zeros((1, nodes_of, nv))
-        q = panel.q + np.concatenate([still, along.spread(x) * units, 0.0 * units])
-        v = panel.v + np.concatenate([still, along.spread(x) * turned, along.spread(w) * units])
-        # One call for all; the forces of the drives are those of the nodes.
-        motion = system.shaft.driven(panel.times, panel.middle)
-        forcing = np.tile(system.forcing(motion, phase), (2 * count + 1, 1))
-        a = system.respond(forcing, q.reshape(-1, nv), v.reshape(-1, nv), phase)
-        a = a.reshape(2 * count + 1, nodes_of, nv)
-        differences = np.moveaxis(a[1:] - a[0], 0, 2)
-        return cls(differences[:, :, :count], differences[:, :, count:], x, w)
-
-    def slopes(
-        self, parts: NDArray[np.intp], free: NDArray[np.intp]
-    ) -> tuple[FloatArray, FloatArray]:
-        """A and B of parts with f free coordinates each, (P, f): (P, N, f, f) [1/s^2, 1/s]."""
-        f = free.shape[1]
-        places = self.by_places[:, free, :f] / self.aside[:f, parts].T[:, None]
-        rates = self.by_rates[:, free, :f] / self.faster[:f, parts].T[:, None]
-        return np.moveaxis(places, 1, 0), np.moveaxis(rates, 1, 0)
+    count, nv, nodes_of = len(units), system.body.nv, panel.order
+    x = along.steps(units)
+    aside, faster = along.spread(x), along.spread(x * along.fastest(panel.v))
+    still = np.zeros((1, nodes_of, nv))
+    q = panel.q + np.concatenate([still, aside * units, 0.0 * units])
+    v = panel.v + np.concatenate([still, aside * turned, faster * units])
+    # One call for all; the forces of the drives are those of the nodes.
+    motion = system.shaft.driven(panel.times, panel.middle)
+    forcing = np.tile(system.forcing(motion, phase), (2 * count + 1, 1))
+    a = system.respond(forcing, q.reshape(-1, nv), v.reshape(-1, nv), phase)
+    a = a.reshape(2 * count + 1, nodes_of, nv)
+    steps = np.concatenate([aside, faster])
+    # No coordinate of a part without freedom moves.
+    slopes = np.moveaxis((a[1:] - a[0]) / np.where(steps > 0.0, steps, 1.0), 0, 2)
+    return slopes[:, :, :count], slopes[:, :, count:]
 
 
-def _propagated(changes: _Changes, panel: Panel, length: float, along: Freedoms) -> FloatArray:
+def _propagated(
+    slopes: tuple[FloatArray, FloatArray], panel: Panel, length: float, along: Freedoms
+) -> FloatArray:
     """Deviations dy, dy' after a length [s] by those at the start of a panel, (2 f, 2 f)."""
     count, columns = len(along.columns), np.array(along.columns, dtype=np.intp)
     whole = np.zeros((2 * count, 2 * count))
-    for parts, places in along.alike():
+    for places in along.alike():
         number, f = places.shape
-        slopes = changes.slopes(parts, columns[places])
-        flat = np.moveaxis(_variations(slopes, panel.h), 1, 0).reshape(panel.order, -1)
+        by_place, by_rate = (np.moveaxis(item[:, columns[places], :f], 1, 0) for item in slopes)
+        flat = np.moveaxis(_variations(by_place, by_rate, panel.h), 1, 0).reshape(panel.order, -1)
         integrals = evaluate_motion(flat, np.array([length / panel.h]))
         twice, once = (integral.reshape(number, f, 2 * f) for integral in integrals)
         one = np.eye(f)
@@ -267,9 +243,13 @@ def _propagated(changes: _Changes, panel: Panel, length: float, along: Freedoms)
     return whole
 
 
-def _variations(slopes: tuple[FloatArray, FloatArray], h: float) -> FloatArray:
-    """Accelerations of dy at the nodes for unit dy and dy' at the start, (P, N, f, 2 f)."""
-    places, rates = slopes
+def _variations(places: FloatArray, rates: FloatArray, h: float) -> FloatArray:
+    """Accelerations of dy at the nodes for unit dy and dy' at the start, (P, N, f, 2 f).
+
+    Args:
+        places: A of parts with f free coordinates each, shape (P, N, f, f) [1/s^2].
+        rates: B of these, likewise [1/s].
+    """
     number, count, f = places.shape[:3]
     grid = nodes(count)
     matrix = np.eye(count * f).reshape(count, f, count, f)
