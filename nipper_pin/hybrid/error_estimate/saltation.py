@@ -62,24 +62,19 @@ def impact_map(
     units, turned = (part[:, 0] for part in tangents(system, q[None], v[None], split, along))
     steps = along.steps(units[:, None])
     aside = np.vstack([q, q + steps * units])
-    laws, impulses = _laws(system, aside, split, struck, restitution)
+    laws = _laws(system, aside, split, struck, restitution)
     neighbours = np.vstack([v, v + steps * turned])[:, :, None]
-    after, pushed = (laws @ neighbours)[:, :, 0], (impulses @ neighbours)[:, :, 0]
-    law, impulse = laws[0], impulses[0]
+    after, law = (laws @ neighbours)[:, :, 0], laws[0]
     if slopes is not None:
         # Of the change with the rates, which the coefficients of these impacts leave out.
-        steeper, stronger = _laws(system, q[None], split, struck, slopes)
-        changed = (neighbours - neighbours[0])[:, :, 0]
-        after = after + changed @ (steeper[0] - law).T
-        pushed = pushed + changed @ (stronger[0] - impulse).T
-        law, impulse = steeper[0], stronger[0]
-    whole, pushes = np.zeros((2 * nv, 2 * nv)), np.zeros((len(struck), 2 * nv))
-    whole[:nv, y] = units.T
-    whole[nv:, y] = ((after[1:] - after[0]) / steps).T
-    whole[nv:, [nv + k for k in y]] = law @ units.T
-    pushes[:, y] = ((pushed[1:] - pushed[0]) / steps).T
-    pushes[:, [nv + k for k in y]] = impulse @ units.T
-    return whole, pushes
+        steeper = _laws(system, q[None], split, struck, slopes)[0]
+        after = after + (neighbours - neighbours[0])[:, :, 0] @ (steeper - law).T
+        law = steeper
+    found = np.zeros((2 * nv + len(struck), 2 * nv))
+    found[:nv, y] = units.T
+    found[nv:, y] = ((after[1:] - after[0]) / steps).T
+    found[nv:, [nv + k for k in y]] = law @ units.T
+    return found[: 2 * nv], found[2 * nv :]
 
 
 def pushed_by(system: System, q: Vector, stop: Stop, impulse: float) -> FloatArray:
@@ -97,8 +92,8 @@ def _laws(
     split: Partition,
     struck: Sequence[Stop],
     restitution: Sequence[float],
-) -> tuple[FloatArray, FloatArray]:
-    """Velocities after, (N, nv, nv), and impulses, (N, struck, nv), by the velocities before."""
+) -> FloatArray:
+    """Velocities after, then impulses of the stops, by velocities before: (N, nv + struck, nv)."""
     nv = system.body.nv
     mass, units = _free_mass(system, q, system.body.closures(q)[1], split, struck)
     gaps = np.zeros((len(struck), nv))
@@ -107,7 +102,7 @@ def _laws(
     response = np.linalg.solve(mass, np.swapaxes(rows, 1, 2))
     wanted = -(1.0 + np.array(restitution))[:, None] * gaps
     impulses = np.linalg.solve(rows @ response, np.broadcast_to(wanted, (len(q), *wanted.shape)))
-    return np.eye(nv) + units @ response @ impulses, np.asarray(impulses, dtype=np.float64)
+    return np.concatenate([np.eye(nv) + units @ response @ impulses, impulses], axis=1)
 
 
 def _free_mass(
@@ -150,10 +145,10 @@ def sequence_map(
         ImpactError: A neighbour has no impulses, or too many strikes.
     """
 
-    def outcome(q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def outcome(q: FloatArray, v: FloatArray) -> FloatArray:
         jacobian = system.body.closures(q[None])[1][0]
         impact = solve_impact(system, q, v, jacobian, contacts, most=_MOST_STRIKES)
-        return impact.v_after, np.array([impact.P_N[stop.name] for stop in pushed])
+        return np.array([*impact.v_after, *(impact.P_N[stop.name] for stop in pushed)])
 
     nv = system.body.nv
     _, jacobian = system.body.closures(q[None])
@@ -161,19 +156,15 @@ def sequence_map(
     split = system.split(jacobian[0], system.held_coordinates, columns)
     along = Freedoms.struck(system, split, contacts)
     units, turned = (part[:, 0] for part in tangents(system, q[None], v[None], split, along))
-    after, impulses = outcome(q, v)
-    whole, pushes = np.zeros((2 * nv, 2 * nv)), np.zeros((len(pushed), 2 * nv))
+    after, found = outcome(q, v), np.zeros((2 * nv + len(pushed), 2 * nv))
     step = DIFFERENCE_STEP * float(np.abs(v[along.members[0]]).max())
     for k, unit, turn in zip(along.columns, units, turned, strict=True):
         size = max(float(np.abs(unit).max()), 1.0)
         aside, quick = DIFFERENCE_STEP / size, step / size
-        moved = outcome(q + aside * unit, v + aside * turn)
-        faster = outcome(q, v + quick * unit)
-        whole[:nv, k] = unit
-        whole[nv:, k], pushes[:, k] = (moved[0] - after) / aside, (moved[1] - impulses) / aside
-        whole[nv:, nv + k] = (faster[0] - after) / quick
-        pushes[:, nv + k] = (faster[1] - impulses) / quick
-    return whole, pushes
+        found[:nv, k] = unit
+        found[nv:, k] = (outcome(q + aside * unit, v + aside * turn) - after) / aside
+        found[nv:, nv + k] = (outcome(q, v + quick * unit) - after) / quick
+    return found[: 2 * nv], found[2 * nv :]
 
 
 class StrikeError(NamedTuple):
