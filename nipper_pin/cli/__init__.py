@@ -6,7 +6,6 @@ import argparse
 import contextlib
 import errno
 import os
-import re
 import select
 import shutil
 import sys
@@ -14,7 +13,7 @@ import textwrap
 import warnings
 from collections.abc import Mapping, Sequence
 from importlib import import_module
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 # In several threads BLAS adds up in another order, so the last bits of a result would depend on the
 # environment. BLAS reads this once, when numpy is imported.
@@ -116,15 +115,8 @@ def _ended(words: list[str], commands: Commands) -> int:
 def _run(words: list[str], commands: Commands) -> None:
     if words[:1] == ["help"]:
         words = [*words[1:], "--help"]
-    if commands is NIPPER_PIN and words[:1] == ["study"]:
-        message = (
-            "there is no command 'study': nipper-pin speed-limit tells how fast a machine can run, "
-            "and python -m benchmarks paper, in a checkout, does the published study again"
-        )
-        raise InputError(message, command="study")
-    named = next((word for word in words[:1] if word in commands.places), None)
     try:
-        options = _options(words, named, commands)
+        options = _options(words, commands)
     except SystemExit:
         sys.stdout.flush()
         raise
@@ -134,29 +126,37 @@ def _run(words: list[str], commands: Commands) -> None:
         options.run(options)
 
 
-def _options(words: list[str], named: str | None, commands: Commands) -> argparse.Namespace:
-    """The arguments of a command; an option or a command that does not exist names the nearest."""
+class _Parser(argparse.ArgumentParser):
+    """Takes no option twice, names the nearest to one that is none, and reads numbers as files."""
+
+    def __init__(self, **how: Any) -> None:
+        super().__init__(**how)
+        # Python's own take 1_0 and digits of other scripts for numbers.
+        self.register("type", float, read_number)
+        self.register("type", int, read_whole)
+        for stored in (None, "store"):
+            self.register("action", stored, Once)
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Refuse what is left over where it is found: by the parser of the command."""
+        found, left = super().parse_known_args(args, namespace)
+        if left:
+            near = meant(left[0].partition("=")[0], self._option_string_actions)
+            self.error(f"unrecognized arguments: {' '.join(left)}; {near}-h lists the options")
+        return found, left
+
+
+def _options(words: list[str], commands: Commands) -> argparse.Namespace:
+    """The arguments of a command; one that does not exist names the nearest."""
+    named = words[0] if words and words[0] in commands.places else None
     parser = _parser(named, commands)
     if words and named is None and not words[0].startswith("-"):
         there = f"{meant(words[0], commands.places)}There are {', '.join(commands.places)}"
         parser.error(f"there is no command {words[0]!r}; {there}")
-    option = words[0].partition("=")[0] if words and named is None else ""
-    known = ["-h", "--help", *_long_options(parser)]
-    if option and not any(name.startswith(option) for name in known):
-        parser.error(f"there is no option {option!r}; {meant(option, known)}-h lists them")
-    options, left = parser.parse_known_args(words)
-    if left:
-        of_command = argparse.ArgumentParser(prog=f"{commands.program} {options.command}")
-        place, _ = commands.places[options.command]
-        import_module(place, __package__).add_arguments(of_command)
-        near = meant(left[0].partition("=")[0], _long_options(of_command))
-        of_command.error(f"unrecognized arguments: {' '.join(left)}; {near}-h lists the options")
+    options = parser.parse_args(words)
+    if options.command is None:
+        parser.error("the following arguments are required: COMMAND")
     return options
-
-
-def _long_options(parser: argparse.ArgumentParser) -> list[str]:
-    """Options that a parser takes, but for its help."""
-    return re.findall(r"--[a-z][a-z-]*", parser.format_usage())
 
 
 def _unwritten(error: OSError) -> int:
@@ -216,21 +216,16 @@ def _say(text: str) -> None:
 
 def _parser(command: str | None = None, commands: Commands = NIPPER_PIN) -> argparse.ArgumentParser:
     """Return the parser of one command or of all; only the modules of that command are imported."""
-    parser = argparse.ArgumentParser(prog=commands.program, description=commands.description)
+    parser = _Parser(prog=commands.program, description=commands.description)
     if commands is NIPPER_PIN:
         parser.add_argument("--version", action="version", version=f"nipper-pin {__version__}")
         parser.add_argument(
             "--print-completion", action=PrintCompletion, every=_parser, choices=SHELLS,
             metavar="SHELL", help=f"print how a shell completes: {', '.join(SHELLS)}",
         )  # fmt: skip
-    subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    subparsers = parser.add_subparsers(dest="command", metavar="COMMAND")
     for name, (place, text) in commands.places.items():
         of_command = subparsers.add_parser(name, help=text)
-        # Python's own take 1_0 and digits of other scripts for numbers.
-        of_command.register("type", float, read_number)
-        of_command.register("type", int, read_whole)
-        for stored in (None, "store"):
-            of_command.register("action", stored, Once)
         if command in (None, name):
             import_module(place, __package__).add_arguments(of_command)
     return parser

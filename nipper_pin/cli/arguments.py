@@ -166,40 +166,27 @@ def ask_back(mechanism: Mechanism, model: str, given: Mapping[str, object]) -> N
     """Refuse a stiffness without a unit that reads like N/mm of a machine in N/m.
 
     Args:
-        mechanism: The machine with the new values.
         model: Its model, which is read once more where it is needed.
         given: New values by path or shortcut.
 
     Raises:
         InputError: A bare number is a hundredth of the model's own or less.
     """
-    asked = [
-        name
-        for name, value in given.items()
-        if mechanism.shortcuts.get(name, name).endswith(_PER_M)
-        and (isinstance(value, float) or _is_bare(value))
-    ]
-    if not asked:
-        return
-    try:
-        own = load(model)
-    except NipperError:
-        # Only the new values make it a machine, so that there is no number to compare with.
-        return
-    for name in asked:
-        number = float(str(given[name]))
-        before = number_of(own, own.shortcuts.get(name, name))
+    for name, value in given.items():
+        path, number = mechanism.shortcuts.get(name, name), number_or_text(str(value))
+        if not path.endswith(_PER_M) or isinstance(number, str):
+            continue
+        try:
+            before = number_of(load(model), path)
+        except NipperError:
+            # Only the new values make it a machine, so that there is no number to compare with.
+            return
         if 0.0 < number <= before / _TOO_SOFT:
             message = (
                 f"{name} = {number:g} without a unit is {number:g} N/m, and the model has "
                 f"{before:g} N/m: write {number:g}N/mm, or {number:g}N/m if that is meant"
             )
             raise InputError(message, argument=name)
-
-
-def _is_bare(value: object) -> bool:
-    """Whether a text is a number without a unit."""
-    return isinstance(value, str) and isinstance(number_or_text(value), float)
 
 
 def overrides(options: argparse.Namespace) -> dict[str, object]:
@@ -281,11 +268,7 @@ def need_suffix(option: str, file: str | None, suffix: str) -> None:
 
 
 def check_outputs(folder: str | None, document: str | None) -> None:
-    """Refuse files that cannot be written, before anything is computed.
-
-    Args:
-        folder: Folder of files, or None.
-        document: File of the JSON document, - for stdout, or None.
+    """Refuse a folder and a document (- is stdout) that cannot be written, before the computation.
 
     Raises:
         InputError: One of them cannot be written.
@@ -302,7 +285,6 @@ def check_figure(file: str | None, extra: str, what: str) -> None:
     """Refuse a figure that cannot be drawn or written, before anything is computed.
 
     Args:
-        file: Its file, or None.
         extra: The extra of the command that draws it.
         what: What it is, the beginning of a sentence.
 

@@ -42,12 +42,7 @@ def write_figure(figure: Figure, path: str | Path) -> Path:
 
 
 def save_figure(figure: Figure, path: Path, kind: str) -> None:
-    """Write a figure, whose texts are drawn as they stand.
-
-    Args:
-        figure: The figure, complete but not yet drawn.
-        kind: One of :data:`FORMATS`.
-    """
+    """Write a figure that is not yet drawn in a format; its texts are drawn as they stand."""
     # Without a salt matplotlib draws the names of an SVG's parts by lot.
     with rc_context({"svg.hashsalt": "nipper_pin"}):
         plain(figure).savefig(path, format=kind, metadata=_UNDATED.get(kind))

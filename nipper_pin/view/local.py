@@ -47,11 +47,7 @@ def refused_port(port: int, error: Exception) -> InputError:
 
 
 def announce(what: str, port: int, *, browser: bool) -> None:
-    """Say on stdout where something is served.
-
-    Args:
-        browser: Whether to open it in the user's browser as well.
-    """
+    """Say on stdout where something is served, and open it in the user's browser if asked."""
     address = f"http://{HOST}:{port}/"
     sys.stdout.write(f"the {what} is at {address} ; Ctrl-C ends\n")
     sys.stdout.flush()

@@ -29,23 +29,14 @@ def shown(mechanism: Mechanism, name: str) -> Shown:
 
 
 def coordinate_shown(mechanism: Mechanism, index: int, *, small: bool = False) -> Shown:
-    """How people read a coordinate: an angle or a stroke.
-
-    Args:
-        index: Its place in q.
-        small: Whether it is one of rebounds, which are small.
-    """
+    """How people read a coordinate, by its place in q; those of rebounds are small."""
     file_unit = coordinate_unit(mechanism, index)
     unit, factor = shown_in(file_unit, small=small)
     return Shown(words="stroke" if file_unit == "m" else "angle", unit=unit, factor=factor)
 
 
 def stiffness_shown(mechanism: Mechanism, index: int) -> Shown:
-    """How people read the rate of a spring on a joint.
-
-    Args:
-        index: Its place in q.
-    """
+    """How people read the rate of a spring, by the place of its joint in q."""
     turns = coordinate_unit(mechanism, index) == "rad"
     unit, factor = shown_in("N m/rad" if turns else "N/m")
     return Shown(words="stiffness", unit=unit, factor=factor)
@@ -68,10 +59,6 @@ def lips_phrase(mechanism: Mechanism, stop: Stop, gap: float | None) -> str:
 
 
 def rate_shown(mechanism: Mechanism, index: int) -> Shown:
-    """How people read the rate of a coordinate.
-
-    Args:
-        index: Its place in q.
-    """
+    """How people read the rate of a coordinate, by its place in q."""
     unit, factor = shown_in(f"{coordinate_unit(mechanism, index)}/s")
     return Shown(words="rate", unit=unit, factor=factor)

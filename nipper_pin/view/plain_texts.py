@@ -10,11 +10,7 @@ from matplotlib.ticker import FixedLocator
 
 
 def plain(figure: Figure) -> Figure:
-    """Return a figure whose texts are read as they stand; powers of ten beside axes stay formulas.
-
-    Args:
-        figure: The figure, complete but not yet drawn.
-    """
+    """Have the texts of a figure read as they stand; powers of ten beside axes stay formulas."""
     _make_plain(figure)
     return figure
 

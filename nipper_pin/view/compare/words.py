@@ -89,11 +89,7 @@ def index_text(difference: float, decimals: int = 3) -> str:
 
 
 def percent_text(percent: float) -> str:
-    """A difference in per cent with its sign.
-
-    Args:
-        percent: The difference [%].
-    """
+    """A difference in per cent with its sign."""
     size = abs(percent)
     if size < _LEAST_PERCENT:
         return "< 0.01 %"

@@ -58,7 +58,6 @@ def answer(mechanism: Mechanism, controls: Sequence[Knob], shown: Mapping[str, f
     """Simulate the transition of one setting by the direct engine.
 
     Args:
-        mechanism: The mechanism as loaded.
         shown: Values of the knobs in their units, by key.
 
     Returns:

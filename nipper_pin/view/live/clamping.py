@@ -16,13 +16,10 @@ _POINTS = 9
 
 
 def followed_on(solution: Solution) -> Solution:
-    """The transition and one index more, in which the stop stays closed unless it opens before.
+    """A transition to rest and one index more, in which the stop is closed unless it opens before.
 
     Events stay those of the transition. Where the machine cannot be followed further, so does all
     else: the transition itself is not in doubt.
-
-    Args:
-        solution: A transition that ended at rest.
     """
     end = solution.events[-1].t + solution.shaft.period / INDEX_PER_TURN
     try:
@@ -32,11 +29,7 @@ def followed_on(solution: Solution) -> Solution:
 
 
 def gap_line(solution: Solution) -> tuple[FloatArray, FloatArray]:
-    """Times [s] and gaps of the transition stop [rad or m], each shape (K,).
-
-    Args:
-        solution: A transition, and what follows it.
-    """
+    """Times [s] and gaps of the transition stop [rad or m], each shape (K,)."""
     stop = solution.mechanism.stop(solution.mechanism.transition_stop)
     if not solution.segments:
         return np.zeros(1), np.zeros(1)
@@ -50,9 +43,6 @@ def force_line(solution: Solution) -> tuple[FloatArray, FloatArray]:
     """Times [s] and clamping forces [N; N m along a hinge without contact], each shape (K,).
 
     The force is zero while the jaw flies, and jumps where it comes to rest.
-
-    Args:
-        solution: A transition, and what follows it.
     """
     name, rest = solution.mechanism.transition_stop, solution.events[-1].t
     end = solution.segments[-1].t_end if solution.segments else 0.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 from ...arrays import FloatArray
@@ -12,7 +13,6 @@ from ..naming import contact_shown, coordinate_shown
 from ..reading import gap_noun
 from ..scene.readings import rounded, ticks
 from .answer import Answer
-from .axes import DECADES, SteadyAxis
 from .memory import Kept, Memory
 
 PINNED, BEFORE, NOW = "#E69F00", "#A6CDE6", "#0072B2"
@@ -22,11 +22,48 @@ _Record = dict[str, object]
 _LineOf = Callable[[Answer], FloatArray]
 
 
+_STEPS, _DECADES = (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0), (1.0, 10.0)
+"""Round numbers of a decade, for linear and for logarithmic axes."""
+
+
+def _round_above(value: float, steps: tuple[float, ...] = _STEPS) -> float:
+    """The least round number that is not below a positive value."""
+    power = 10.0 ** math.floor(math.log10(value))
+    # Nine digits, so that a round number is not below itself by round-off.
+    least = float(f"{value / power:.9g}")
+    return float(f"{power * next(step for step in steps if step >= least):.12g}")
+
+
+class _Axis:
+    """End of an axis.
+
+    Args:
+        steps: Round numbers that it may have.
+        room: Room above the largest value when it has to grow.
+
+    Attributes:
+        top: The end; 1 before anything is shown.
+    """
+
+    def __init__(self, steps: tuple[float, ...] = _STEPS, room: float = 1.02) -> None:
+        """Begin without a length."""
+        self.top = 1.0
+        self._steps, self._room, self._fresh = steps, room, True
+
+    def hold(self, needed: float) -> None:
+        """Grow, if the largest value of all that is shown would not fit."""
+        if needed > 0.0 and (self._fresh or needed > self.top):
+            self.top, self._fresh = _round_above(self._room * needed, self._steps), False
+
+    def forget(self) -> None:
+        """Fit what is held next, also if it is smaller."""
+        self._fresh = True
+
+
 class Curves:
     """Jaw angle with the gap at the contact, clamping force and impulses over one time.
 
     Args:
-        mechanism: The mechanism as loaded.
         slow: Seconds of the film in a second of the machine.
     """
 
@@ -41,9 +78,9 @@ class Curves:
         self._gap = (f"{stop.name} {gap_noun(mechanism, stop)}", f"[{term.unit}]")
         self._force = ("clamping", f"force [{unit}]")
         self._impulse = ("impulse", f"[{unit} s]")
-        self._time, self._high, self._most = SteadyAxis(), SteadyAxis(), SteadyAxis()
+        self._time, self._high, self._most = _Axis(), _Axis(), _Axis()
         # Ends of the logarithmic axis: the upper one, and the reciprocal of the lower one.
-        self._largest, self._least = (SteadyAxis(DECADES, 1.001) for _ in range(2))
+        self._largest, self._least = (_Axis(_DECADES, 1.001) for _ in range(2))
 
     def forget(self) -> None:
         """Fit the axes to what is shown next."""

@@ -41,12 +41,7 @@ class Memory:
         return self.pinned or self.before
 
     def take(self, now: float, answer: Answer, turn: Rows) -> None:
-        """Show another answer; the one before stays if a new change begins.
-
-        Args:
-            now: Time at which it comes [s].
-            turn: Numbers of its whole turn.
-        """
+        """Show an answer that comes at a time [s]; the one before stays if a new change begins."""
         begins = now - self._changed > ONE_CHANGE
         if begins and self.present is not None and not self.present.answer.message:
             self.before = self.present

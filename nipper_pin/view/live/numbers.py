@@ -33,10 +33,7 @@ Rows = tuple[Number, ...]
 
 
 def difference(now: Number, other: Number | None) -> str:
-    """The difference of a number to that of another setting: per cent, or indices.
-
-    Args:
-        other: The same of the other setting; None if that has none.
+    """The difference of a number to that of another setting, if that has one: per cent, or indices.
 
     Returns:
         With its sign; empty where there is nothing to compare, or no number of which it is a part.
@@ -53,11 +50,7 @@ def difference(now: Number, other: Number | None) -> str:
 
 
 def told(rows: Sequence[Number], others: Sequence[Number] = ()) -> list[tuple[str, ...]]:
-    """Key, label, text and difference of each row.
-
-    Args:
-        others: Rows of the setting that they are compared with.
-    """
+    """Key, label, text and difference of each row, to those of another setting."""
     known = {item.key: item for item in others}
     return [
         (item.key, item.label, item.text, difference(item, known.get(item.key))) for item in rows

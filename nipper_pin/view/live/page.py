@@ -23,11 +23,7 @@ _CONNECT = "data: blob: 'self'"
 
 
 def shown_live(mechanism: Mechanism, speed_rpm: float) -> tuple[Shown, str]:
-    """What all browsers are shown, and the page that they begin with.
-
-    Args:
-        mechanism: The mechanism; its values are where the sliders start.
-        speed_rpm: Speed at which the slider starts [r/min].
+    """What all browsers are shown, and the page that they begin with, at a speed [r/min].
 
     Raises:
         InputError: The mechanism has no transition, or cannot be drawn.

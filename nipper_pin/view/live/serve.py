@@ -36,10 +36,8 @@ def serve_live(mechanism: Mechanism, speed_rpm: float, port: int, *, browser: bo
     """Serve the page until Ctrl-C, and say where on stdout.
 
     Args:
-        mechanism: The mechanism; its values are where the sliders start.
         speed_rpm: Speed at which the slider starts [r/min].
         port: Port of this machine; 0 for any that is free.
-        browser: Whether to open the page in the user's browser.
 
     Raises:
         InputError: The port cannot be used, or the mechanism has no transition.

@@ -46,11 +46,7 @@ class Knob:
 
 
 def knobs(mechanism: Mechanism, speed_rpm: float) -> tuple[Knob, ...]:
-    """Sliders of a mechanism: speed, restitution, and rate and preload of every spring.
-
-    Args:
-        mechanism: The mechanism; its values are where the sliders start.
-        speed_rpm: Speed at which the slider starts [r/min].
+    """Sliders of a mechanism: speed [r/min], restitution, and rate and preload of every spring.
 
     Raises:
         InputError: The mechanism has no transition that could be shown, or the speed cannot be
@@ -97,20 +93,12 @@ def larger_knob(start: float) -> Knob:
 
 
 def in_si(controls: Sequence[Knob], values: Mapping[str, float]) -> dict[str, float]:
-    """Values in SI units, by key.
-
-    Args:
-        values: Values in the units of their knobs, by key.
-    """
+    """Values in SI units, of those in the units of their knobs, by key."""
     return {item.key: values[item.key] / item.shown.factor for item in controls}
 
 
 def changed(mechanism: Mechanism, values: Mapping[str, float]) -> Mechanism:
-    """The mechanism with the values of a setting; its tree is not built again.
-
-    Args:
-        values: Values in SI units, by key of the knobs.
-    """
+    """The mechanism with the values of a setting, in SI units; its tree is not built again."""
     return retuned(
         mechanism,
         restitution={mechanism.transition_stop: values[RESTITUTION]},

@@ -31,12 +31,7 @@ _DIRECT = "none; simulate --window cycle takes the direct one"
 
 
 class WholeTurns:
-    """Turns of the settings of a page.
-
-    Args:
-        mechanism: The mechanism as loaded.
-        controls: The knobs.
-    """
+    """Turns of the settings of a page."""
 
     def __init__(self, mechanism: Mechanism, controls: Sequence[Knob]) -> None:
         """Prepare; nothing is made before :meth:`start`."""
@@ -44,11 +39,7 @@ class WholeTurns:
         self._why: str | None = None
 
     def start(self, told: Callable[[], None]) -> None:
-        """Make the tables, in a thread that ends with the process.
-
-        Args:
-            told: Called, in that thread, when they are there.
-        """
+        """Make the tables, in a thread that ends with the process, and tell there when it has."""
 
         def make() -> None:
             self._why = unusable(self._mechanism)
@@ -57,11 +48,7 @@ class WholeTurns:
         threading.Thread(target=make, daemon=True).start()
 
     def rows(self, shown: Mapping[str, float]) -> Rows:
-        """Rows of a setting, or that they are to come.
-
-        Args:
-            shown: Values of the knobs in their units, by key.
-        """
+        """Rows of a setting, in the units of its knobs, or that they are to come."""
         if self._why is None:
             return (Number("turn", "whole turn", _PENDING),)
         return turn_rows(self._mechanism, self._controls, shown, self._why)
@@ -87,7 +74,6 @@ def turn_rows(
     """Numbers of the whole turn of one setting.
 
     Args:
-        mechanism: The mechanism as loaded.
         shown: Values of the knobs in their units, by key.
         why: Why there are no tables; empty if there are.
 

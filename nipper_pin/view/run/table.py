@@ -38,7 +38,6 @@ def print_solution(
     Times count from the start of the run. Of many turns the first two are printed.
 
     Args:
-        console: Where to print, of any width.
         with_forces: Print the ranges of the forces of closed stops, too.
         turns: The command that simulates whole turns of the same settings.
     """

@@ -166,7 +166,6 @@ def exaggerated(solution: Solution, t: FloatArray, q: FloatArray, factor: float)
     opening are drawn as they are.
 
     Args:
-        solution: The solution that the configurations belong to.
         t: Times of the configurations [s], shape (K,).
         q: Configurations of the machine, shape (K, nv).
         factor: Factor on the gap of rebounds [-].

@@ -24,9 +24,6 @@ _FRAMES = 200  # of a film that are looked at, evenly spaced on the machine's cl
 def corners(shown: Film, drawn: Sequence[Solid]) -> FloatArray:
     """Corners of what stands, and of boxes around what moves in frames all over a film.
 
-    Args:
-        drawn: What the mechanism is drawn with.
-
     Returns:
         Shape (N, 3) [m].
 

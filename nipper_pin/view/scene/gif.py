@@ -64,10 +64,6 @@ _SAMPLES = 8  # pictures that the palette is made of
 def write_gif(solution: Solution, path: str | Path, look: Look | None = None) -> Path:
     """Write a solution as a GIF in side view: the film of the page, ten pictures a second.
 
-    Args:
-        path: File to write; it appears only when it is complete.
-        look: How the solution is shown.
-
     Raises:
         InputError: There is nothing to show, the film is longer than two minutes, a mesh cannot be
             read, or the file cannot be written.

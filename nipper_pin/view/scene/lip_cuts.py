@@ -34,11 +34,7 @@ class LipCut:
 
 
 def lip_cuts(mechanism: Mechanism, drawn: Sequence[Solid], across: float) -> list[LipCut]:
-    """Cut all solids of moving links.
-
-    Args:
-        drawn: What the mechanism is drawn with.
-        across: Place of the plane along the hinge [m].
+    """Cut all solids of moving links by a plane, at its place along the hinge [m].
 
     Raises:
         InputError: A mesh cannot be read.

@@ -95,14 +95,7 @@ def _surface(solid: Solid) -> FloatArray:
 
 
 def coil(radius: float) -> tuple[FloatArray, NDArray[np.intp]]:
-    """A coil around z from 0 to 1, scaled along z to its length.
-
-    Args:
-        radius: Outer radius [m].
-
-    Returns:
-        As :func:`mesh_of`.
-    """
+    """A coil around z from 0 to 1, of an outer radius [m], as :func:`mesh_of`."""
     turn = 2.0 * np.pi * np.arange(_TURNS * _STEPS + 1) / _STEPS
     along = np.linspace(0.0, 1.0, len(turn))
     wire, around = _WIRE * radius, 2.0 * np.pi * np.arange(6) / 6.0
@@ -118,12 +111,7 @@ def coil(radius: float) -> tuple[FloatArray, NDArray[np.intp]]:
 
 
 def as_stl(corners: FloatArray, faces: NDArray[np.intp]) -> bytes:
-    """A mesh as a binary STL file.
-
-    Args:
-        corners: Shape (N, 3) [m].
-        faces: Shape (F, 3).
-    """
+    """A mesh, as that of :func:`mesh_of`, as a binary STL file."""
     rows = np.zeros(len(faces), dtype=_FACE)
     rows["corners"] = corners[faces]
     a, b, c = (corners[faces[:, place]] for place in range(3))

@@ -9,6 +9,7 @@ from typing import Any
 import meshcat.commands as commands
 import meshcat.geometry as geometry
 import numpy as np
+from meshcat.path import Path
 from numpy.typing import NDArray
 
 from ...arrays import FloatArray
@@ -126,7 +127,7 @@ def _object(
     kind = geometry.MeshBasicMaterial if glow else geometry.MeshPhongMaterial
     # Both sides: a spring that is drawn shorter, or a mirrored mesh, turns its faces round.
     material = kind(color=number, side=2) if glow else kind(color=number, side=2, shininess=40)
-    command: dict[str, Any] = commands.SetObject(shape, material, _Path(path)).lower()
+    command: dict[str, Any] = commands.SetObject(shape, material, Path((path,))).lower()
     for item in command["object"]["geometries"]:
         # The viewer complains of the name that this version of the library still writes.
         if item["type"] == "_meshfile":
@@ -135,16 +136,5 @@ def _object(
 
 
 def _transform(path: str, place: FloatArray) -> dict[str, object]:
-    command: dict[str, object] = commands.SetTransform(place, _Path(path)).lower()
-    command["matrix"] = [float(value) for value in place.T.flatten()]
+    command: dict[str, object] = commands.SetTransform(place, Path((path,))).lower()
     return command
-
-
-class _Path:
-    """The method of a path that meshcat's commands call."""
-
-    def __init__(self, text: str) -> None:
-        self._text = text
-
-    def lower(self) -> str:
-        return f"/{self._text}"

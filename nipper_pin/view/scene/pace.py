@@ -78,11 +78,7 @@ def paced(events: FloatArray, end: float, period: float, slow: float | None) -> 
 
 
 def steady(solution: Solution, slow: float) -> Pace:
-    """Frames of a film that is equally slow from its start to its end.
-
-    Args:
-        slow: Stretch of time [-].
-    """
+    """Frames of a film that is equally slow from its start to its end."""
     end = shown_until(solution)
     events = [event.t for event in solution.events if event.t <= end]
     count = min(int(FRAMES_PER_SECOND * slow * end) + 2, _MOST_FRAMES)
@@ -91,12 +87,7 @@ def steady(solution: Solution, slow: float) -> Pace:
 
 
 def round_slow(end: float, longest: float) -> float:
-    """The largest round stretch of time with which a film takes no longer than it may.
-
-    Args:
-        end: End of the film on the machine's clock [s].
-        longest: Longest playback [s].
-    """
+    """The largest round stretch of time with which a time [s] takes no longer than it may [s]."""
     return next((slow for slow in _SLOW if slow * end <= longest), _SLOW[-1])
 
 

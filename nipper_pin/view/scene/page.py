@@ -86,10 +86,8 @@ def assembled(
 
 def background() -> list[dict[str, object]]:
     """Messages that make the viewer's scene an empty page; its script colours the background."""
-    return [
-        _property("Grid", "visible", False),
-        _property("Axes", "visible", False),
-    ]
+    return [{"type": "set_property", "path": f"/{path}", "property": "visible", "value": False}
+            for path in ("Grid", "Axes")]  # fmt: skip
 
 
 def machine_messages(mechanism: Mechanism, drawn: Sequence[Solid]) -> list[dict[str, Any]]:
@@ -101,10 +99,6 @@ def machine_messages(mechanism: Mechanism, drawn: Sequence[Solid]) -> list[dict[
         sent += arrow_commands(mechanism, stop)
     sent += (strut_command(mechanism, strut) for strut in mechanism.struts)
     return sent
-
-
-def _property(path: str, name: str, value: object) -> dict[str, object]:
-    return {"type": "set_property", "path": f"/{path}", "property": name, "value": value}
 
 
 def cameras(*shown: tuple[Film, Sequence[Solid]]) -> dict[str, object]:

@@ -18,12 +18,11 @@ from ...units import MS_PER_S
 from ..naming import contact_shown, coordinate_shown
 from ..phases import intervals
 from ..reading import case_text, force_name, gap_noun
-from .arrows import arrow_stops
+from .arrows import arrow_body, arrow_place, arrow_stops
 from .closeup import close_up
 from .curves import Curve, curves
-from .film import Film, drawn_limit
-from .names import names
-from .objects import arrow_path
+from .film import Film, bouncing_stop, drawn_limit
+from .objects import arrow_path, body_path
 
 _DIGITS = 6
 _ROUND_OFF = 1e-12
@@ -67,9 +66,29 @@ def readings(film: Film) -> dict[str, Any]:
             for t, tick in ticks(last) if t >= pace.machine[0]
         ],
         "curves": [curve_record(curve) for curve in curves(film)],
-        "names": names(mechanism),
+        "names": _names(mechanism),
         "arrows": [arrow_path(mechanism, stop).split("/") for stop in arrow_stops(mechanism)],
     }  # fmt: skip
+
+
+def _names(mechanism: Mechanism) -> list[dict[str, object]]:
+    """Names in the picture, the nodes that they move with, and their places in these [m]."""
+    model = mechanism.model
+    found = []
+    for body, joint in enumerate(mechanism.joints):
+        centre = model.inertias[body + 1].lever
+        found.append(_name(mechanism, body, joint.child, centre.tolist()))
+    stop = bouncing_stop(mechanism)
+    if stop is not None and stop.contact is not None:
+        place = arrow_place(mechanism, stop)[:3, 3].tolist()
+        found.append(_name(mechanism, arrow_body(mechanism, stop), f"contact of the {stop.name}",
+                           place))  # fmt: skip
+    return found
+
+
+def _name(mechanism: Mechanism, body: int, text: str, place: list[float]) -> dict[str, object]:
+    path = body_path(mechanism, body).split("/")
+    return {"text": text.replace("_", " "), "path": path, "place": place}
 
 
 def drawing(film: Film) -> dict[str, Any]:
@@ -165,10 +184,6 @@ def _limit(film: Film) -> str:
 
 
 def rounded(values: FloatArray) -> list[float]:
-    """Rounded numbers; round-off beside the largest of them is zero.
-
-    Args:
-        values: The numbers, shape (K,).
-    """
+    """Rounded numbers, of shape (K,); round-off beside the largest of them is zero."""
     least = _ROUND_OFF * float(np.abs(values).max(initial=0.0))
     return [float(f"{value:.{_DIGITS}g}") if abs(value) > least else 0.0 for value in values]

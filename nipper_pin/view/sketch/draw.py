@@ -99,13 +99,7 @@ def drawn(shown: Sketch) -> Figure:
 
 
 def symbols(axes: Axes, shown: Sketch, size: float) -> Symbols:
-    """Draw links, joints, springs and stops.
-
-    Args:
-        axes: Where, in mm.
-        shown: What is drawn.
-        size: Size of the drawing [mm].
-    """
+    """Draw links, joints, springs and stops in axes of a size, both in mm."""
     made = Symbols()
     _links(axes, shown, made)
     _crank(axes, shown, made)

@@ -23,7 +23,6 @@ def print_report(
 
     Args:
         steps: What is missing, and commands to run next.
-        console: Where to print, of any width.
         provenance: Print where each number comes from, too.
     """
     mechanism = report.mechanism

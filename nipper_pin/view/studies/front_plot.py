@@ -21,11 +21,7 @@ _NOTHING = "no limit"
 
 
 def front_figure(optimum: Optimum) -> Figure:
-    """Draw the second aim across, the first one upwards, and below what belongs to each design.
-
-    Args:
-        optimum: An optimum with a front.
-    """
+    """Draw a front: the second aim across, the first upwards, below what belongs to each design."""
     problem = optimum.problem
     rows = _rows(optimum)
     heights = [_FRONT_IN, 0.15 + _ROW_IN * len(rows)]

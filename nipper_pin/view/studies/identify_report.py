@@ -31,14 +31,7 @@ def print_fit(
     profiles: Sequence[Profile],
     console: Console,
 ) -> None:
-    """Print what was identified, how good it is and what the targets determine.
-
-    Args:
-        judged: How good it is.
-        known: What the targets determine.
-        profiles: Profile likelihoods.
-        console: Where to print; 80 columns are enough.
-    """
+    """Print what was identified, how good it is and what the targets determine."""
     problem = fit.objective.problem
     say(console, problem.title, style="bold")
     same = sum(item.cost < fit.best.cost * (1.0 + _SAME) for item in fit.descents)

@@ -11,7 +11,8 @@ from ...errors import InputError, UnknownNameError
 from ...outputs import complete_folder
 from ...study.sweep import read_sweep
 from ..figure_file import save_figure
-from .sweep_figures import Parameter, Quantity, level_lines, main_effects
+from .sweep_columns import Parameter, Quantity
+from .sweep_figures import level_lines, main_effects
 
 # Rows that are read.
 _MOST_ROWS = 1_000_000

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ....arrays import FloatArray
-from ....hybrid import START_INDEX
-from ....hybrid.result.turns import INDICES
-from ....mechanism import counted_from, within_turn
-from ....study.sweep import SweepTable
-from ....terms import NONE, Shown, named
+from ...arrays import FloatArray
+from ...hybrid import START_INDEX
+from ...hybrid.result.turns import INDICES
+from ...mechanism import counted_from, within_turn
+from ...study.sweep import SweepTable
+from ...terms import NONE, Shown, named
 
 # Cells of a sampled parameter: enough scenarios in each, and not more than can be seen.
 _FEWEST = 4
@@ -62,23 +62,19 @@ class Parameter:
 
     Attributes:
         name: Its name in the study.
-        shown: Its words and its unit for people, in which all of the following are.
+        shown: Its words and its unit for people.
         log: Whether its scale is logarithmic.
-        x: Value of every scenario, shape (rows,).
         cell: Cell of every scenario, shape (rows,).
-        centres: Middles of the cells, shape (cells,); those of a grid are its values.
+        centres: Middles of the cells in that unit, shape (cells,); those of a grid are its values.
         grid: Whether its values are those of a grid.
-        ends: Its least and its largest value.
     """
 
     name: str
     shown: Shown
     log: bool
-    x: FloatArray
     cell: NDArray[np.int64]
     centres: FloatArray
     grid: bool
-    ends: tuple[float, float]
 
     @classmethod
     def of(cls, sweep: SweepTable, place: int) -> Parameter:
@@ -90,13 +86,13 @@ class Parameter:
         if axis["values"]:
             centres = np.unique(np.array(axis["values"], dtype=float))
             cell = np.searchsorted(centres, x)
-            ends = float(centres[0]), float(centres[-1])
         else:
-            ends = low, high = float(axis["low"]), float(axis["high"])
+            low, high = float(axis["low"]), float(axis["high"])
             # Grids that are crossed with the samples do not make them more.
             different = len(np.unique(x))
             count = min(max(_FEWEST, int(math.sqrt(different / _IN_CELL))), _MOST_CELLS)
-            parts = share(x, low, high, log=log)
+            scale = np.log if log else np.asarray
+            parts = (scale(x) - scale(low)) / ((scale(high) - scale(low)) or 1.0)
             cell = np.minimum((parts * count).astype(np.int64), count - 1)
             middle = (np.arange(count) + 0.5) / count
             centres = low * (high / low) ** middle if log else low + (high - low) * middle
@@ -104,38 +100,12 @@ class Parameter:
             name=name,
             shown=shown,
             log=log,
-            x=shown.value(x),
             cell=cell,
             centres=shown.value(centres),
             grid=bool(axis["values"]),
-            ends=(shown.value(ends[0]), shown.value(ends[1])),
         )
-
-    def places(self, x: FloatArray) -> FloatArray:
-        """Places of values between both ends, 0 to 1.
-
-        Args:
-            x: Values, of any shape.
-        """
-        return share(x, *self.ends, log=self.log)
 
 
 def short(value: float) -> str:
     """A value beside an axis: three digits, and no powers of ten for what a designer reads."""
     return f"{value:.0f}" if 1e3 <= abs(value) < 1e6 else f"{value:.3g}"
-
-
-def share(x: FloatArray, low: float, high: float, *, log: bool) -> FloatArray:
-    """Places of values between two ends, 0 to 1; half-way if both ends are one.
-
-    Args:
-        x: Values, of any shape.
-        low: Lower end.
-        high: Upper end.
-        log: Whether the scale is logarithmic.
-    """
-    if not high > low:
-        return np.full(np.shape(x), 0.5)
-    if log:
-        return np.asarray(np.log(x / low) / math.log(high / low))
-    return np.asarray((x - low) / (high - low))
