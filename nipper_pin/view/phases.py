@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from ..hybrid import EventKind, PhaseInterval, Solution
 from ..mechanism import Mechanism
-from .reading import phase_name, shown_phases
+from .reading import in_sight, phase_name
 
 # Okabe and Ito's palette: strong for solids and the strip, and pale behind the curves of plots.
 _COLOURS = (
@@ -56,7 +56,7 @@ def intervals(solution: Solution) -> list[Interval]:
     In a machine that starts with no stop closed, that phase is not the transition, and is as named.
     """
     found = []
-    for item in shown_phases(solution):
+    for item in in_sight(solution, solution.phases):
         others = _elsewhere(solution, item)
         if others is None:
             number, name = item.number, f"phase {phase_name(solution.mechanism, item.closed)}"

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from typing import TypeVar
 
 from ..hybrid import Collision, Event, EventKind, PhaseInterval, Solution, Transition, Window
 from ..hybrid.result.quantities import coordinate_unit, force_unit
@@ -12,6 +13,7 @@ from ..terms import digits, shown_in
 from .naming import coordinate_shown, stiffness_shown
 
 TURNS_SHOWN = 2
+Item = TypeVar("Item", Collision, Event, PhaseInterval, Transition)
 
 
 def spring_text(mechanism: Mechanism) -> str:
@@ -123,25 +125,16 @@ def shown_until(solution: Solution) -> float:
     return min(end, shown_before(solution))
 
 
-def shown_collisions(solution: Solution) -> list[Collision]:
-    """Collisions of the turns shown."""
-    return [item for item in solution.collisions if item.t < shown_before(solution)]
-
-
-def shown_phases(solution: Solution) -> list[PhaseInterval]:
-    """Phase intervals that begin in the turns shown."""
-    return [item for item in solution.phases if item.t_start < shown_before(solution)]
-
-
-def shown_transitions(solution: Solution) -> list[Transition]:
-    """Completed transitions that begin in the turns shown."""
-    return [item for item in solution.transitions if item.t_start < shown_before(solution)]
+def in_sight(solution: Solution, items: Sequence[Item]) -> list[Item]:
+    """What happens, or begins, in the turns shown."""
+    before = shown_before(solution)
+    times = (item.t if isinstance(item, Collision | Event) else item.t_start for item in items)
+    return [item for item, t in zip(items, times, strict=True) if t < before]
 
 
 def shown_events(solution: Solution, kind: EventKind) -> list[Event]:
     """Events of one kind in the turns shown."""
-    before = shown_before(solution)
-    return [item for item in solution.events if item.kind is kind and item.t < before]
+    return [item for item in in_sight(solution, solution.events) if item.kind is kind]
 
 
 def index_at(solution: Solution, t: float) -> float:

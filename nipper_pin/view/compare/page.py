@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from importlib import resources
 from typing import Any
 
@@ -12,11 +13,12 @@ from ...study.compare import Comparison
 from ...terms import digits
 from ..scene import Look, Solid, pictured
 from ..scene.colours import channels
+from ..scene.film import true_size
 from ..scene.objects import ROOT
 from ..scene.page import assembled, background, cameras, encoded, machine_messages
 from ..scene.readings import curve_record, drawing, readings, rounded
 from ..scene.tracks import animation
-from .pair import COLOUR_A, COLOUR_B, Lane, Pair, clock_text, lanes, pair, pair_in_true_size
+from .pair import COLOUR_A, COLOUR_B, Lane, Pair, clock_text, lanes, pair
 from .table import cells, shown_rows
 from .words import changes_text, finding, names
 
@@ -34,7 +36,7 @@ def comparison_page(comparison: Comparison, look: Look) -> str:
     found = _readings(comparison, both)
     found["cameras"] = cameras((both.a, drawn[0]), (both.b, drawn[1]))
     if both.a.larger > 1.0:
-        plain = pair_in_true_size(both)
+        plain = replace(both, a=true_size(both.a), b=true_size(both.b))
         found["true_size"] = {**_drawing(plain), "scene": encoded(_animation(plain, drawn))}
     one, other = map(machine_messages, machines, drawn)
     messages = [*background(), *one, *map(_renamed, other), _animation(both, drawn)]

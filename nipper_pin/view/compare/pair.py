@@ -14,7 +14,6 @@ from ...units import MS_PER_S
 from ..reading import shown_until
 from ..scene import Film, Look, film
 from ..scene.curves import Curve, curves
-from ..scene.film import true_size
 from ..scene.pace import Pace, paced
 
 COLOUR_A, COLOUR_B = "#0072B2", "#CC79A7"
@@ -85,11 +84,6 @@ def pair(comparison: Comparison, look: Look) -> Pair:
     # Round-off of the sum is no time without motion.
     ends = [last * (1.0 + np.finfo(float).eps * 8.0) for last in ends]
     return Pair(a, b, later, (times[0] <= ends[0], times[1] <= ends[1]))
-
-
-def pair_in_true_size(both: Pair) -> Pair:
-    """Both films with their rebounds as they are."""
-    return replace(both, a=true_size(both.a), b=true_size(both.b))
 
 
 def clock_text(both: Pair) -> str:

@@ -13,7 +13,7 @@ from ...hybrid import Solution, Transition
 from ...hybrid.result.quantities import force_unit
 from ...units import MS_PER_S
 from ..naming import coordinate_shown
-from ..reading import shown_collisions
+from ..reading import in_sight
 from ..style import SMALL, TEXT, line_colour, marker, new_figure, tidy
 from .rebounds import draw_rebounds, series
 from .sampling import sample_coordinates
@@ -59,7 +59,7 @@ def impulse_figure(solution: Solution) -> Figure:
     mechanism = solution.mechanism
     figure = new_figure(solution, "Impulses of the collisions", 3.8)
     axes = figure.add_subplot()
-    shown = [item for item in shown_collisions(solution) if item.impulse > 0.0]
+    shown = [item for item in in_sight(solution, solution.collisions) if item.impulse > 0.0]
     base = 10.0 ** np.floor(np.log10(min(item.impulse for item in shown)) - 0.5)
     for stop in mechanism.stops:
         chosen = [item for item in shown if item.stop == stop.name]

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from rich.console import Console
 
-from ...hybrid import Collision, Solution, Transition
+from ...hybrid import Solution, Transition
+from ...terms import counted
 from ..console import headline, paste, say
 from ..naming import lips_phrase, rate_shown, shown
 from ..reading import (
     case_text,
     element_lines,
+    in_sight,
     index_at,
     law_text,
     restitution_text,
-    shown_transitions,
 )
 from .remarks import more
 
@@ -31,7 +32,7 @@ def header(solution: Solution, console: Console) -> None:
         say(console, law)
     for line in element_lines(mechanism):
         say(console, line)
-    say(console, f"Times t count from the start of the run at index {_start(solution)}.")
+    say(console, f"Times t count from the start of the run at index {index_at(solution, 0.0):.3f}.")
 
 
 def transitions(solution: Solution, console: Console) -> None:
@@ -41,7 +42,7 @@ def transitions(solution: Solution, console: Console) -> None:
     if not solution.transitions:
         say(console, f"No transition of the {stop} was completed.")
         return
-    told = shown_transitions(solution)
+    told = in_sight(solution, solution.transitions)
     for item in told:
         say(console, _duration(solution, item))
     say(console, _rebounds(solution, told[0] if told else solution.transitions[0]))
@@ -65,10 +66,6 @@ def premise(solution: Solution, console: Console, turns: str) -> None:
         say(console, "The one that turns have is found by simulating them (window cycle).")
 
 
-def _start(solution: Solution) -> str:
-    return f"{index_at(solution, 0.0):.3f}"
-
-
 def _duration(solution: Solution, item: Transition) -> str:
     mechanism = solution.mechanism
     share = (
@@ -76,32 +73,23 @@ def _duration(solution: Solution, item: Transition) -> str:
         else "; the first two rebounds take "
         f"{shown(mechanism, 'first_two_share').phrase(item.first_two_share)} of it"
     )  # fmt: skip
-    noun = "collision" if item.collisions == 1 else "collisions"
+    hits = counted(item.collisions, "collision")
     duration = shown(mechanism, "duration_s").phrase(item.duration)
-    return f"{duration} from the first collision to rest, {item.collisions} {noun} computed{share}."
+    return f"{duration} from the first collision to rest, {hits} computed{share}."
 
 
 def _rebounds(solution: Solution, item: Transition) -> str:
     """The first two rebounds of a transition in words."""
-    hits = [
-        hit
-        for hit in solution.collisions
-        if hit.stop == solution.mechanism.transition_stop and hit.t >= item.t_start
-    ]
-    parts = [
-        f"{word} rebound {_rebound(solution, hit)}"
-        for word, hit in zip(_TOLD, hits, strict=False)
-        if hit.rebound_amplitude
-    ]
-    return f"{'; '.join(parts)}." if parts else "It does not rebound."
-
-
-def _rebound(solution: Solution, hit: Collision) -> str:
     mechanism = solution.mechanism
-    height = shown(mechanism, "rebound_amplitude_1").phrase(hit.rebound_amplitude)
-    lasting = shown(mechanism, "rebound_time_s_1").phrase(hit.rebound_time)
-    lips = lips_phrase(mechanism, mechanism.stop(hit.stop), hit.rebound_amplitude)
-    return f"{height}{lips} in {lasting}"
+    stop, parts = mechanism.stop(mechanism.transition_stop), []
+    hits = (hit for hit in solution.collisions if hit.stop == stop.name and hit.t >= item.t_start)
+    for word, hit in zip(_TOLD, hits, strict=False):
+        if hit.rebound_amplitude:
+            height = shown(mechanism, "rebound_amplitude").phrase(hit.rebound_amplitude)
+            lasting = shown(mechanism, "rebound_time_s").phrase(hit.rebound_time)
+            lips = lips_phrase(mechanism, stop, hit.rebound_amplitude)
+            parts.append(f"{word} rebound {height}{lips} in {lasting}")
+    return f"{'; '.join(parts)}." if parts else "It does not rebound."
 
 
 def _how_ended(solution: Solution) -> str:

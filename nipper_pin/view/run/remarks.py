@@ -15,10 +15,10 @@ from ..console import headline, say, show_table
 from ..naming import coordinate_shown, lips_phrase, rate_shown
 from ..reading import (
     force_name,
+    in_sight,
     index_at,
     phase_name,
     shown_events,
-    shown_phases,
     shown_until,
 )
 from .sampling import sample_coordinates, sample_forces, sample_motion
@@ -95,7 +95,7 @@ def forces(solution: Solution, console: Console) -> None:
     headline(console, "Forces of closed stops")
     mechanism, until = solution.mechanism, shown_until(solution)
     samples: dict[tuple[frozenset[str], str], list[tuple[FloatArray, FloatArray]]] = {}
-    for phase in shown_phases(solution):
+    for phase in in_sight(solution, solution.phases):
         sampled = sample_forces(solution, phase.t_start, min(phase.t_end, until))
         for stop in sorted(phase.closed):
             samples.setdefault((phase.closed, stop), []).append(sampled[stop])

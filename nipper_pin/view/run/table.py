@@ -12,9 +12,9 @@ from ...mechanism import Mechanism
 from ...terms import Shown, fixed
 from ...units import MS_PER_S
 from ..console import headline, say, show_table
-from ..naming import lips_shown
+from ..naming import coordinate_shown, lips_shown
 from ..phases import intervals
-from ..reading import index_at, shown_collisions
+from ..reading import in_sight, index_at
 from .lead import header, premise, transitions
 from .remarks import MOST_ROWS, checks, forces, more, releases, shafts
 
@@ -62,7 +62,7 @@ def _collisions(solution: Solution, console: Console) -> None:
     if not solution.collisions:
         headline(console, "No collisions")
         return
-    told = shown_collisions(solution)
+    told = in_sight(solution, solution.collisions)
     seen = 0
     for name in dict.fromkeys(item.stop for item in told):
         of_stop = [item for item in told if item.stop == name]
@@ -98,20 +98,17 @@ def _of_stop(solution: Solution, name: str, hits: Sequence[Collision], console: 
     headings = ("no.", *(f"{term.words} {term.unit}".rstrip() for term, _ in columns))
     show_table(console, headings, rows, text=())
     if micro:
-        limit = _shown(_AMPLITUDE, mechanism, name).phrase(_MICRO * largest)
+        index = mechanism.stop(name).index
+        limit = coordinate_shown(mechanism, index, small=True).phrase(_MICRO * largest)
         noun = "rebound" if len(micro) == 1 else "rebounds"
         say(console, f"{len(micro)} more {noun} below {limit} (all of them: --json, --out).")
     if any(item.rebound_time is None for item in hits):
         say(console, "-: the window ends before the rebound does.")
 
 
-_AMPLITUDE = next(item for item in COLLISION if item.name == "rebound_amplitude")
-_SHORT = {"t_s": "t"}
-
-
 def _shown(item: Quantity[Collision], mechanism: Mechanism, stop: str) -> Shown:
     found = item.term.shown(coordinate_unit(mechanism, mechanism.stop(stop).index))
-    return found.called(_SHORT.get(item.name, found.words))
+    return found.called("t") if item.name == "t_s" else found
 
 
 def _copies(solution: Solution, console: Console) -> None:

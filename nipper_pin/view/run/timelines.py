@@ -19,9 +19,9 @@ from ..phases import intervals
 from ..reading import (
     force_name,
     gap_noun,
+    in_sight,
     index_at,
     shown_events,
-    shown_transitions,
     shown_until,
 )
 from ..style import (
@@ -61,7 +61,7 @@ def motion_figure(solution: Solution) -> Figure:
     transition alone shows them as it is, in the unit of rebounds.
     """
     mechanism = solution.mechanism
-    bounced = [item for item in shown_transitions(solution) if item.collisions > 1]
+    bounced = [item for item in in_sight(solution, solution.transitions) if item.collisions > 1]
     enlarged = bounced[:1] if solution.case.window is Window.CYCLE else []
     count = len(mechanism.stops)
     rows = count + len(enlarged)

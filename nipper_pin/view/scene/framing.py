@@ -10,7 +10,6 @@ import numpy as np
 
 from ...arrays import FloatArray
 from .film import Film, worlds
-from .meshes import corners_of
 from .solids import Solid, across_plane
 
 OBLIQUE, ALONG = (0.38, -1.0, 0.34), (0.0, -1.0, 0.0)
@@ -41,7 +40,7 @@ def _boxes(
     drawn: Sequence[Solid], planes: FloatArray, heights: Sequence[float]
 ) -> Iterator[FloatArray]:
     for solid in drawn:
-        points = corners_of(solid)
+        points = solid.corners
         # Frame and cylinder stand where they are.
         if solid.body < 0:
             yield points

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from ...arrays import FloatArray
 from ...mechanism import Mechanism
-from .meshes import corners_of, mesh_of
 from .solids import FIXED, Solid, across_plane
 
 # A plane through corners of a mesh cuts none of their edges: it is moved by this part of the size.
@@ -45,7 +44,7 @@ def lip_cuts(mechanism: Mechanism, drawn: Sequence[Solid], across: float) -> lis
         # Frame and cylinder stand behind the lips and would hide nothing but confuse.
         if item.body <= FIXED or item.spring is not None:
             continue
-        loops = section(corners_of(item), mesh_of(item)[1], across - heights[item.body])
+        loops = section(item.corners, item.mesh[1], across - heights[item.body])
         if loops:
             found.append(LipCut(place, item.body, tuple(loops)))
     return found

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import struct
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import coal
 import numpy as np
@@ -13,7 +14,9 @@ from scipy.spatial import ConvexHull
 from ...arrays import FloatArray
 from ...errors import InputError
 from ...mechanism.files import check_corners, check_size
-from .solids import Solid
+
+if TYPE_CHECKING:
+    from .solids import Solid
 
 _CORNERS = 32  # of a circle
 _RINGS = 9  # of a sphere, from pole to pole
@@ -65,16 +68,6 @@ def mesh_of(solid: Solid) -> tuple[FloatArray, NDArray[np.intp]]:
     inwards = np.einsum("ij,ij->i", np.cross(b - a, c - a), hull.equations[:, :3]) < 0.0
     faces[inwards] = faces[inwards, ::-1]
     return corners, faces
-
-
-def corners_of(solid: Solid) -> FloatArray:
-    """Corners of a solid in the axes of its body, shape (N, 3) [m].
-
-    Raises:
-        InputError: Its mesh cannot be read.
-    """
-    turned = (mesh_of(solid)[0] * solid.scale) @ solid.placement[:3, :3].T
-    return np.asarray(turned + solid.placement[:3, 3])
 
 
 def _surface(solid: Solid) -> FloatArray:

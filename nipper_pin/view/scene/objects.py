@@ -17,7 +17,7 @@ from ...errors import InputError
 from ...mechanism import Mechanism, Stop, Strut
 from .arrows import arrow_body, arrow_place, arrow_sizes
 from .colours import ARROW, LINE, SPRING, channels
-from .meshes import as_stl, coil, mesh_of, read_mesh
+from .meshes import as_stl, coil
 from .solids import CYLINDER, FIXED, THICK, Colour, Solid, cylinder_axis, extent
 
 ROOT = "nipper"
@@ -96,7 +96,7 @@ def _upward(distance: float) -> FloatArray:
 
 def _shape(solid: Solid) -> geometry.Geometry:
     if solid.kind == "coil":
-        return _mesh(*mesh_of(solid))
+        return _mesh(*solid.mesh)
     if solid.path is None:
         if solid.kind == "box":
             return geometry.Box(list(solid.sizes))
@@ -109,7 +109,8 @@ def _shape(solid: Solid) -> geometry.Geometry:
             "one"
         )
         raise InputError(message, file=str(solid.path))
-    corners, faces = read_mesh(solid.path)
+    # Read also where the viewer reads it: a file that cannot be drawn is refused.
+    corners, faces = solid.mesh
     if solid.path.suffix.lower() == ".stl":
         return geometry.StlMeshGeometry.from_file(str(solid.path))
     # Corners and faces alone: other files may name textures at any address.

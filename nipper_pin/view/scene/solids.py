@@ -10,16 +10,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...arrays import FloatArray
 from ...mechanism import Mechanism, joint_placements, own_frame
 from ...mechanism.drives import OscillatingGuide
 from ...mechanism.files import mesh_path, numbers, origin, parse_xml, path_inside, rotation_from_rpy
 from .colours import link_colour
+from .meshes import mesh_of
 
 Colour = tuple[float, float, float]
 FIXED = -1
@@ -57,6 +60,17 @@ class Solid:
     colour: Colour
     spring: int | None = None
     stretch: float = -1.0
+
+    @cached_property
+    def mesh(self) -> tuple[FloatArray, NDArray[np.intp]]:
+        """Its corners and faces as :func:`~.meshes.mesh_of` has them, read once."""
+        return mesh_of(self)
+
+    @cached_property
+    def corners(self) -> FloatArray:
+        """Its corners in the axes of its body, shape (N, 3) [m]."""
+        turned = (self.mesh[0] * self.scale) @ self.placement[:3, :3].T
+        return np.asarray(turned + self.placement[:3, 3])
 
 
 def cylinder_axis(mechanism: Mechanism) -> tuple[float, float] | None:

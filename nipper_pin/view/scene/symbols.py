@@ -11,7 +11,6 @@ import pinocchio as pin
 from ...arrays import FloatArray
 from ...mechanism import Joint, Mechanism, Stop, joint_axis, joint_placements
 from .colours import SPRING, STOP, channels
-from .meshes import corners_of
 from .solids import Solid, extent, holds, solids
 
 # Lengths by the size of the picture.
@@ -90,7 +89,7 @@ def _plate(
     """A plate across a slide, at the smallest of the link's shapes that holds its origin."""
     parent, at, axis = _carried(mechanism, joint)
     back, edges = -stop.sense * axis, size * np.array(_PLATE)
-    reaches = [float((corners_of(item) @ at.rotation.T @ back).max())
+    reaches = [float((item.corners @ at.rotation.T @ back).max())
                for item in own if item.path is None and holds(item, np.zeros(3))]  # fmt: skip
     far = min((reach for reach in reaches if reach > 0.0), default=0.0) + 0.5 * edges[2]
     place = _placed(at.translation + stop.at * axis + far * back, axis)
@@ -103,7 +102,7 @@ def _peg(
 ) -> Solid:
     """A peg across the plane that touches the side of a link when its stop is closed."""
     parent, at, _ = _carried(mechanism, joint)
-    corners = np.concatenate([corners_of(item) for item in own])
+    corners = np.concatenate([item.corners for item in own])
     far = corners[np.argmax(np.hypot(corners[:, 0], corners[:, 2]))][[0, 2]]
     turn = stop.at * joint.sense + math.atan2(at.rotation[2, 0], at.rotation[0, 0])
     x, z = np.array([[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]]) @ far
@@ -120,8 +119,8 @@ def _peg(
 def _size(mechanism: Mechanism, found: Sequence[Solid]) -> float:
     """Larger extent of places and plain shapes, all coordinates at zero [m]."""
     moved = joint_placements(mechanism.model)[1:]
-    corners = [corners_of(item) if item.body < 0 else
-               corners_of(item) @ moved[item.body].rotation.T + moved[item.body].translation
+    corners = [item.corners if item.body < 0 else
+               item.corners @ moved[item.body].rotation.T + moved[item.body].translation
                for item in found if item.path is None]  # fmt: skip
     extents = np.ptp(np.concatenate(corners)[:, [0, 2]], axis=0).tolist() if corners else []
     return float(max([extent(mechanism), *extents]))

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
 
 from rich.console import Console
 
-from ...hybrid.result.quantities import coordinate_unit
 from ...study.identify.fitting.determine import DETERMINED, Determinability
 from ...study.identify.fitting.fit import Fit
 from ...study.identify.fitting.goodness import Goodness, Verdict
@@ -15,8 +13,9 @@ from ...study.identify.fitting.profiles import Profile
 from ...study.identify.problem.problem import Problem
 from ...study.identify.problem.targets import Condition, Target
 from ...study.identify.record import WORD
-from ...terms import Shown, counted, named, parameter_shown
+from ...terms import Shown, counted, parameter_shown
 from ..console import headline, say, show_table
+from ..naming import shown
 
 _SAME = 1e-3
 # Two numbers whose errors go together this far are known as a combination alone.
@@ -87,18 +86,13 @@ def _targets(fit: Fit, judged: Goodness, console: Console) -> None:
 
 def _terms(problem: Problem) -> Iterator[tuple[Target, Shown]]:
     """Targets, and how people read them: a change between two settings has no unit."""
-    gap = ""
     for target in problem.targets:
         if target.since is not None:
             yield target, Shown(words=target.name)
             continue
-        if not gap:
-            mechanism = problem.mechanism
-            gap = coordinate_unit(mechanism, mechanism.stop(mechanism.transition_stop).index)
-        term = named(target.quantity, gap)
+        term = shown(problem.mechanism, target.quantity)
         # A target that was given no name has that of its quantity in files.
-        name = target.name.replace(target.quantity, term.words, 1)
-        yield target, replace(term, words=name)
+        yield target, term.called(target.name.replace(target.quantity, term.words, 1))
 
 
 def _sigmas(value: float) -> str:
