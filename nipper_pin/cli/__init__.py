@@ -115,6 +115,12 @@ def _ended(words: list[str], commands: Commands) -> int:
 def _run(words: list[str], commands: Commands) -> None:
     if words[:1] == ["help"]:
         words = [*words[1:], "--help"]
+    if commands is NIPPER_PIN and words[:1] == ["study"]:
+        message = (
+            "there is no command 'study': nipper-pin speed-limit tells how fast a machine can run, "
+            "and python -m benchmarks paper, in a checkout, does the published study again"
+        )
+        raise InputError(message, command="study")
     try:
         options = _options(words, commands)
     except SystemExit:

@@ -6,7 +6,7 @@ import argparse
 import json
 import shlex
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +18,7 @@ from ..written_units import number_in
 
 MODEL = "e62"
 """Default model."""
+SPEED = "cylinder speed (default: the model's rated speed)"
 RESTITUTION = "restitution of the stop that the model's shortcut names"
 STIFFNESS = "spring rate, or with a unit as 9N/mm; the preload length is kept"
 
@@ -55,12 +56,7 @@ def refuse_again(
 def add_model(parser: argparse.ArgumentParser, *, json_output: bool = True) -> None:
     """Define the arguments for a machine, its speed and the file of JSON output."""
     add_machine(parser)
-    parser.add_argument(
-        "--speed",
-        type=rpm,
-        metavar="RPM",
-        help="cylinder speed (default: the model's rated speed)",
-    )
+    add_number(parser, "--speed", "RPM", SPEED, rpm)
     if json_output:
         add_json(parser)
 
@@ -74,13 +70,8 @@ def add_machine(parser: argparse.ArgumentParser) -> None:
         help=f"name of a model that comes with the package, or a folder (default {MODEL})",
     )
     add_set(parser)
-    parser.add_argument("--restitution", type=float, metavar="E", help=RESTITUTION)
-    parser.add_argument(
-        "--stiffness",
-        type=number_or_text,
-        metavar="N_PER_M",
-        help=STIFFNESS,
-    )
+    add_number(parser, "--restitution", "E", RESTITUTION)
+    add_number(parser, "--stiffness", "N_PER_M", STIFFNESS, number_or_text)
 
 
 def add_set(parser: argparse.ArgumentParser) -> None:
@@ -100,41 +91,39 @@ def add_json(parser: argparse.ArgumentParser, what: str = "result") -> None:
     parser.add_argument("--json", metavar="FILE", help=f"write the {what} as JSON; - for stdout")
 
 
+def add_number(
+    parser: argparse.ArgumentParser,
+    option: str,
+    letter: str,
+    text: str,
+    kind: Callable[[str], object] = float,
+    default: object = None,
+) -> None:
+    """Define an argument that takes a number, which help calls by a letter or a word."""
+    parser.add_argument(option, type=kind, metavar=letter, help=text, default=default)
+
+
 def add_workers(parser: argparse.ArgumentParser) -> None:
     """Define the argument for the number of processes."""
-    parser.add_argument(
-        "--workers", type=int, metavar="N", help="processes (default: one a processor)"
-    )
+    add_number(parser, "--workers", "N", "processes (default: one a processor)", int)
 
 
 def add_look(parser: argparse.ArgumentParser) -> None:
     """Define the arguments for how a film is drawn."""
-    parser.add_argument(
-        "--slow",
-        type=float,
-        metavar="N",
-        help="stretch time 1:N around events (default 1000, less for films above two minutes)",
-    )
-    parser.add_argument(
-        "--exaggerate",
-        type=float,
-        metavar="N",
-        help="draw rebounds N times as large, 1 to 1000 (default: so that they are seen)",
-    )
+    text = "stretch time 1:N around events (default 1000, less for films above two minutes)"
+    add_number(parser, "--slow", "N", text)
+    text = "draw rebounds N times as large, 1 to 1000 (default: so that they are seen)"
+    add_number(parser, "--exaggerate", "N", text)
 
 
 def add_server(parser: argparse.ArgumentParser, port: int) -> None:
     """Define the arguments for where a page is served."""
-    parser.add_argument("--port", type=int, metavar="N", help=f"port to serve at (default {port})")
+    add_number(parser, "--port", "N", f"port to serve at (default {port})", int)
     parser.add_argument("--no-browser", action="store_true", help="serve without opening a browser")
 
 
 def rpm(text: str) -> float:
-    """A speed in r/min, which may be written with a unit.
-
-    Raises:
-        ArgumentTypeError: It is none.
-    """
+    """A speed in r/min, which may be written with a unit."""
     try:
         return number_in(text, "rpm")
     except ValueError as error:
@@ -151,11 +140,7 @@ def number_or_text(text: str) -> float | str:
 
 
 def load_mechanism(options: argparse.Namespace) -> Mechanism:
-    """Load the mechanism of the arguments.
-
-    Raises:
-        InputError: A value or the model cannot be used.
-    """
+    """Load the mechanism of the arguments."""
     given, model = overrides(options), options.model or MODEL
     mechanism = load(model, given)
     ask_back(mechanism, model, given)

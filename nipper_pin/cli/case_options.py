@@ -15,7 +15,7 @@ from ..errors import InputError
 from ..given import read_number
 from ..hybrid import START_INDEX, Case, Window
 from ..mechanism import Mechanism, changed
-from .arguments import load_mechanism, overrides, speed
+from .arguments import add_number, load_mechanism, overrides, speed
 
 LIMIT = "limit"
 DRIVES = [item.value for item in DriveMode]
@@ -36,24 +36,13 @@ def add_window(parser: argparse.ArgumentParser, default: Window) -> None:
 
 def add_start(parser: argparse.ArgumentParser) -> None:
     """Define the argument for the start of whole turns."""
-    parser.add_argument(
-        "--start-index",
-        type=float,
-        default=argparse.SUPPRESS,
-        metavar="INDEX",
-        help=f"index at which the turns start, in the initial phase (default {START_INDEX:g})",
-    )
+    text = f"index at which the turns start, in the initial phase (default {START_INDEX:g})"
+    add_number(parser, "--start-index", "INDEX", text, default=argparse.SUPPRESS)
 
 
 def add_cycles(parser: argparse.ArgumentParser) -> None:
     """Define the argument for the number of turns."""
-    parser.add_argument(
-        "--cycles",
-        type=int,
-        default=argparse.SUPPRESS,
-        metavar="N",
-        help="number of turns (default 1)",
-    )
+    add_number(parser, "--cycles", "N", "number of turns (default 1)", int, argparse.SUPPRESS)
 
 
 def add_case(parser: argparse.ArgumentParser) -> None:
@@ -62,21 +51,13 @@ def add_case(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--drive", choices=DRIVES, default=argparse.SUPPRESS, help=f"{DRIVE_HELP} (default held)"
     )
-    parser.add_argument(
-        "--rest-rate",
-        type=_rest_rate,
-        default=argparse.SUPPRESS,
-        metavar="RATE",
-        help="end a series of bounces at this separation rate (rad/s or m/s) instead of at its "
-        f"limit; {LIMIT}: at its limit (default)",
+    text = (
+        "end a series of bounces at this separation rate (rad/s or m/s) instead of at its limit; "
+        f"{LIMIT}: at its limit (default)"
     )
-    parser.add_argument(
-        "--tolerance",
-        type=float,
-        default=argparse.SUPPRESS,
-        metavar="TOL",
-        help="relative accuracy (default 1e-12)",
-    )
+    add_number(parser, "--rest-rate", "RATE", text, _rest_rate, argparse.SUPPRESS)
+    text = "relative accuracy (default 1e-12)"
+    add_number(parser, "--tolerance", "TOL", text, default=argparse.SUPPRESS)
     parser.add_argument(
         "--reuse",
         action=argparse.BooleanOptionalAction,

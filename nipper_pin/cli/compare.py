@@ -16,6 +16,7 @@ from ..written_units import number_in
 from .arguments import (
     MODEL,
     RESTITUTION,
+    SPEED,
     STIFFNESS,
     add_json,
     add_look,
@@ -83,8 +84,7 @@ def _rate(word: str) -> float | str:
 
 # Settings that take one value for both, or one for A and one for B.
 _PAIRED: tuple[tuple[str, Callable[[str], object], str, str], ...] = (
-    ("--speed", lambda word: number_in(word, "rpm"), "RPM",
-     "cylinder speed (default: the model's rated speed)"),
+    ("--speed", lambda word: number_in(word, "rpm"), "RPM", SPEED),
     ("--restitution", read_number, "E", RESTITUTION),
     ("--stiffness", _rate, "N_PER_M", STIFFNESS),
     ("--drive", _drive, "DRIVE", f"{DRIVE_HELP} (default held)"),

@@ -10,6 +10,7 @@ from ..errors import InputError
 from ..view.progress import progress
 from .arguments import (
     add_json,
+    add_number,
     add_workers,
     check_outputs,
     command,
@@ -31,19 +32,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="PROBLEM.toml",
         help="free numbers, targets and limits (default: the published ratios, model e62)",
     )
-    parser.add_argument(
-        "--seed", type=int, metavar="N", help=f"seed of the starts (default {_SEED})"
-    )
-    parser.add_argument(
-        "--starts", type=int, default=4, metavar="N", help="number of starts (default 4)"
-    )
-    parser.add_argument(
-        "--profiles",
-        type=int,
-        default=2,
-        metavar="N",
-        help="profile likelihoods of the N numbers that are determined best (default 2)",
-    )
+    add_number(parser, "--seed", "N", f"seed of the starts (default {_SEED})", int)
+    add_number(parser, "--starts", "N", "number of starts (default 4)", int, 4)
+    text = "profile likelihoods of the N numbers that are determined best (default 2)"
+    add_number(parser, "--profiles", "N", text, int, 2)
     add_workers(parser)
     parser.add_argument("--out", metavar="DIR", help="write the identified model into a folder")
     add_json(parser)

@@ -9,7 +9,7 @@ from pathlib import Path
 from ..errors import one_line
 from ..extras import require
 from ..view.progress import progress
-from .arguments import add_json, add_workers, check_outputs, refuse_beside, write_json
+from .arguments import add_json, add_number, add_workers, check_outputs, refuse_beside, write_json
 
 _POINTS = 12
 
@@ -24,18 +24,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="DIR",
         help="folder of the results (default out/ and the name of the study)",
     )
-    parser.add_argument(
-        "--seed", type=int, default=1, metavar="N", help="seed of the starts (default 1)"
-    )
-    parser.add_argument(
-        "--starts", type=int, default=6, metavar="N", help="descents by each aim (default 6)"
-    )
-    parser.add_argument(
-        "--points",
-        type=int,
-        metavar="N",
-        help=f"points of the front of two aims (default {_POINTS})",
-    )
+    add_number(parser, "--seed", "N", "seed of the starts (default 1)", int, 1)
+    add_number(parser, "--starts", "N", "descents by each aim (default 6)", int, 6)
+    text = f"points of the front of two aims (default {_POINTS})"
+    add_number(parser, "--points", "N", text, int)
     parser.add_argument(
         "--no-check",
         action="store_true",

@@ -10,6 +10,7 @@ from .arguments import (
     MODEL,
     add_json,
     add_machine,
+    add_number,
     check_figure,
     check_outputs,
     command,
@@ -35,23 +36,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--to", dest="high", type=rpm, metavar="RPM", help="largest speed; four times the rated"
     )
-    parser.add_argument(
-        "--speeds", type=int, default=241, metavar="N", help="number of speeds (default 241)"
-    )
-    parser.add_argument(
-        "--turns",
-        type=int,
-        default=400,
-        metavar="N",
-        help="most turns followed at a speed (default 400)",
-    )
-    parser.add_argument(
-        "--least-force",
-        type=float,
-        default=0.0,
-        metavar="N",
-        help="force above which the stop clamps [N] (default 0)",
-    )
+    add_number(parser, "--speeds", "N", "number of speeds (default 241)", int, 241)
+    add_number(parser, "--turns", "N", "most turns followed at a speed (default 400)", int, 400)
+    text = "force above which the stop clamps [N] (default 0)"
+    add_number(parser, "--least-force", "N", text, default=0.0)
     parser.add_argument("--plot", metavar="FILE", help="draw the turns by speed (PNG, SVG, PDF)")
     add_json(parser)
     parser.set_defaults(run=run)

@@ -22,14 +22,13 @@ from .pair import COLOUR_A, COLOUR_B, Lane, Pair, clock_text, lanes, pair
 from .table import comparison_csv
 from .words import changes_text, names
 
-FILES = ("comparison.csv", "curves.png", "curves.svg")
-"""Names of the files."""
+_FILES = ("comparison.csv", "curves.png", "curves.svg")
 _LANE_IN, _HEAD_IN, _COLUMNS = 1.5, 1.5, 100
 # Room beside the transition, by its length; of two panels the transition takes the wider one.
 _ROOM, _WIDTHS = 0.1, (1.0, 1.3)
 
 
-def write_files(comparison: Comparison, folder: str | Path) -> list[Path]:
+def write_files(comparison: Comparison, folder: str | Path) -> None:
     """Write the table as CSV and the curves of both as PNG and SVG.
 
     Args:
@@ -39,12 +38,11 @@ def write_files(comparison: Comparison, folder: str | Path) -> list[Path]:
         InputError: The folder cannot be written, or one of the runs has no motion.
     """
     figure = curves_figure(comparison)
-    with complete_folder(folder, FILES) as target:
-        table, *pictures = (target / name for name in FILES)
+    with complete_folder(folder, _FILES) as target:
+        table, *pictures = (target / name for name in _FILES)
         table.write_text(comparison_csv(comparison), encoding="utf-8")
         for path in pictures:
             save_figure(figure, path, path.suffix.removeprefix("."))
-    return [Path(folder) / name for name in FILES]
 
 
 def curves_figure(comparison: Comparison) -> Figure:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import csv
-import io
-
 from rich.console import Console
 
 from ...study.compare import Comparison, Row
 from ..console import headline, say, show_table
+from ..run.csv_tables import csv_text
 from .words import OF_LIPS, change_texts, difference_text, finding, names, row_shown
 
 _HEADINGS = ("quantity", "unit", "A", "B", "difference")
@@ -35,12 +33,10 @@ def print_comparison(comparison: Comparison, console: Console) -> None:
 
 def comparison_csv(comparison: Comparison) -> str:
     """The table as CSV, by the names of files and in SI units."""
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(("name", "unit", "a", "b", "difference", "difference_percent"))
-    for row in comparison.rows:
-        writer.writerow((row.name, row.unit, row.a, row.b, row.difference, row.percent))
-    return stream.getvalue()
+    names = ("name", "unit", "a", "b", "difference")
+    columns = {name: [getattr(row, name) for row in comparison.rows] for name in names}
+    columns["difference_percent"] = [row.percent for row in comparison.rows]
+    return csv_text(columns)
 
 
 def shown_rows(comparison: Comparison) -> list[Row]:

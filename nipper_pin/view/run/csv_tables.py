@@ -31,15 +31,17 @@ def tables(solution: Solution, units: str = "SI") -> Iterator[tuple[str, str]]:
         units: "SI", or "mm" for mm and degrees.
     """
     for file, table in _FILES.items():
-        yield file, _csv(columns(solution, table, units))
+        found: dict[str, Column] = {}
+        for name, values in columns(solution, table, units).items():
+            found[name] = values
+            if name == _ANGLE:
+                found["cylinder_angle_deg"] = np.asarray(values) * DEG_PER_RAD
+        yield file, csv_text(found)
 
 
-def _csv(found: Mapping[str, Column]) -> str:
-    written: dict[str, list[object]] = {}
-    for name, values in found.items():
-        written[name] = _cells(values)
-        if name == _ANGLE:
-            written["cylinder_angle_deg"] = _cells(np.asarray(values) * DEG_PER_RAD)
+def csv_text(found: Mapping[str, Column]) -> str:
+    """Columns of one length as CSV."""
+    written = {name: _cells(values) for name, values in found.items()}
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow(written)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -159,24 +160,24 @@ def _time_axes(solution: Solution, panels: list[Axes]) -> None:
 def _mark_events(solution: Solution, axes: Axes, stop: Stop) -> None:
     """Mark a stop's events where they happen: at zero gap."""
     until = shown_until(solution)
-    for kind, (shape, face, size) in _EVENTS.items():
+    for kind in _EVENTS:
         events = [item for item in shown_events(solution, kind) if stop.name in item.stops]
         if not events:
             continue
         # A rest may lie just past the last state that was computed.
         t = [MS_PER_S * min(item.t, until) for item in events]
-        axes.plot(t, [0.0] * len(t), linestyle="none", marker=shape, markersize=size,
-                  markerfacecolor=face, markeredgecolor="black", markeredgewidth=0.9,
-                  clip_on=False, zorder=4)  # fmt: skip
+        axes.plot(t, [0.0] * len(t), **_marks(kind), clip_on=False, zorder=4)
 
 
 def _event_handles(solution: Solution) -> list[Artist]:
-    return [
-        Line2D([], [], linestyle="none", marker=shape, markersize=size, markerfacecolor=face,
-               markeredgecolor="black", markeredgewidth=0.9, label=kind.value)
-        for kind, (shape, face, size) in _EVENTS.items()
-        if shown_events(solution, kind)
-    ]  # fmt: skip
+    shown = (kind for kind in _EVENTS if shown_events(solution, kind))
+    return [Line2D([], [], label=kind.value, **_marks(kind)) for kind in shown]
+
+
+def _marks(kind: EventKind) -> dict[str, Any]:
+    shape, face, size = _EVENTS[kind]
+    return {"linestyle": "none", "marker": shape, "markersize": size, "markerfacecolor": face,
+            "markeredgecolor": "black", "markeredgewidth": 0.9}  # fmt: skip
 
 
 def _draw_turn(solution: Solution, axes: Axes, turn: int, top: float) -> None:
