@@ -230,9 +230,6 @@ def refuse_beside(options: argparse.Namespace, what: str, *names: str) -> None:
         options: The arguments; one that was not given is None, False or not there.
         what: The other option and why there is nothing for them to change, for the message.
         names: How they are written on the command line; of an argument its name, and what it is.
-
-    Raises:
-        InputError: One of them is given.
     """
     for written in names:
         value = getattr(options, written.lstrip("-").replace("-", "_").split()[0].lower(), None)
@@ -242,22 +239,14 @@ def refuse_beside(options: argparse.Namespace, what: str, *names: str) -> None:
 
 
 def need_suffix(option: str, file: str | None, suffix: str) -> None:
-    """Refuse a file whose name says that it is of another kind.
-
-    Raises:
-        InputError: It is; what is written under its name would not be opened by its program.
-    """
+    """Refuse a file whose name says that it is of another kind."""
     if file is not None and Path(file).suffix.lower() != suffix:
         message = f"{option} {file}: such a file is called NAME{suffix}"
         raise InputError(message, argument=option)
 
 
 def check_outputs(folder: str | None, document: str | None) -> None:
-    """Refuse a folder and a document (- is stdout) that cannot be written, before the computation.
-
-    Raises:
-        InputError: One of them cannot be written.
-    """
+    """Refuse a folder and a document (- is stdout) that cannot be written, before all work."""
     from ..outputs import check_file, check_folder
 
     if folder is not None:
@@ -284,6 +273,13 @@ def check_figure(file: str | None, extra: str, what: str) -> None:
 
     check_file(file)
     figure_format(file)
+
+
+def write_document(document: Callable[[], dict[str, Any]], target: str | None) -> bool:
+    """Write a document that is asked for; return whether stdout is left for people."""
+    if target is not None:
+        write_json(document(), target)
+    return target != "-"
 
 
 def write_json(document: dict[str, Any], target: str) -> None:

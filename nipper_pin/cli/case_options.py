@@ -74,9 +74,6 @@ def machine_and_case(
 
     Args:
         window: Window of a new case without ``--window``.
-
-    Raises:
-        InputError: A value or the model cannot be used, or an option has nothing to change.
     """
     if saved is None:
         mechanism = load_mechanism(options)

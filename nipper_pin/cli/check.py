@@ -19,7 +19,7 @@ from .arguments import (
     machine_words,
     refuse_beside,
     speed,
-    write_json,
+    write_document,
 )
 from .case_options import add_start
 
@@ -90,9 +90,7 @@ def _check(options: argparse.Namespace) -> None:
         from ..view.sketch import write_sketch
 
         write_sketch(mechanism, options.drawing)
-    if options.json is not None:
-        write_json(report.record(), options.json)
-    if options.json != "-":
+    if write_document(report.record, options.json):
         from ..study.next_steps import next_steps
         from ..view.console import Terminal, ending
         from ..view.studies.check_report import print_report

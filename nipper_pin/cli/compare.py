@@ -27,7 +27,7 @@ from .arguments import (
     number_or_text,
     refuse_again,
     refuse_beside,
-    write_json,
+    write_document,
 )
 from .case_options import DRIVE_HELP, DRIVES, add_cycles, add_window, case_words
 from .compare_sides import sides, simulated
@@ -132,12 +132,10 @@ def _run(options: argparse.Namespace) -> None:
         from ..view.compare.files import write_files
 
         write_files(comparison, options.out)
-    if options.json is not None:
-        write_json(comparison.record(), options.json)
     look = {"slow": options.slow, "exaggerate": options.exaggerate}
     if options.html is not None:
         show.view(comparison, options.html, **look)
-    if options.json != "-":
+    if write_document(comparison.record, options.json):
         from ..view.compare.table import print_comparison
         from ..view.console import Terminal, ending
 

@@ -42,12 +42,7 @@ def sides(options: argparse.Namespace) -> list[argparse.Namespace]:
 
 
 def simulated(side: argparse.Namespace) -> Solution:
-    """The run of a side: a saved one as it is, a new one for a model or for changes.
-
-    Raises:
-        InputError: A file or value cannot be used.
-        SimulationError: The motion cannot be followed.
-    """
+    """The run of a side: a saved one as it is, a new one for a model or for changes."""
     from ..hybrid import simulate
     from ..hybrid.files.npz import load_solution
 

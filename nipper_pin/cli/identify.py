@@ -15,7 +15,7 @@ from .arguments import (
     check_outputs,
     command,
     refuse_beside,
-    write_json,
+    write_document,
 )
 
 if TYPE_CHECKING:
@@ -73,11 +73,10 @@ def _run(options: argparse.Namespace) -> None:
     chosen = [path for path, _ in known.ranked()][: options.profiles]
     profiles = _profiles(fit, chosen, options.workers)
     # The folder last: once it is there, the same command is refused.
-    if options.json is not None:
-        write_json(record(fit, judged, known, profiles), options.json)
+    free = write_document(lambda: record(fit, judged, known, profiles), options.json)
     if options.out is not None:
         write_model(fit, judged, options.out)
-    if options.json != "-":
+    if free:
         from ..view.console import Terminal, ending
         from ..view.studies.identify_report import print_fit
 

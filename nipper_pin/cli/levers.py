@@ -12,7 +12,7 @@ from .arguments import (
     command,
     load_mechanism,
     machine_words,
-    write_json,
+    write_document,
 )
 
 
@@ -29,9 +29,7 @@ def _run(options: argparse.Namespace) -> None:
     mechanism = load_mechanism(options)
     with progress("numbers") as tell:
         found = levers(mechanism, options.speed, tell)
-    if options.json is not None:
-        write_json(found.record(), options.json)
-    if options.json == "-":
+    if not write_document(found.record, options.json):
         return
     from ..view.console import Terminal
     from ..view.studies.levers_report import print_levers

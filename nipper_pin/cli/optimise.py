@@ -9,7 +9,14 @@ from pathlib import Path
 from ..errors import one_line
 from ..extras import require
 from ..view.progress import progress
-from .arguments import add_json, add_number, add_workers, check_outputs, refuse_beside, write_json
+from .arguments import (
+    add_json,
+    add_number,
+    add_workers,
+    check_outputs,
+    refuse_beside,
+    write_document,
+)
 
 _POINTS = 12
 
@@ -72,9 +79,7 @@ def _run(options: argparse.Namespace) -> None:
 
             file = new / f"front.{options.format or 'svg'}"
             written.append(write_figure(front_figure(optimum), file))
-    if options.json is not None:
-        write_json(optimum.record(), options.json)
-    if options.json != "-":
+    if write_document(optimum.record, options.json):
         from ..view.console import Terminal
         from ..view.studies.optimise_report import print_optimum
 

@@ -19,7 +19,7 @@ from .arguments import (
     command,
     machine_words,
     refuse_beside,
-    write_json,
+    write_document,
 )
 from .case_options import add_case, add_window, machine_and_case
 
@@ -74,9 +74,7 @@ def _run(options: argparse.Namespace) -> None:
     need_sound(solution)
     if options.out is not None:
         export(solution, options.out, options.units or "SI")
-    if options.json is not None:
-        write_json(record(solution), options.json)
-    if options.json != "-":
+    if write_document(lambda: record(solution), options.json):
         from ..view.console import Terminal, ending
         from ..view.run import print_solution
 
@@ -99,11 +97,7 @@ def _whole_turns(words: Sequence[str]) -> str:
 
 
 def _asked(options: argparse.Namespace) -> tuple[Mechanism, Case]:
-    """Return machine and case: of the arguments, or saved ones changed by the arguments.
-
-    Raises:
-        InputError: Arguments contradict one another, or a file or value cannot be used.
-    """
+    """Return machine and case: of the arguments, or saved ones changed by the arguments."""
     if options.case is None:
         return machine_and_case(options, Window.TRANSITION)
     held = f"--case {options.case}, which holds its own machine"

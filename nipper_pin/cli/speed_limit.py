@@ -17,7 +17,7 @@ from .arguments import (
     load_mechanism,
     machine_words,
     rpm,
-    write_json,
+    write_document,
 )
 
 if TYPE_CHECKING:
@@ -68,9 +68,7 @@ def run(options: argparse.Namespace) -> None:
         from ..view.studies.speed_limit_plot import speed_limit_figure
 
         write_figure(speed_limit_figure(result), options.plot)
-    if options.json is not None:
-        write_json(result.record(), options.json)
-    if options.json == "-":
+    if not write_document(result.record, options.json):
         return
     from ..view.console import Terminal, ending
     from ..view.studies.speed_limit_report import print_speed_limit

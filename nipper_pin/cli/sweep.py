@@ -17,7 +17,7 @@ from .arguments import (
     check_outputs,
     command,
     refuse_beside,
-    write_json,
+    write_document,
 )
 
 
@@ -109,9 +109,7 @@ def _run(options: argparse.Namespace) -> None:
         if options.csv is not None:
             read_sweep(folder).write_csv(options.csv, options.units or "SI")
         following = ["plot", str(folder)]
-    if options.json is not None:
-        write_json(document, options.json)
-    if options.json != "-":
+    if write_document(lambda: document, options.json):
         from ..view.console import ending, say, unbroken_console
 
         console = unbroken_console()

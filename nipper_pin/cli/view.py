@@ -79,11 +79,7 @@ def _run(options: argparse.Namespace) -> None:
 
 
 def _solution(options: argparse.Namespace) -> Solution:
-    """The saved run of the arguments, or a new one.
-
-    Raises:
-        InputError: Arguments contradict one another, or a file or value cannot be used.
-    """
+    """The saved run of the arguments, or a new one."""
     if options.solution is None:
         from ..hybrid import simulate
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from importlib import resources
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,7 @@ from ..scene import Look, Solid, pictured
 from ..scene.colours import channels
 from ..scene.film import true_size
 from ..scene.objects import ROOT
-from ..scene.page import assembled, background, cameras, encoded, machine_messages
+from ..scene.page import assembled, cameras, encoded, machine_messages
 from ..scene.readings import curve_record, drawing, readings, rounded
 from ..scene.tracks import animation
 from .pair import COLOUR_A, COLOUR_B, Lane, Pair, clock_text, lanes, pair
@@ -24,7 +23,6 @@ from .words import changes_text, finding, names
 
 _OTHER = "other"
 _OPACITY = 0.45
-_FILES = ("compare.js", "compare.css")
 _Message = dict[str, Any]
 
 
@@ -39,9 +37,8 @@ def comparison_page(comparison: Comparison, look: Look) -> str:
         plain = replace(both, a=true_size(both.a), b=true_size(both.b))
         found["true_size"] = {**_drawing(plain), "scene": encoded(_animation(plain, drawn))}
     one, other = map(machine_messages, machines, drawn)
-    messages = [*background(), *one, *map(_renamed, other), _animation(both, drawn)]
-    files = [resources.files(__package__) / "page_files" / name for name in _FILES]
-    return assembled(messages, found, files)
+    messages = [*one, *map(_renamed, other), _animation(both, drawn)]
+    return assembled(messages, found, __package__)
 
 
 def _animation(both: Pair, drawn: Sequence[Sequence[Solid]]) -> _Message:

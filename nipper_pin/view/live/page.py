@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from importlib import resources
-
 from ...errors import InputError
 from ...mechanism import Mechanism
 from ..reading import shown_until
 from ..scene import Look, film, pictured
 from ..scene.pace import round_slow, steady
-from ..scene.page import assembled, background, cameras, machine_messages
+from ..scene.page import assembled, cameras, machine_messages
 from ..scene.tracks import animation
 from .answer import answer
 from .session import Session, Shown, read
 from .settings import RESTITUTION, Knob, knobs, larger_knob
 from .whole_turn import WholeTurns
 
-_FILES = ("live.js", "live.css")
 _LONGEST = 20.0  # seconds of the first film
 # Its own server alone, over a WebSocket.
 _CONNECT = "data: blob: 'self'"
@@ -49,9 +46,8 @@ def shown_live(mechanism: Mechanism, speed_rpm: float) -> tuple[Shown, str]:
             "state": Session(shown).state(),
         },
     }
-    files = [resources.files(__package__) / "page_files" / name for name in _FILES]
-    messages = [*background(), *machine_messages(mechanism, drawn)]
-    page = assembled([*messages, animation(played, drawn)], found, files, _CONNECT)
+    messages = [*machine_messages(mechanism, drawn), animation(played, drawn)]
+    page = assembled(messages, found, __package__, _CONNECT)
     return shown, page
 
 

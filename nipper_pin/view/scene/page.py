@@ -7,7 +7,6 @@ import hashlib
 import json
 from collections.abc import Mapping, Sequence
 from importlib import resources
-from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +26,9 @@ from .tracks import animation
 
 _VIEWER = Path(meshcat.__file__).parent / "viewer"
 _SCRIPTS = ("scene.js", "lips.js", "curves.js", "controls.js")
+# The viewer's scene as an empty page, of which the script colours the background.
+_BARE = [{"type": "set_property", "path": f"/{path}", "property": "visible", "value": False}
+         for path in ("Grid", "Axes")]  # fmt: skip
 
 
 def scene_page(shown: Film) -> str:
@@ -41,7 +43,7 @@ def scene_page(shown: Film) -> str:
         plain = true_size(shown)
         found["true_size"] = {**drawing(plain), "scene": encoded(animation(plain, drawn))}
     messages = machine_messages(shown.solution.mechanism, drawn)
-    return assembled([*background(), *messages, animation(shown, drawn)], found)
+    return assembled([*messages, animation(shown, drawn)], found)
 
 
 def encoded(message: Mapping[str, object]) -> str:
@@ -52,7 +54,7 @@ def encoded(message: Mapping[str, object]) -> str:
 def assembled(
     messages: Sequence[Mapping[str, object]],
     found: Mapping[str, object],
-    more: Sequence[Traversable] = (),
+    room: str = __package__,
     connect: str = "data: blob:",
 ) -> str:
     """The page of messages to meshcat's viewer and of what is written beside it.
@@ -60,11 +62,12 @@ def assembled(
     Args:
         messages: Commands that draw the scene and play its animation.
         found: What the page's script reads (:func:`~.readings.readings`, and cameras).
-        more: Further scripts and style sheets, after those of every page.
+        room: Package with further scripts and style sheets, which follow those of every page.
         connect: Where the page's script may connect to, as a browser's policy has it.
     """
-    here = resources.files(__package__) / "page_files"
-    files = [*((here / name) for name in (*_SCRIPTS, "style.css")), *more]
+    here, there = (resources.files(name) / "page_files" for name in (__package__, room))
+    files = [here / name for name in (*_SCRIPTS, "style.css")]
+    files += there.iterdir() if room != __package__ else []
     texts = {file.name: file.read_text(encoding="utf-8") for file in files}
     viewer = (_VIEWER / "dist" / "main.min.js").read_text(encoding="utf-8")
     script = "".join(text for name, text in texts.items() if name.endswith(".js"))
@@ -73,7 +76,7 @@ def assembled(
         "licence": _licences(),
         "style": "".join(text for name, text in texts.items() if name.endswith(".css")),
         "viewer": viewer,
-        "scene": json.dumps([encoded(item) for item in messages]),
+        "scene": json.dumps([encoded(item) for item in (*_BARE, *messages)]),
         "film": _in_script(json.dumps(found, allow_nan=False)),
         "script": script,
     }  # fmt: skip
@@ -82,12 +85,6 @@ def assembled(
     for place, piece in enumerate((here / "page.html").read_text(encoding="utf-8").split("@@")):
         pieces.append(parts[piece] if place % 2 else piece)
     return "".join(pieces)
-
-
-def background() -> list[dict[str, object]]:
-    """Messages that make the viewer's scene an empty page; its script colours the background."""
-    return [{"type": "set_property", "path": f"/{path}", "property": "visible", "value": False}
-            for path in ("Grid", "Axes")]  # fmt: skip
 
 
 def machine_messages(mechanism: Mechanism, drawn: Sequence[Solid]) -> list[dict[str, Any]]:
