@@ -201,14 +201,13 @@ def test_files_of_a_comparison(tmp_path: Path, capsys: pytest.CaptureFixture[str
     line = f"e62 --speed 450 520 --window transition --json {tmp_path / 'table.json'}"
     assert main(["compare", *line.split(), "--out", str(tmp_path / "out")]) == 0
     text = capsys.readouterr().out
-    assert f"table and curves: {tmp_path / 'out'}\ndocument: {tmp_path / 'table.json'}\n" in text
+    assert f"written: {tmp_path / 'out'}\nwritten: {tmp_path / 'table.json'}\n" in text
     found = json.loads((tmp_path / "table.json").read_text(encoding="utf-8"))
     with (tmp_path / "out" / "comparison.csv").open(encoding="utf-8", newline="") as stream:
         rows = list(csv.DictReader(stream))
-    assert [row["name"] for row in rows] == [row["name"] for row in found["rows"]]
-    for row, other in zip(rows, found["rows"], strict=True):
-        assert float(row["a"]) == other["a"]
-        assert float(row["difference_percent"]) == other["difference_percent"]
+    told = [{key: "" if value is None else str(value) for key, value in row.items()}
+            for row in found["rows"]]  # fmt: skip
+    assert rows == told
     assert (tmp_path / "out" / "curves.png").read_bytes().startswith(b"\x89PNG")
     assert "<svg" in (tmp_path / "out" / "curves.svg").read_text(encoding="utf-8")
 

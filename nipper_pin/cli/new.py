@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError, UnknownNameError
+from ..view.console import paste, say, show_table, unbroken_console
 from .arguments import command, refuse_beside
 
 
@@ -56,7 +57,6 @@ def _run(options: argparse.Namespace) -> None:
 
 def _list() -> None:
     from ..mechanism.gallery import GALLERY, drawn
-    from ..view.console import paste, say, show_table, unbroken_console
 
     console = unbroken_console()
     rows = [(name, str(drawn(name).tables["title"])) for name in GALLERY]
@@ -81,7 +81,6 @@ def _drawing(name: str | None, model: str) -> None:
 
 def _study(kind: str, file: str) -> None:
     from ..study.starts import STUDIES, write_study
-    from ..view.console import paste, say, unbroken_console
 
     if kind not in STUDIES:
         raise UnknownNameError(kind="study", name=kind, known=STUDIES, where="--study")
@@ -93,7 +92,6 @@ def _study(kind: str, file: str) -> None:
 
 def _exported(urdf: str, model: str) -> None:
     from ..mechanism.skeleton.exported import take_urdf
-    from ..view.console import paste, say, show_table, unbroken_console
 
     found, console = take_urdf(urdf, model), unbroken_console()
     say(console, f"{model}: a copy of {Path(urdf).name}, and a TOML file to complete")
@@ -121,8 +119,6 @@ def _place(stop: dict[str, Any]) -> str:
 
 def written(head: str, model: str) -> None:
     """Tell what was written, and what to run next."""
-    from ..view.console import paste, say, unbroken_console
-
     console, turns = unbroken_console(), ("--window", "cycle")
     say(console, head)
     say(console, "It runs as it stands:")

@@ -25,7 +25,6 @@ from nipper_pin import InputError, Mechanism, load
 from nipper_pin.mechanism import collision_model, find_model, from_sources
 from nipper_pin.view.scene import CYLINDER, FIXED, Look, Solid, film, solids
 from nipper_pin.view.scene.colours import link_colour
-from nipper_pin.view.scene.meshes import mesh_of
 from nipper_pin.view.scene.objects import solid_commands
 from nipper_pin.view.scene.solids import _material
 
@@ -181,8 +180,8 @@ def test_meshes_that_cannot_be_read(tmp_path: Path) -> None:
     for name, read, words in (
         ("horn.ply", lambda solid: list(solid_commands(made, solid)),
          r": .*\.stl, \.obj, \.dae; convert"),
-        ("gone.stl", mesh_of, ": the mesh cannot be read"),
-        ("horn.xyz_", mesh_of, ": mesh = .* a mesh as STL, OBJ or DAE"),
+        ("gone.stl", lambda solid: solid.mesh, ": the mesh cannot be read"),
+        ("horn.xyz_", lambda solid: solid.mesh, ": mesh = .* a mesh as STL, OBJ or DAE"),
     ):  # fmt: skip
         if name != "gone.stl":
             (tmp_path / name).write_text("nothing", encoding="utf-8")
@@ -199,7 +198,7 @@ def test_corners_of_round_solids() -> None:
 
     def corners(kind: str, *sizes: float) -> np.ndarray:
         made = Solid("round", FIXED, kind, sizes, None, np.eye(4), np.ones(3), (0.2, 0.4, 0.8))
-        return mesh_of(made)[0]
+        return made.mesh[0]
 
     points = corners("cylinder", 0.5, 3.0)
     assert len(points) == 64

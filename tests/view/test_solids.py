@@ -26,7 +26,6 @@ from urdf_shapes import shaped, shapes
 from nipper_pin import Mechanism, Solution, load
 from nipper_pin.mechanism import from_sources, known_models
 from nipper_pin.view.scene import Film, Look, Solid, film, pictured, solids
-from nipper_pin.view.scene.meshes import mesh_of
 
 MODELS = Path(__file__).parents[1] / "verification" / "models"
 Array = Any
@@ -178,7 +177,7 @@ def outline(drawn: list[Solid], pose: tuple[float, float, float]) -> Array:
     found, (x, z, turned) = [], pose
     way = np.array([[math.cos(turned), math.sin(turned)], [-math.sin(turned), math.cos(turned)]])
     for solid in drawn:
-        corners = mesh_of(solid)[0] * solid.scale @ solid.placement[:3, :3].T
+        corners = solid.mesh[0] * solid.scale @ solid.placement[:3, :3].T
         flat = (corners + solid.placement[:3, 3])[:, [0, 2]] @ way + [x, z]
         edge = flat[ConvexHull(flat).vertices]
         found += [

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import struct
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import coal
 import numpy as np
@@ -14,9 +14,6 @@ from scipy.spatial import ConvexHull
 from ...arrays import FloatArray
 from ...errors import InputError
 from ...mechanism.files import check_corners, check_size
-
-if TYPE_CHECKING:
-    from .solids import Solid
 
 _CORNERS = 32  # of a circle
 _RINGS = 9  # of a sphere, from pole to pole
@@ -51,17 +48,19 @@ def read_mesh(path: Path) -> tuple[FloatArray, NDArray[np.intp]]:
     return corners, same.reshape(-1)[faces]
 
 
-def mesh_of(solid: Solid) -> tuple[FloatArray, NDArray[np.intp]]:
-    """Corners, shape (N, 3) [m], and faces, shape (F, 3), counter-clockwise from outside.
+def mesh_of(
+    kind: str, sizes: Sequence[float], path: Path | None
+) -> tuple[FloatArray, NDArray[np.intp]]:
+    """Corners, shape (N, 3) [m], and faces, shape (F, 3), counter-clockwise, of a solid's shape.
 
     Raises:
         InputError: Its mesh cannot be read.
     """
-    if solid.path is not None:
-        return read_mesh(solid.path)
-    if solid.kind == "coil":
-        return coil(solid.sizes[0])
-    corners = _surface(solid)
+    if path is not None:
+        return read_mesh(path)
+    if kind == "coil":
+        return coil(sizes[0])
+    corners = _surface(kind, sizes)
     hull = ConvexHull(corners)
     faces = hull.simplices.astype(np.intp)
     a, b, c = (corners[faces[:, place]] for place in range(3))
@@ -70,21 +69,21 @@ def mesh_of(solid: Solid) -> tuple[FloatArray, NDArray[np.intp]]:
     return corners, faces
 
 
-def _surface(solid: Solid) -> FloatArray:
+def _surface(kind: str, sizes: Sequence[float]) -> FloatArray:
     """Points whose convex hull is a plain shape, shape (N, 3) [m]."""
-    if solid.kind == "box":
+    if kind == "box":
         signs = np.array(np.meshgrid([-0.5, 0.5], [-0.5, 0.5], [-0.5, 0.5])).reshape(3, -1).T
-        return np.asarray(signs * solid.sizes)
+        return np.asarray(signs * sizes)
     turn = np.linspace(0.0, 2.0 * np.pi, _CORNERS, endpoint=False)
     circle = np.column_stack([np.cos(turn), np.sin(turn), np.zeros(_CORNERS)])
-    if solid.kind == "cylinder":
-        radius, length = solid.sizes
+    if kind == "cylinder":
+        radius, length = sizes
         lift = np.array([0.0, 0.0, 0.5 * length])
         return np.concatenate([radius * circle - lift, radius * circle + lift])
     polar = np.linspace(0.0, np.pi, _RINGS + 2)[1:-1]
     rings = [np.sin(item) * circle + [0.0, 0.0, np.cos(item)] for item in polar]
     poles = np.array([[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]])
-    return np.asarray(solid.sizes[0] * np.concatenate([*rings, poles]))
+    return np.asarray(sizes[0] * np.concatenate([*rings, poles]))
 
 
 def coil(radius: float) -> tuple[FloatArray, NDArray[np.intp]]:

@@ -64,7 +64,7 @@ class Solid:
     @cached_property
     def mesh(self) -> tuple[FloatArray, NDArray[np.intp]]:
         """Its corners and faces as :func:`~.meshes.mesh_of` has them, read once."""
-        return mesh_of(self)
+        return mesh_of(self.kind, self.sizes, self.path)
 
     @cached_property
     def corners(self) -> FloatArray:
