@@ -155,7 +155,7 @@ def _check(options: argparse.Namespace) -> None:
     if options.html is None and not options.browser:
         refuse_beside(options, "a table; add --html FILE or --browser", "--slow", "--exaggerate")
     else:
-        show.need_libraries(None)
+        show.need_libraries()
         from ..view.scene import Look
 
         Look(slow=options.slow, exaggerate=options.exaggerate)

@@ -8,7 +8,6 @@ from pathlib import Path
 from ..errors import InputError
 from ..hybrid import Solution, Window, need_sound
 from ..view import show
-from ..view.show import PORT, need_libraries
 from .arguments import (
     add_look,
     add_model,
@@ -37,7 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--gif", metavar="FILE", help="write the film in side view as a GIF instead of serving it"
     )
-    add_server(parser, PORT)
+    add_server(parser, show.PORT)
     parser.set_defaults(run=_run)
 
 
@@ -46,10 +45,7 @@ def _run(options: argparse.Namespace) -> None:
     need_suffix("--gif", options.gif, ".gif")
     files = [Path(file) for file in (options.html, options.gif) if file is not None]
     served = not files
-    if served:
-        need_libraries(None)
-    for place in files:
-        need_libraries(place)
+    show.need_libraries(*files)
     from ..view.console import ending, unbroken_console
     from ..view.scene import Look
 
@@ -74,7 +70,7 @@ def _run(options: argparse.Namespace) -> None:
     if served:
         from ..view.scene.server import serve
 
-        port = PORT if options.port is None else options.port
+        port = show.PORT if options.port is None else options.port
         serve(show.shown_page(solution, look), port, browser=not options.no_browser)
 
 

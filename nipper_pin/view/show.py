@@ -61,7 +61,7 @@ def view(
     if target is not None and target.suffix.lower() not in kinds:
         message = f"{target}: a scene is written as NAME{' or NAME'.join(kinds)}"
         raise InputError(message, file=str(target))
-    need_libraries(target)
+    need_libraries(*([] if target is None else [target]))
     if target is not None:
         write(solution, target, look)
         return target
@@ -111,16 +111,14 @@ def write(shown: Solution | Comparison, path: Path, look: Look) -> None:
         partial.write_text(page, encoding="utf-8")
 
 
-def need_libraries(path: Path | None) -> None:
-    """Refuse to show anything without the libraries that make it.
-
-    Args:
-        path: The file to write; None for a page that is served.
+def need_libraries(*files: Path) -> None:
+    """Refuse to write files, or without any to serve a page, without the libraries that do.
 
     Raises:
         InputError: One of them is not installed.
     """
-    if path is not None and path.suffix.lower() == ".gif":
-        require("view", "matplotlib", "PIL", what="a film as a GIF")
-    else:
+    kinds = {file.suffix.lower() for file in files}
+    if kinds != {".gif"}:
         require("view", "meshcat", "umsgpack", what="a page of the viewer")
+    if ".gif" in kinds:
+        require("view", "matplotlib", "PIL", what="a film as a GIF")
