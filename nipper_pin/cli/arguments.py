@@ -180,24 +180,18 @@ def overrides(options: argparse.Namespace) -> dict[str, object]:
     Raises:
         InputError: A ``--set`` is not PATH=VALUE, or a number is given twice.
     """
+    short = {name: getattr(options, name, None) for name in _SHORT}
+    given = [f"{name}={value}" for name, value in short.items() if value is not None]
     found: dict[str, object] = {}
-    for item in options.set:
+    for item in (*options.set, *given):
         path, equals, value = (part.strip() for part in item.partition("="))
         if not equals:
             message = f"--set {item}: write PATH=VALUE, for example stops.jaw.restitution=0.1"
             raise InputError(message, argument=item)
         if path in found:
-            message = f"--set {path} is given twice, {found[path]} and {value}; leave one out"
+            message = f"{path} is given twice, {found[path]} and {value}; leave one out"
             raise InputError(message, argument=item)
         found[path] = value
-    for name in _SHORT:
-        value = getattr(options, name, None)
-        if value is None:
-            continue
-        if name in found:
-            message = f"--{name} {value} and --set {name}={found[name]}: leave one out"
-            raise InputError(message, argument=name)
-        found[name] = value
     return found
 
 
