@@ -219,7 +219,7 @@ def test_an_attacked_page_goes_on_for_others(served: tuple[int, subprocess.Popen
             found = json.loads(await page.read_message() or "")
             while not found["state"]["setting"].startswith(f"speed {speed:g} r/min"):
                 found = json.loads(await page.read_message() or "")
-            assert [row[0] for row in found["state"]["rows"]][:2] == ["amplitude", "rebound"]
+            assert [row[0] for row in found["state"]["rows"]][:2] == ["amplitude", "lips"]
             while "film" not in found:
                 found = json.loads(await page.read_message() or "")
             assert found["film"]["case"].startswith(f"{speed:g} r/min")
