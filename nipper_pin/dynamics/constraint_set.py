@@ -62,10 +62,17 @@ def coefficients(mechanism: Mechanism, held: bool) -> Coefficients:
         held: True if the driven shafts are held, False if they have their inertia.
 
     Raises:
-        ModelError: A shaft that is not held lacks its numbers.
+        ModelError: A shaft that is not held lacks its numbers: it can only be held.
     """
-    if not held:
-        _need_shafts(mechanism)
+    missing = [f"drives.{item.name}.{key}" for item in mechanism.drives for key in item.missing]
+    if missing and not held:
+        allowed = "an inertial drive needs a number; the others that are missing: "
+        raise ModelError(
+            file=f"{mechanism.name}.toml",
+            key=missing[0],
+            value=None,
+            allowed=allowed + (", ".join(missing[1:]) or "none"),
+        )
     nv = len(mechanism.joints)
     driven = np.array([item.index for item in mechanism.drives], dtype=np.intp)
     inertia = np.array([item.reflected_inertia for item in mechanism.drives])
@@ -99,19 +106,6 @@ def coefficients(mechanism: Mechanism, held: bool) -> Coefficients:
             ]
         ),
     )
-
-
-def _need_shafts(mechanism: Mechanism) -> None:
-    """Refuse a drive without an inertia, which can only be held."""
-    missing = [f"drives.{item.name}.{key}" for item in mechanism.drives for key in item.missing]
-    if missing:
-        allowed = "an inertial drive needs a number; the others that are missing: "
-        raise ModelError(
-            file=f"{mechanism.name}.toml",
-            key=missing[0],
-            value=None,
-            allowed=allowed + (", ".join(missing[1:]) or "none"),
-        )
 
 
 def column_index(places: NDArray[np.intp]) -> slice | NDArray[np.intp]:
