@@ -228,8 +228,7 @@ def parts(mechanism: Mechanism, held: bool) -> Parts:
     Args:
         held: True if the driven shafts are held, False if they have their inertia.
     """
-    driven = {drive.index for drive in mechanism.drives} if held else set[int]()
-    number, members = _parts(mechanism, driven)
+    number, members = _parts(mechanism, held)
     groups: dict[int, set[str]] = {}
     for stop in mechanism.stops:
         groups.setdefault(number[stop.index], set()).add(stop.name)
@@ -238,8 +237,8 @@ def parts(mechanism: Mechanism, held: bool) -> Parts:
     return Parts(np.array(number, dtype=np.intp), members, stops, len(groups) < 2)
 
 
-def _parts(mechanism: Mechanism, held: set[int]) -> tuple[list[int], dict[int, NDArray[np.intp]]]:
-    model = mechanism.model
+def _parts(mechanism: Mechanism, held: bool) -> tuple[list[int], dict[int, NDArray[np.intp]]]:
+    model, driven = mechanism.model, {drive.index for drive in mechanism.drives if held}
     part = list(range(int(model.nv)))
     moved: list[tuple[int, int]] = []
 
@@ -248,10 +247,11 @@ def _parts(mechanism: Mechanism, held: set[int]) -> tuple[list[int], dict[int, N
 
     def join(columns: Iterable[int]) -> None:
         together = set(columns)
-        moved.extend((min(together - held), shaft) for shaft in together & held if together - held)
-        joined = {part[column] for column in together - held}
-        for column, own in enumerate(part):
-            if own in joined:
+        own = together - driven
+        moved.extend((min(own), shaft) for shaft in together & driven if own)
+        joined = {part[column] for column in own}
+        for column, number in enumerate(part):
+            if number in joined:
                 part[column] = min(joined)
 
     for joint in range(1, model.njoints):

@@ -97,19 +97,14 @@ def _struck(
             impulses += given
             rates += matrix @ given
         np.multiply(rates, -per_root, out=approach)
-    raise _endless(contacts, before, number)
-
-
-def _endless(contacts: Sequence[Stop], before: FloatArray, strikes: int) -> ImpactError:
-    """The error of strikes that hardly become weaker."""
     names = ", ".join(stop.name for stop in contacts)
     message = (
-        f"the impulses at {names} still pass to and fro after {strikes} strikes, which hardly "
+        f"the impulses at {names} still pass to and fro after {number} strikes, which hardly "
         "become weaker: these stops jam the mechanism, or a body that is light beside its "
         "neighbours slows them down by next to nothing at each strike; give it room, let them lose "
         'more (restitution), make the masses more alike, or choose simultaneous = "newton"'
     )
-    return ImpactError(message, stops=names, rates_before=before.tolist(), strikes=strikes)
+    raise ImpactError(message, stops=names, rates_before=before.tolist(), strikes=number)
 
 
 def _together(

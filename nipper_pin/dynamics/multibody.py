@@ -228,7 +228,11 @@ class Multibody(OpenTree):
         """
         model, data, pins, pin_data = self._flight, self._flight_data, self._pins, self._pin_data
         if self._couples:
-            return self._with_couplings(q)
+            # Those of the couplings come after the pins.
+            (gaps, jacobians), coupled = self._loops.closures(q), self._coupled
+            below = np.broadcast_to(coupled, (len(q), *coupled.shape))
+            gaps = np.concatenate([gaps, q @ coupled.T], axis=1)
+            return gaps, np.concatenate([jacobians, below], axis=1)
         if self.closure_rows and len(q) >= _MANY:
             return self._loops.closures(q)
         gaps = np.empty((len(q), self.closure_rows))
@@ -247,13 +251,6 @@ class Multibody(OpenTree):
             # Otherwise numpy would write through a buffer.
             rows.take(self._planar_rows, 0, jacobians[row], "clip")
         return gaps, jacobians
-
-    def _with_couplings(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Gaps and Jacobian as :meth:`closures`, those of the couplings after the pins."""
-        pins, coupled = self._loops.closures(q), self._coupled
-        below = np.broadcast_to(coupled, (len(q), *coupled.shape))
-        gaps = np.concatenate([pins[0], q @ coupled.T], axis=1)
-        return gaps, np.concatenate([pins[1], below], axis=1)
 
     def closure_accelerations(self, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
         """Accelerations G a + G_dot v, shape (N, m); as :meth:`OpenTree.closure_accelerations`."""

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from runs_shown import run_of
 from scipy.integrate import solve_ivp
 from small_machines import SLED, link, machine, slide
 
@@ -253,3 +254,17 @@ def test_the_highest_place_of_a_rebound_of_many_crests(
         flown = start + (table(np.array(hit.t), 1) + hit.separation_rate) * t - 0.5 * gravity * t**2
         gaps = np.maximum(flown, 1e-3 * shelf) - table(hit.t + t, 0) - 7e-3
         assert hit.rebound_amplitude == pytest.approx(gaps.max(), rel=1e-8)
+
+
+def test_what_pulls_between_two_points_gives_no_impulse(e62: Mechanism) -> None:
+    """Forces are finite: joints take what they take in the machine without these springs."""
+    run = run_of("elements")
+    assert len(run.mechanism.struts) == 2
+    (event, *_), bare = run.events, simulate(e62, speed_rpm=650.0).trajectory
+    found, alone = run.trajectory.impulses(event), bare.impulses(event)
+    assert found.contacts == alone.contacts
+    for kind in ("joints", "closures"):
+        mine, other = getattr(found, kind), getattr(alone, kind)
+        assert mine.keys() == other.keys()
+        assert all(np.array_equal(mine[name], other[name]) for name in mine)
+    assert max(np.abs(wrench).max() for wrench in found.joints.values()) > 0.1

@@ -216,9 +216,10 @@ class Trajectory:
         mechanism = self.system.mechanism
         lips, levers = _with_point(mechanism)
         sizes = np.array([event.P_N.get(stop.name, 0.0) for stop in mechanism.stops])
-        state = event.q, np.zeros_like(event.delta), event.delta, event.P_g
+        # What pulls between two points is finite, and gives no impulse.
+        pulls, still = np.zeros((len(mechanism.struts), 2)), np.zeros_like(event.delta)
         wrenches, cuts = self.system.body.joint_wrenches(
-            *state, contact_forces=sizes[lips] / levers, weight=False
+            event.q, still, event.delta, event.P_g, pulls, sizes[lips] / levers, weight=False
         )
         return Impulses(
             joints={joint.name: wrenches[i] for i, joint in enumerate(mechanism.joints)},

@@ -108,9 +108,7 @@ def transition(manager: PhaseManager) -> Outcome:
     name = _closing_stop(manager)
     manager.collide({name} | manager.closing())
     while True:
-        # Most events are no rests.
-        resting = manager.events[-1].kind is EventKind.REST
-        rest = _rest_of(manager, name) if resting else None
+        rest = _rest_of(manager, name)
         if rest is not None and _followed(manager, name, rest.t):
             return Outcome.AT_REST
         if manager.collisions >= manager.case.max_collisions:
