@@ -10,6 +10,7 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..errors import InputError
+from ..given import LARGEST
 from ..tolerances.mechanics import LEAST_TABLE_STEP
 
 MOST_ROWS = 100_000
@@ -17,8 +18,6 @@ MOST_ROWS = 100_000
 Interpolation = Literal["smooth", "linear"]
 # Places of a piece at which its curve is compared with its line, and one more.
 _LOOKS = 8
-# Largest number of a table, in its units.
-_LARGEST = 1e15
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,8 +67,11 @@ class Characteristic:
         """Check the rows and fit the interpolant."""
         from scipy.interpolate import PchipInterpolator, PPoly
 
-        _check_rows(self.coordinate, self.force)
-        x, y = np.array(self.coordinate), np.array(self.force)
+        x, y = np.array(self.coordinate, dtype=float), np.array(self.force, dtype=float)
+        columns = ("a coordinate", "a force")
+        message = wrong_rows(x, y, "spring table", 2, columns, _not_rising)
+        if message:
+            raise InputError(message, rows=int(x.size))
         if self.interpolation == "linear":
             force = PPoly(np.array([np.diff(y) / np.diff(x), y[:-1]]), x)
         else:
@@ -123,33 +125,47 @@ class Characteristic:
         return np.asarray(self._energy(x))
 
 
-def _check_rows(coordinate: tuple[float, ...], force: tuple[float, ...]) -> None:
-    """Refuse rows that are no function of the coordinate."""
-    x, y = np.asarray(coordinate, dtype=np.float64), np.asarray(force, dtype=np.float64)
-    message = ""
-    if x.shape != y.shape or x.size < 2:
-        message = (
-            "a spring table needs at least 2 rows with a coordinate and a force each; found "
-            f"{x.size} coordinates and {y.size} forces"
+def _not_rising(row: int) -> str:
+    return f"the coordinate must rise from row to row; row {row + 1} of the spring table does not"
+
+
+def wrong_rows(
+    x: FloatArray,
+    y: FloatArray,
+    table: str,
+    least: int,
+    columns: tuple[str, str],
+    falling: Callable[[int], str],
+) -> str:
+    """What is wrong with rows of numbers that should be a function; empty if nothing is.
+
+    Args:
+        table: What the table is called.
+        least: How many rows it needs.
+        columns: What x and y are called.
+        falling: The words for the row after which, counted from 1, x does not rise.
+    """
+    first, second = columns
+    if x.shape != y.shape or x.size < least:
+        return (
+            f"a {table} needs at least {least} rows with {first} and {second} each; found "
+            f"{x.size} {first.split()[1]}s and {y.size} {second.split()[1]}s"
         )
-    elif x.size > MOST_ROWS:
-        message = f"a spring table has at most {MOST_ROWS} rows; found {x.size}"
-    elif not (usable := (np.abs(x) <= _LARGEST) & (np.abs(y) <= _LARGEST)).all():
-        row = int(np.argmin(usable)) + 1
-        message = (
-            f"row {row} of the spring table holds a value that is not a finite number of at most "
-            f"{_LARGEST:g}"
+    if x.size > MOST_ROWS:
+        return f"a {table} has at most {MOST_ROWS} rows; found {x.size}"
+    usable = (np.abs(x) <= LARGEST) & (np.abs(y) <= LARGEST)
+    if not usable.all():
+        return (
+            f"row {int(np.argmin(usable)) + 1} of the {table} holds a value that is not a finite "
+            f"number of at most {LARGEST:g}"
         )
-    elif (np.diff(x) <= 0.0).any():
-        row = int(np.argmax(np.diff(x) <= 0.0)) + 1
-        message = (
-            f"the coordinate must rise from row to row; row {row + 1} of the spring table does not"
-        )
-    elif (np.diff(x) < LEAST_TABLE_STEP).any():
-        row = int(np.argmax(np.diff(x) < LEAST_TABLE_STEP)) + 1
-        message = f"rows {row} and {row + 1} of the spring table are too near to tell a slope"
-    if message:
-        raise InputError(message, rows=int(x.size))
+    steps = np.diff(x)
+    if (steps <= 0.0).any():
+        return falling(int(np.argmax(steps <= 0.0)) + 1)
+    if (steps < LEAST_TABLE_STEP).any():
+        row = int(np.argmax(steps < LEAST_TABLE_STEP)) + 1
+        return f"rows {row} and {row + 1} of the {table} are too near to tell a slope"
+    return ""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,10 +13,8 @@ from typing import TYPE_CHECKING, Any
 import pinocchio as pin
 
 from ..errors import AssemblyError
-from .elements import Damper, Strut
 from .load import from_sources, with_advice
 from .mechanism import Mechanism
-from .parts import Spring, Stop
 
 if TYPE_CHECKING:
     from .edit import Layout
@@ -34,7 +32,6 @@ _OF_FORCES = {
     "stops": ("restitution",),
 }
 _BODY = pin.FrameType.BODY
-_FIELDS: dict[type, str] = {Spring: "springs", Damper: "dampers", Strut: "struts", Stop: "stops"}
 
 
 def number_of(mechanism: Mechanism, path: str) -> float:
@@ -167,7 +164,7 @@ def _with_forces(
     mechanism: Mechanism, paths: Mapping[str, object], entries: Iterable[tuple[str, str]]
 ) -> Mechanism:
     """The mechanism with other numbers of springs, dampers and stops."""
-    from .build.elements import build_element
+    from .build.elements import FIELDS, build_element
     from .edit.paths import replace_value
     from .files.describe import describe_entry
 
@@ -183,10 +180,10 @@ def _with_forces(
         entry = describe_entry(document, section, name, file)
         new: Any
         if section == "stops":
-            new = replace(mechanism.stop(name), restitution=entry.restitution)
+            field, new = section, replace(mechanism.stop(name), restitution=entry.restitution)
         else:
             new = build_element(entry, name, joints, mechanism.model, file)
-        field = _FIELDS[type(new)]
+            field = FIELDS[type(new)]
         known = parts.get(field, getattr(mechanism, field))
         parts[field] = tuple(new if _is_one(item, new) else item for item in known)
     return _sharing(mechanism, description=document, **parts)

@@ -21,7 +21,7 @@ import numpy as np
 import pinocchio as pin
 
 from ...arrays import FloatArray
-from ...errors import AssemblyError, ModelError, UnknownNameError
+from ...errors import AssemblyError, ModelError
 from ...tolerances.mechanics import ASSEMBLY_TOLERANCE_M, ROUNDED_SHARE
 from ...units import MM_PER_M
 from ..files.description import ClosureDescription
@@ -29,6 +29,7 @@ from ..files.urdf_parts import Urdf, UrdfJoint, UrdfLink
 from ..parts import Closure, Stop
 from ..scale import reach, unit_of, written
 from .placements import own_name
+from .references import named
 from .tree import Tree
 
 _AXES: dict[str, tuple[float, float, float]] = {"x": (1.0, 0.0, 0.0), "z": (0.0, 0.0, 1.0)}
@@ -49,10 +50,7 @@ def check_frames(closures: Mapping[str, ClosureDescription], urdf: Urdf, file: s
     for name, closure in closures.items():
         key = f"closures.{name}"
         for side in ("frame_a", "frame_b"):
-            frame = getattr(closure, side)
-            if frame not in urdf.links:
-                where = f"{file}: {key}.{side}"
-                raise UnknownNameError(kind="frame", name=frame, known=urdf.links, where=where)
+            named("frame", getattr(closure, side), urdf.links, f"{file}: {key}.{side}")
         if (closure.slot_axis is None) != (closure.block_mass_kg is None):
             missing = "slot_axis" if closure.slot_axis is None else "block_mass_kg"
             allowed = (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import NamedTuple, NoReturn
+from typing import NoReturn
 
 import coal
 import numpy as np
@@ -15,7 +15,7 @@ from ...tolerances.mechanics import ACROSS_PLANE, DISTANCE_ACCURACY_M, TOUCH_TOL
 from ...units import MM_PER_M, coordinate_text
 from ..files.description import ContactDescription
 from ..files.urdf_parts import UrdfJoint
-from ..parts import Contact
+from ..parts import Contact, Stop
 from ..scale import reach, unit_of, written
 from .lips import Lips, Meeting, Shape, farthest, meet
 from .placements import supports
@@ -26,43 +26,21 @@ _IN_PLANE = np.array([1.0, 0.0, 1.0])
 _MOST_PAIRS = 100
 
 
-class _Asked(NamedTuple):
-    """Configuration in which a stop is closed, and its name in messages.
-
-    Attributes:
-        pair: Names of both bodies.
-        key: Path of the contact in the TOML file.
-        file: Name of that file.
-        sense: 1 if the bodies part with a growing coordinate, -1 with a falling one.
-        at: Coordinate at which the stop is closed [rad or m].
-    """
-
-    pair: str
-    key: str
-    file: str
-    sense: float
-    at: float
-
-
-def find_contact(
-    contact: ContactDescription, joint_name: str, tree: Tree, *, key: str, sense: float, at: float
-) -> Contact:
-    """Find the contact of the two bodies of a stop.
+def find_contact(contact: ContactDescription, stop: Stop, joint_name: str, tree: Tree) -> Contact:
+    """Find the contact of the two bodies of a stop where it is closed, all other coordinates zero.
 
     Args:
         contact: Names of the bodies.
-        joint_name: Joint of the stop; it moves the upper body and not the lower one.
+        stop: The stop, as yet without a contact.
+        joint_name: Its joint, which moves the upper body and not the lower one.
         tree: The tree with its collision shapes.
-        key: Path of the contact in the TOML file, for messages.
-        sense: 1 if the bodies part with a growing coordinate, -1 with a falling one.
-        at: Coordinate at which the stop is closed, all others being zero [rad or m].
 
     Raises:
         UnknownNameError: A body does not exist.
         ModelError: The bodies do not touch at that coordinate, opening does not part them, or one
             is neither body of the joint.
     """
-    joint = tree.urdf.joints[joint_name]
+    joint, key = tree.urdf.joints[joint_name], f"stops.{stop.name}.contact"
     lower = _body(contact.lower, joint, tree, f"{key}.lower", moved=False)
     upper = _body(contact.upper, joint, tree, f"{key}.upper", moved=True)
     if len(lower) * len(upper) > _MOST_PAIRS:
@@ -82,13 +60,12 @@ def find_contact(
         accuracy_m=DISTANCE_ACCURACY_M * max(unit_m, farthest([*lower, *upper])),
         within_m=TOUCH_TOLERANCE_M * written(unit_m),
     )
-    meeting = meet(lips, at, sense)
-    asked = _Asked(f"{contact.lower} and {contact.upper}", key, tree.file, sense, at)
-    _check_touch(meeting, lips.within_m, joint, asked)
+    meeting = meet(lips, stop.at, stop.sense)
+    _check_touch(meeting, lips.within_m, joint, stop, contact, tree.file)
     point = meeting.point * _IN_PLANE
     normal = meeting.normal * _IN_PLANE
     normal /= np.linalg.norm(normal)
-    lever = sense * float(normal @ lips.velocity(point))
+    lever = stop.sense * float(normal @ lips.velocity(point))
     return Contact(point=point, normal=normal, lever_m=lever, closing_coordinate=meeting.closing)
 
 
@@ -159,18 +136,25 @@ def _planar(item: pin.GeometryObject) -> coal.CollisionGeometry:
     return solid
 
 
-def _check_touch(meeting: Meeting, within_m: float, joint: UrdfJoint, asked: _Asked) -> None:
+def _check_touch(
+    meeting: Meeting,
+    within_m: float,
+    joint: UrdfJoint,
+    stop: Stop,
+    contact: ContactDescription,
+    file: str,
+) -> None:
     """Refuse bodies that do not touch where the stop is closed."""
     if abs(meeting.distance) <= within_m and math.isfinite(meeting.closing):
         return
     apart = f"{MM_PER_M * meeting.distance:.6g} mm apart"
     if meeting.distance == -math.inf:
         apart = "overlapping"
-    at, closing = (coordinate_text(item, joint.kind) for item in (asked.at, meeting.closing))
-    value = f"{asked.pair}, {apart} at {joint.name} = {at}"
+    at, closing = (coordinate_text(item, joint.kind) for item in (stop.at, meeting.closing))
+    value = f"{contact.lower} and {contact.upper}, {apart} at {joint.name} = {at}"
     if not math.isfinite(meeting.closing):
         allowed = (
-            f"a {'growing' if asked.sense > 0.0 else 'falling'} coordinate of {joint.name} must "
+            f"a {'growing' if stop.sense > 0.0 else 'falling'} coordinate of {joint.name} must "
             "move the upper body away from the lower one"
         )
     else:
@@ -178,4 +162,5 @@ def _check_touch(meeting: Meeting, within_m: float, joint: UrdfJoint, asked: _As
             f"the bodies must touch within {MM_PER_M * within_m:g} mm where the "
             f"coordinate is {at}; their shapes in the URDF touch at {joint.name} = {closing}"
         )
-    raise ModelError(file=asked.file, key=asked.key, value=value, allowed=allowed)
+    key = f"stops.{stop.name}.contact"
+    raise ModelError(file=file, key=key, value=value, allowed=allowed)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
-from ...errors import InputError, ModelError, UnknownNameError
+from ...errors import InputError, ModelError
 from ...tolerances.mechanics import COINCIDENT_M
 from ...units import M_PER_MM, RAD_PER_DEG
 from ..elements import Characteristic, Damper, Strut, TabulatedSpring
@@ -19,6 +19,7 @@ from ..forces import ForceTable, JointForce
 from ..parts import Joint, Spring
 from ..scale import reach, unit_of
 from .placements import joint_placements
+from .references import built, named
 
 
 @dataclass(frozen=True)
@@ -54,14 +55,13 @@ _DAMPER_OF_POINTS = (*_POINTS, "damping_N_s_per_m")
 _TABLES = tuple(key for keys in _OF_JOINT.values() for key in keys.table)
 
 
-@dataclass(frozen=True)
-class Elements:
-    """Springs and dampers of a mechanism, as its fields of the same names."""
-
-    springs: tuple[Spring, ...]
-    tabulated_springs: tuple[TabulatedSpring, ...]
-    dampers: tuple[Damper, ...]
-    struts: tuple[Strut, ...]
+FIELDS: dict[type, str] = {
+    Spring: "springs",
+    TabulatedSpring: "tabulated_springs",
+    Damper: "dampers",
+    Strut: "struts",
+}
+"""Fields of a mechanism that springs and dampers stand in, by their class."""
 
 
 def build_elements(
@@ -70,14 +70,14 @@ def build_elements(
     urdf: Urdf,
     model: pin.Model,
     file: str,
-) -> Elements:
-    """Build springs and dampers.
+) -> dict[str, tuple[Any, ...]]:
+    """Build springs and dampers, as ``FIELDS`` of a mechanism.
 
     Raises:
         UnknownNameError: A joint or frame does not exist.
         ModelError: Keys do not go together, or the values make no spring or damper.
     """
-    source = _Source(joints, tuple(urdf.links), model, file)
+    source = _Source(joints, model, file)
     found = [
         *(_spring(source, name, item) for name, item in description.springs.items()),
         *(_damper(source, name, item) for name, item in description.dampers.items()),
@@ -87,12 +87,9 @@ def build_elements(
             if urdf.joints[name].damping
         ),
     ]
-    return Elements(
-        springs=tuple(item for item in found if isinstance(item, Spring)),
-        tabulated_springs=tuple(item for item in found if isinstance(item, TabulatedSpring)),
-        dampers=tuple(item for item in found if isinstance(item, Damper)),
-        struts=tuple(item for item in found if isinstance(item, Strut)),
-    )
+    return {
+        field: tuple(item for item in found if type(item) is kind) for kind, field in FIELDS.items()
+    }
 
 
 def build_element(
@@ -102,14 +99,8 @@ def build_element(
     model: pin.Model,
     file: str,
 ) -> Spring | TabulatedSpring | Damper | Strut:
-    """Build one spring or damper; errors as of :func:`build_elements`.
-
-    Args:
-        name: Its name.
-        model: The tree, in which its points lie.
-    """
-    links = tuple(frame.name for frame in model.frames) if _between_points(entry) else ()
-    source = _Source(joints, links, model, file)
+    """Build one spring or damper; errors as of :func:`build_elements`."""
+    source = _Source(joints, model, file)
     if isinstance(entry, SpringDescription):
         return _spring(source, name, entry)
     return _damper(source, name, entry)
@@ -119,7 +110,6 @@ class _Source(NamedTuple):
     """What elements are built from."""
 
     joints: Mapping[str, Joint]
-    links: Sequence[str]
     model: pin.Model
     file: str
 
@@ -174,10 +164,7 @@ def _joint(entry: _Entry, joints: Mapping[str, Joint], where: str, file: str) ->
     if entry.joint is None:
         allowed = "the name of a joint, or frame_a and frame_b for an element between two points"
         raise ModelError(file=file, key=key, value=None, allowed=allowed)
-    if entry.joint not in joints:
-        where = f"{file}: {key}"
-        raise UnknownNameError(kind="joint", name=entry.joint, known=joints, where=where)
-    return joints[entry.joint]
+    return named("joint", entry.joint, joints, f"{file}: {key}")
 
 
 def _check_keys(
@@ -234,17 +221,14 @@ def _strut(
     values: Mapping[str, float],
 ) -> Strut:
     """An element between two points that can move and do not coincide at touch."""
-    where, (_, links, model, file) = f"{kind}s.{name}", source
+    where, (_, model, file) = f"{kind}s.{name}", source
     strut = Strut(
         name=name, kind=kind, frame_a=entry.frame_a or "", frame_b=entry.frame_b or "", **values
     )
-    frames = []
-    for side in _POINTS:
-        frame = getattr(strut, side)
-        if frame not in links:
-            place = f"{file}: {where}.{side}"
-            raise UnknownNameError(kind="frame", name=frame, known=links, where=place)
-        frames.append(model.frames[model.getFrameId(frame, pin.FrameType.BODY)])
+    links = {frame.name: frame for frame in model.frames if frame.type == pin.FrameType.BODY}
+    frames = [
+        named("frame", getattr(strut, side), links, f"{file}: {where}.{side}") for side in _POINTS
+    ]
     key, value = f"{where}.frame_b", strut.frame_b
     if frames[0].parentJoint == frames[1].parentJoint:
         allowed = f"a point of another link than {strut.frame_a}: on one link nothing moves"
@@ -275,22 +259,10 @@ def build_forces(
     found = []
     for name, table in tables.items():
         where, kind = f"forces.{name}", str(type(table).__struct_config__.tag)
-        if table.joint not in joints:
-            place = f"{file}: {where}.joint"
-            raise UnknownNameError(kind="joint", name=table.joint, known=joints, where=place)
-        joint = joints[table.joint]
+        joint = named("joint", table.joint, joints, f"{file}: {where}.joint")
         if joint.kind not in table.acts_on:
             allowed = f"{kind} acts on a joint that is {' or '.join(table.acts_on)}"
             raise ModelError(file=file, key=f"{where}.joint", value=table.joint, allowed=allowed)
-        try:
-            law = table.build(joint.kind)
-        except InputError as error:
-            key = str(error.evidence.get("key", "law"))
-            raise ModelError(
-                file=file,
-                key=f"{where}.{key}",
-                value=getattr(table, key, kind),
-                allowed=error.message,
-            ) from error
+        law = built(table.build, joint.kind, table, where, file, kind)
         found.append(JointForce(name=name, kind=kind, index=joint.index, law=law))
     return tuple(found)

@@ -10,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from ...errors import InputError, ModelError, UnknownNameError
+from ...errors import InputError, ModelError
 from ...tolerances.mechanics import DRIVE_REPEATS
 from ..cylinder import Cylinder
 from ..drives import DriveLaw, DriveTable, FollowingTable, OscillatingGuide
@@ -18,6 +18,7 @@ from ..files.description import CylinderDescription, Description
 from ..files.register import DRIVES
 from ..parts import Joint
 from ..scale import written
+from .references import named
 
 _OF_SHAFT = {"revolute": "reflected_inertia_kg_m2", "prismatic": "reflected_mass_kg"}
 
@@ -94,14 +95,8 @@ def _build(
     drive = drives[name]
     where = f"drives.{name}"
     if isinstance(drive, FollowingTable):
-        if drive.of not in drives:
-            raise UnknownNameError(
-                kind="drive",
-                name=drive.of,
-                known=drives,
-                where=f"{file}: {where}.of (a joint that follows one without a drive has a <mimic> "
-                "in the URDF)",
-            )
+        hint = "(a joint that follows one without a drive has a <mimic> in the URDF)"
+        named("drive", drive.of, drives, f"{file}: {where}.of {hint}")
         if drive.of in (*above, name):
             allowed = "a chain of gears must start at a drive that is not geared"
             raise ModelError(file=file, key=f"{where}.of", value=drive.of, allowed=allowed)
@@ -177,11 +172,8 @@ def _reference(cylinder: CylinderDescription, laws: Mapping[str, DriveLaw], file
             value=drive,
             allowed="exactly one of reference_drive and reference_angle_deg",
         )
-    if drive not in laws:
-        raise UnknownNameError(
-            kind="drive", name=drive, known=laws, where=f"{file}: cylinder.reference_drive"
-        )
-    angle = extreme_angle(laws[drive], cylinder.reference_extreme)
+    law = named("drive", drive, laws, f"{file}: cylinder.reference_drive")
+    angle = extreme_angle(law, cylinder.reference_extreme)
     if angle is None:
         allowed = "a drive that swings to and fro once a turn; else use reference_angle_deg"
         raise ModelError(file=file, key="cylinder.reference_drive", value=drive, allowed=allowed)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
@@ -21,10 +20,11 @@ from ..mechanism import Mechanism
 from ..parallel import together
 from ..parts import Closure, Coupling, Drive, Joint, Phase, Stop
 from .closures import block_of, check_frames, close_gaps, with_blocks
-from .elements import build_elements
+from .elements import build_elements, build_forces
 from .laws import build_cylinder, build_laws, check_drive
 from .parallel import with_leaders
 from .placements import joint_placements
+from .references import named
 from .stops import build_starts, build_stops
 from .touch_checks import check_assembly, held_by
 from .tree import (
@@ -33,9 +33,6 @@ from .tree import (
     collision_geometry,
     tree_joints,
 )
-
-if TYPE_CHECKING:
-    from ..forces.law import JointForce
 
 _REFLECTED = {"prismatic": "reflected_mass_kg", "revolute": "reflected_inertia_kg_m2"}
 _ELASTIC = ("shaft_frequency_hz", "shaft_damping_ratio")
@@ -68,7 +65,7 @@ def build_mechanism(
     stops = build_stops(description, by_name, tree)
     _check_shortcuts(description.shortcuts, data, tree.urdf, file)
     closures = close_gaps(_closures(description), stops, tree)
-    held = with_leaders(held_by(tree, closures, couplings, drives, stops), tree)
+    held = with_leaders(held_by(tree, closures, couplings, drives, stops))
     phases = _phases(description, held.stops, file)
     check_assembly(tree, held, phases, description.degrees_of_freedom)
     return Mechanism(
@@ -78,11 +75,8 @@ def build_mechanism(
         closures=closures,
         couplings=couplings,
         drives=drives,
-        springs=elements.springs,
-        tabulated_springs=elements.tabulated_springs,
-        dampers=elements.dampers,
-        struts=elements.struts,
-        forces=_forces(description, by_name, file),
+        **elements,
+        forces=build_forces(description.forces, by_name, file),
         stops=held.stops,
         phases=phases,
         simultaneous=description.simultaneous,
@@ -128,13 +122,6 @@ def _inertias(urdf: Urdf, closures: Sequence[Closure]) -> dict[str, pin.Inertia]
     }
 
 
-def _joint(name: str, joints: Mapping[str, Joint], where: str) -> Joint:
-    """Look a tree joint up."""
-    if name not in joints:
-        raise UnknownNameError(kind="joint", name=name, known=joints, where=where)
-    return joints[name]
-
-
 def _closures(description: Description) -> tuple[Closure, ...]:
     """Cut joints; the pin of a slot is on its block."""
     return tuple(
@@ -176,7 +163,7 @@ def _drives(
     drives: list[Drive] = []
     for name, drive in description.drives.items():
         key = f"drives.{name}.joint"
-        joint = _joint(drive.joint, joints, f"{file}: {key}")
+        joint = named("joint", drive.joint, joints, f"{file}: {key}")
         check_drive(name, drive, joint, file)
         if any(other.index == joint.index for other in drives):
             allowed = "a joint has one drive only"
@@ -198,17 +185,6 @@ def _drives(
     return tuple(drives)
 
 
-def _forces(
-    description: Description, joints: Mapping[str, Joint], file: str
-) -> tuple[JointForce, ...]:
-    """Build the force elements with a registered law."""
-    if not description.forces:
-        return ()
-    from .elements import build_forces
-
-    return build_forces(description.forces, joints, file)
-
-
 def _phases(description: Description, stops: Sequence[Stop], file: str) -> tuple[Phase, ...]:
     """Return the phases; numbers and sets of closed stops must differ.
 
@@ -218,10 +194,7 @@ def _phases(description: Description, stops: Sequence[Stop], file: str) -> tuple
     for place, phase in enumerate(description.phases):
         key = f"phases[{place}]"
         for stop in phase.closed:
-            if stop not in description.stops:
-                raise UnknownNameError(
-                    kind="stop", name=stop, known=description.stops, where=f"{file}: {key}.closed"
-                )
+            named("stop", stop, description.stops, f"{file}: {key}.closed")
         if any(other.number == phase.number for other in phases):
             allowed = "each phase has a number of its own"
             raise ModelError(file=file, key=f"{key}.number", value=phase.number, allowed=allowed)
@@ -244,22 +217,16 @@ def _check_shortcuts(
 ) -> None:
     """Refuse shortcuts that are not paths of numbers."""
     for key, path in shortcuts.items():
-        _check_shortcut(key, path, data, urdf, file)
-
-
-def _check_shortcut(key: str, path: str, data: Mapping[str, object], urdf: Urdf, file: str) -> None:
-    """Refuse a shortcut that is not the path of a number."""
-    value: object = data
-    steps = path.split(".")
-    if steps[0] == "links" and len(steps) == 3 and steps[1] in urdf.links:
-        return
-    for step in steps:
-        if not isinstance(value, Mapping) or step not in value:
-            known = value if isinstance(value, Mapping) else ()
-            raise UnknownNameError(
-                kind="key", name=step, known=known, where=f"{file}: shortcuts.{key} = {path!r}"
-            )
-        value = value[step]
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        allowed = "the path of a number"
-        raise ModelError(file=file, key=f"shortcuts.{key}", value=path, allowed=allowed)
+        steps = path.split(".")
+        if steps[0] == "links" and len(steps) == 3 and steps[1] in urdf.links:
+            continue
+        value: object = data
+        for step in steps:
+            if not isinstance(value, Mapping) or step not in value:
+                known = value if isinstance(value, Mapping) else ()
+                where = f"{file}: shortcuts.{key} = {path!r}"
+                raise UnknownNameError(kind="key", name=step, known=known, where=where)
+            value = value[step]
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            allowed = "the path of a number"
+            raise ModelError(file=file, key=f"shortcuts.{key}", value=path, allowed=allowed)

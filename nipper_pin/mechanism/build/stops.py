@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from dataclasses import replace
 
-from ...errors import InputError, ModelError, UnknownNameError
+from ...errors import ModelError
 from ...units import M_PER_MM, RAD_PER_DEG, coordinate_text
 from ..files.description import Description, InitialDescription, StopDescription
-from ..parts import Contact, Drive, Joint, Start, Stop
+from ..parts import Drive, Joint, Start, Stop
 from .contact import find_contact
+from .references import built, named
 from .tree import Tree
-
-if TYPE_CHECKING:
-    from ..restitution.law import RestitutionLaw
-
 
 _MOST_CONTACTS = 100
 _STOP_PLACES = {"prismatic": ("at_mm", M_PER_MM), "revolute": ("at_deg", RAD_PER_DEG)}
@@ -41,13 +38,10 @@ def build_stops(
     driven = {drive.joint for drive in description.drives.values()}
     for name, stop in description.stops.items():
         key = f"stops.{name}.joint"
-        if stop.joint not in joints:
-            where = f"{tree.file}: {key}"
-            raise UnknownNameError(kind="joint", name=stop.joint, known=joints, where=where)
+        joint = named("joint", stop.joint, joints, f"{tree.file}: {key}")
         if stop.joint in driven:
             allowed = "a joint without a drive"
             raise ModelError(file=tree.file, key=key, value=stop.joint, allowed=allowed)
-        joint = joints[stop.joint]
         found = _stop(name, stop, joint, tree)
         others = [item for item in stops if item.index == joint.index]
         _check_opposite(found, others, joint, tree.file)
@@ -60,19 +54,22 @@ def _stop(name: str, stop: StopDescription, joint: Joint, tree: Tree) -> Stop:
     """One stop, with the contact of its bodies."""
     sense = 1.0 if stop.side == "lower" else -1.0
     place = _stop_place(name, stop, joint, tree.file)
-    contact: Contact | None = None
-    if stop.contact is not None:
-        key = f"stops.{name}.contact"
-        contact = find_contact(stop.contact, stop.joint, tree, key=key, sense=sense, at=place)
-    return Stop(
+    found = Stop(
         name=name,
         index=joint.index,
         restitution=stop.restitution,
-        law=_restitution_law(name, stop, joint, tree.file),
-        contact=contact,
+        contact=None,
         sense=sense,
         at=place,
     )
+    if stop.contact is not None:
+        found = replace(found, contact=find_contact(stop.contact, found, stop.joint, tree))
+    table = stop.restitution_law
+    if table is not None:
+        where = f"stops.{name}.restitution_law"
+        law = built(table.build, joint.kind, table, where, tree.file)
+        found = replace(found, law=law)
+    return found
 
 
 def _check_transition(description: Description, file: str) -> None:
@@ -86,25 +83,8 @@ def _check_transition(description: Description, file: str) -> None:
             "transition"
         )
         raise ModelError(file=file, key="transition_stop", value=None, allowed=allowed)
-    if known and name not in known:
-        where = f"{file}: transition_stop"
-        raise UnknownNameError(kind="stop", name=name, known=known, where=where)
-
-
-def _restitution_law(
-    name: str, stop: StopDescription, joint: Joint, file: str
-) -> RestitutionLaw | None:
-    """Restitution law of a stop; None if its restitution is constant."""
-    if stop.restitution_law is None:
-        return None
-    try:
-        law: RestitutionLaw = stop.restitution_law.build(joint.kind)
-    except InputError as error:
-        key = str(error.evidence.get("key", "law"))
-        value = getattr(stop.restitution_law, key, None)
-        where = f"stops.{name}.restitution_law.{key}"
-        raise ModelError(file=file, key=where, value=value, allowed=error.message) from error
-    return law
+    if known:
+        named("stop", name, known, f"{file}: transition_stop")
 
 
 def _stop_place(name: str, stop: StopDescription, joint: Joint, file: str) -> float:
@@ -123,14 +103,7 @@ def _stop_place(name: str, stop: StopDescription, joint: Joint, file: str) -> fl
         raise ModelError(
             file=file, key=f"stops.{name}.{key}", value=getattr(stop, key), allowed=allowed
         )
-    try:
-        place: float = stop.adjusted.place(joint.kind)
-    except InputError as error:
-        key = str(error.evidence.get("key", "law"))
-        value = getattr(stop.adjusted, key, None)
-        raise ModelError(
-            file=file, key=f"{where}.{key}", value=value, allowed=error.message
-        ) from error
+    place: float = built(stop.adjusted.place, joint.kind, stop.adjusted, where, file)
     return place
 
 
@@ -181,9 +154,7 @@ def build_starts(
     found = []
     for name, entry in initial.items():
         where = f"initial.{name}"
-        if name not in joints:
-            raise UnknownNameError(kind="joint", name=name, known=joints, where=f"{file}: initial")
-        joint = joints[name]
+        joint = named("joint", name, joints, f"{file}: initial")
         driven = next((item.name for item in drives if item.index == joint.index), None)
         if driven is not None:
             allowed = f"a joint without a drive; drive {driven} says where {name} starts"

@@ -13,59 +13,56 @@ from ...errors import AssemblyError, ModelError
 from ...tolerances.mechanics import ASSEMBLY_TOLERANCE_M, DEPENDENT_SHARE, RANK_TOLERANCE
 from ...units import MM_PER_M
 from ..drives import OscillatingGuide
-from ..files.urdf_parts import Urdf, side_view_text
+from ..files.urdf_parts import side_view_text
 from ..parts import Closure, Coupling, Drive, Joint, Phase, Stop
 from ..scale import reach, unit_of, units_of, written
-from .closures import PLANE, frame_point
-from .placements import supports
+from .closures import PLANE
 from .tree import Tree
 
 
-def closure_jacobian(
-    closures: Sequence[Closure],
-    joints: Sequence[Joint],
-    urdf: Urdf,
-    model: pin.Model,
-    placements: list[pin.SE3],
-) -> FloatArray:
-    """Jacobian of the closure gaps at q = 0.
+class Loops:
+    """Closures and couplings of a tree, by its coordinates in their units."""
 
-    Args:
-        joints: The tree joints in the order of their coordinates.
-        urdf: The checked URDF.
-        placements: World placement of every joint at q = 0.
+    def __init__(
+        self, tree: Tree, closures: Sequence[Closure], couplings: Sequence[Coupling], size_m: float
+    ) -> None:
+        """Find the frames; the size of the machine is its reach."""
+        self._model, self._couplings = tree.model, couplings
+        self._data = tree.model.createData()
+        self._pairs = [
+            tuple(tree.model.getFrameId(name, pin.FrameType.BODY) for name in pair)
+            for pair in ((item.frame_a, item.frame_b) for item in closures)
+        ]
+        self.units = units_of(tree.joints, unit_of(size_m))
 
-    Returns:
-        Rows x, z of each closure in turn, shape (2 closures, joints).
-    """
-    rows = [
-        _point_jacobian(closure.frame_b, joints, urdf, model, placements)
-        - _point_jacobian(closure.frame_a, joints, urdf, model, placements)
-        for closure in closures
-    ]
-    return np.array(rows).reshape(-1, len(joints))
+    def rows(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Gaps, shape (rows,), x and z of each closure before all couplings; Jacobian, (rows, nv).
 
-
-def _point_jacobian(
-    frame: str,
-    joints: Sequence[Joint],
-    urdf: Urdf,
-    model: pin.Model,
-    placements: list[pin.SE3],
-) -> FloatArray:
-    """Planar Jacobian of a frame's origin at q = 0, shape (2, joints)."""
-    point = frame_point(frame, model, placements)
-    moving = supports(model, model.frames[model.getFrameId(frame, pin.FrameType.BODY)].parentJoint)
-    jacobian = np.zeros((3, len(joints)))
-    for column, joint in enumerate(joints):
-        identity = model.getJointId(joint.name)
-        if identity not in moving:
-            continue
-        axis = placements[identity].rotation @ np.array(urdf.joints[joint.name].axis)
-        if joint.kind == "revolute":
-            axis = np.cross(axis, point - placements[identity].translation)
-        jacobian[:, column] = axis
-    return jacobian[PLANE, :]
+        Args:
+            x: Coordinates in their units, shape (nv,); zero at touch.
+        """
+        model, data, q = self._model, self._data, self.units * x
+        pin.computeJointJacobians(model, data, q)
+        pin.updateFramePlacements(model, data)
+        gaps, rows = list[FloatArray](), list[FloatArray]()
+        for pair in self._pairs:
+            (a, b), (by_a, by_b) = (
+                [data.oMf[frame].translation[list(PLANE)] for frame in pair],
+                [
+                    pin.getFrameJacobian(model, data, frame, pin.LOCAL_WORLD_ALIGNED)[list(PLANE)]
+                    for frame in pair
+                ],
+            )
+            gaps.append(b - a)
+            rows.append(by_b - by_a)
+        for item in self._couplings:
+            row = np.zeros((1, len(q)))
+            row[0, item.index], row[0, item.of] = 1.0, -item.multiplier
+            gaps.append(row @ q)
+            rows.append(row)
+        if not rows:
+            return np.empty(0), np.empty((0, len(q)))
+        return np.concatenate(gaps), np.vstack(rows) * self.units
 
 
 class Constraints(NamedTuple):
@@ -74,14 +71,15 @@ class Constraints(NamedTuple):
     Attributes:
         couplings: The joints that follow others.
         drives: The driven joints.
-        jacobian: Of closures and couplings in the touch configuration, by coordinates in their
-            units, shape (rows, nv).
+        loops: Closures and couplings.
+        jacobian: Theirs in the touch configuration, shape (rows, nv).
     """
 
     closures: Sequence[Closure]
     couplings: Sequence[Coupling]
     drives: Sequence[Drive]
     stops: tuple[Stop, ...]
+    loops: Loops
     jacobian: FloatArray
 
 
@@ -93,14 +91,9 @@ def held_by(
     stops: tuple[Stop, ...],
 ) -> Constraints:
     """What holds the coordinates of a tree, with the Jacobian of closures and couplings."""
-    joints = tree.joints
-    jacobian = closure_jacobian(closures, joints, tree.urdf, tree.model, tree.placements)
-    followers = _unit([item.index for item in couplings], len(joints))
-    leaders = _unit([item.of for item in couplings], len(joints))
-    multipliers = np.array([item.multiplier for item in couplings]).reshape(-1, 1)
-    jacobian = np.vstack([jacobian, followers - multipliers * leaders])
-    units = units_of(joints, unit_of(reach(tree.model, joints, stops)))
-    return Constraints(closures, couplings, drives, stops, jacobian * units)
+    loops = Loops(tree, closures, couplings, reach(tree.model, tree.joints, stops))
+    jacobian = loops.rows(np.zeros(len(tree.joints)))[1]
+    return Constraints(closures, couplings, drives, stops, loops, jacobian)
 
 
 def check_assembly(
@@ -118,7 +111,7 @@ def check_assembly(
             drives or stops contradict the closures.
     """
     joints, file = tree.joints, tree.file
-    closures, couplings, drives, stops, jacobian = held
+    closures, couplings, drives, stops, _, jacobian = held
     within_m = ASSEMBLY_TOLERANCE_M * written(unit_of(reach(tree.model, joints, stops)))
     names = [f"{closure.name} {axis}" for closure in closures for axis in "xz"]
     names += [f"mimic of joint {item.name}" for item in couplings]
@@ -133,8 +126,7 @@ def check_assembly(
         )
     _check_mobility(joints, held, degrees_of_freedom, file)
     _check_guides(drives, tree, within_m)
-    _check_drives(jacobian, names, drives, joints, file)
-    _check_phases(jacobian, names, drives, stops, phases, file)
+    _check_freedom(held, names, phases, file)
 
 
 def _seen(tree: Tree) -> str:
@@ -205,17 +197,18 @@ def _unit(indices: Sequence[int], size: int) -> FloatArray:
     return np.eye(size)[list(indices)].reshape(-1, size)
 
 
-def _check_drives(
-    jacobian: FloatArray,
-    names: Sequence[str],
-    drives: Sequence[Drive],
-    joints: Sequence[Joint],
-    file: str,
+def _check_freedom(
+    held: Constraints, names: Sequence[str], phases: Sequence[Phase], file: str
 ) -> None:
-    """Refuse drives that depend on the closures or on one another."""
-    driven = _unit([drive.index for drive in drives], len(joints))
-    labels = [*names, *(f"drive {drive.name}" for drive in drives)]
-    clash = dependent_rows(np.vstack([jacobian, driven]), labels)
+    """Refuse drives that depend on closures or on one another, and phases that leave them none.
+
+    Args:
+        names: Name of each row of the Jacobian.
+    """
+    size = held.jacobian.shape[1]
+    driven = np.vstack([held.jacobian, _unit([drive.index for drive in held.drives], size)])
+    labels = [*names, *(f"drive {drive.name}" for drive in held.drives)]
+    clash = dependent_rows(driven, labels)
     if clash:
         raise ModelError(
             file=file,
@@ -223,24 +216,10 @@ def _check_drives(
             value=clash,
             allowed="the driven joints must be free to move independently of one another",
         )
-
-
-def _check_phases(
-    jacobian: FloatArray,
-    names: Sequence[str],
-    drives: Sequence[Drive],
-    stops: Sequence[Stop],
-    phases: Sequence[Phase],
-    file: str,
-) -> None:
-    """Refuse a phase whose closed stops contradict closures and drives."""
-    size = jacobian.shape[1]
-    driven = _unit([drive.index for drive in drives], size)
-    labels = [*names, *(f"drive {drive.name}" for drive in drives)]
     for place, phase in enumerate(phases):
         # Those that close with another hold nothing more.
-        closed = [stop for stop in stops if stop.name in phase.closed and not stop.leader]
-        rows = np.vstack([jacobian, driven, _unit([stop.index for stop in closed], size)])
+        closed = [stop for stop in held.stops if stop.name in phase.closed and not stop.leader]
+        rows = np.vstack([driven, _unit([stop.index for stop in closed], size)])
         clash = dependent_rows(rows, [*labels, *(f"stop {stop.name}" for stop in closed)])
         if clash:
             raise ModelError(

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from .law import DriveLaw, Evaluation, Geared
     from .oscillating_guide import OscillatingGuide, OscillatingGuideDrive
     from .screw import ScrewDrive
-    from .table import Table, TableDrive, check_table
+    from .table import Table, TableDrive
     from .tables import AnyTable, DriveTable, FollowingTable, ShaftTable
 else:
     # The tables import the parser of model files, which a built mechanism does not need.
@@ -30,7 +30,7 @@ else:
         "oscillating_guide": ("OscillatingGuide", "OscillatingGuideDrive"),
         "constant_speed": ("ConstantSpeed", "ConstantSpeedDrive"),
         "screw": ("ScrewDrive",),
-        "table": ("Table", "TableDrive", "check_table"),
+        "table": ("Table", "TableDrive"),
         "tables": ("AnyTable", "DriveTable", "FollowingTable", "ShaftTable"),
     }
     __getattr__ = at_first_use(__name__, _PLACES)
@@ -56,6 +56,5 @@ __all__ = [
     "ShaftTable",
     "Table",
     "TableDrive",
-    "check_table",
     "register_drive",
 ]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import ClassVar
 
@@ -11,10 +11,10 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...errors import InputError
-from ...tolerances.mechanics import DRIVE_REPEATS, LEAST_TABLE_STEP
+from ...tolerances.mechanics import DRIVE_REPEATS
 from ...units import M_PER_MM
-from ..elements import MOST_ROWS
-from ..files.description import LARGEST, Name
+from ..elements import wrong_rows
+from ..files.description import Name
 from ..scale import written
 from .law import Evaluation
 from .tables import AnyTable
@@ -42,9 +42,10 @@ class Table:
         """Check the table and fit the spline."""
         from scipy.interpolate import make_interp_spline
 
-        check_table(self.cylinder_angle_rad, self.coordinate)
-        angles = np.array(self.cylinder_angle_rad)
-        values = np.array(self.coordinate)
+        angles = np.array(self.cylinder_angle_rad, dtype=float)
+        values = np.array(self.coordinate, dtype=float)
+        if message := _wrong_turn(angles, values):
+            raise InputError(message, rows=int(angles.size))
         # The ends agree only to the accuracy of the check; the periodic spline needs them equal.
         angles[-1] = angles[0] + math.tau
         values[-1] = values[0]
@@ -69,53 +70,29 @@ class Table:
         return value, first, second
 
 
-def check_table(cylinder_angle_rad: Sequence[float], coordinate: Sequence[float]) -> None:
-    """Refuse a table that is not one turn of a periodic function.
+def _wrong_turn(angles: FloatArray, values: FloatArray) -> str:
+    """What is wrong with a table that is not one turn of a periodic function; empty if it is."""
 
-    Args:
-        cylinder_angle_rad: Angles [rad].
-        coordinate: Coordinate at each angle [rad or m].
-
-    Raises:
-        InputError: Says in which row (from 1) and why.
-    """
-    angles = np.asarray(cylinder_angle_rad, dtype=np.float64)
-    values = np.asarray(coordinate, dtype=np.float64)
-    message = ""
-    if angles.shape != values.shape or angles.size < 7:
-        message = (
-            f"a drive table needs at least 7 rows with an angle and a coordinate each; found "
-            f"{angles.size} angles and {values.size} coordinates"
-        )
-    elif angles.size > MOST_ROWS:
-        message = f"a drive table has at most {MOST_ROWS} rows; found {angles.size}"
-    elif not (usable := (np.abs(angles) <= LARGEST) & (np.abs(values) <= LARGEST)).all():
-        row = int(np.argmin(usable)) + 1
-        message = (
-            f"row {row} of the drive table holds a value that is not a finite number of at most "
-            f"{LARGEST:g}"
-        )
-    elif (np.diff(angles) <= 0.0).any():
-        row = int(np.argmax(np.diff(angles) <= 0.0)) + 1
-        message = (
+    def falling(row: int) -> str:
+        return (
             f"the cylinder angle must rise from row to row; row {row + 1} of the drive table has "
             f"{math.degrees(angles[row]):g} after {math.degrees(angles[row - 1]):g} deg"
         )
-    elif (np.diff(angles) < LEAST_TABLE_STEP).any():
-        row = int(np.argmax(np.diff(angles) < LEAST_TABLE_STEP)) + 1
-        message = f"rows {row} and {row + 1} of the drive table are too near to tell a slope"
-    elif abs(angles[-1] - angles[0] - math.tau) > DRIVE_REPEATS:
-        message = (
+
+    columns = ("an angle", "a coordinate")
+    if message := wrong_rows(angles, values, "drive table", 7, columns, falling):
+        return message
+    if abs(angles[-1] - angles[0] - math.tau) > DRIVE_REPEATS:
+        return (
             "a drive table must span exactly one turn, first and last row 360 deg apart; it spans "
             f"{math.degrees(angles[-1] - angles[0]):.12g} deg"
         )
-    elif abs(values[-1] - values[0]) > DRIVE_REPEATS * written(float(np.ptp(values))):
-        message = (
+    if abs(values[-1] - values[0]) > DRIVE_REPEATS * written(float(np.ptp(values))):
+        return (
             "the first and the last row of a drive table are the same position and need the same "
             f"coordinate; found {values[0]:g} and {values[-1]:g} [rad or m]"
         )
-    if message:
-        raise InputError(message, rows=int(angles.size))
+    return ""
 
 
 class TableDrive(AnyTable, frozen=True, kw_only=True, tag="table"):
