@@ -12,7 +12,7 @@ from numpy.polynomial import chebyshev
 from nipper_pin.arrays import FloatArray
 from nipper_pin.reduced.kernels import kernel, layout, panel, turn_charts
 from nipper_pin.reduced.kernels.layout import Case, Cases, Charts, Settings, Work
-from nipper_pin.reduced.tables.arrival import Arrival
+from nipper_pin.reduced.model import Arrival
 
 # Places of functions in x'' = F0 w^2 + F1 w x' + F2 x'^2 + Fg g + k (F4 p + F5).
 BY_SPEED, BY_BOTH, BY_RATE, WEIGHT, UNIT, MOVED = range(6)

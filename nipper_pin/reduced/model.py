@@ -10,7 +10,6 @@ import numpy as np
 from ..arrays import FloatArray
 from ..mechanism import Mechanism, Stop, rad_s_from_rpm
 from .kernels.layout import ARRIVE, ARRIVE_ERROR, HIGH, LOW, OWN, TRAVEL_MOST, Charts
-from .tables.arrival import Arrival
 
 # Places of the functions of the equation of motion in a table; two for each spring follow:
 # F_k, and F_k times the coordinate of the spring.
@@ -45,6 +44,27 @@ _OF_CHART = {
     "travel_rad": TRAVEL_MOST, "gap_low": LOW, "gap_max": HIGH, "approach_rate": ARRIVE,
     "approach_residual": ARRIVE_ERROR,
 }  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class Arrival:
+    """Tables of a turn from its opening to the touch, for the premise of a transition.
+
+    In the phase that clamps (x = 0, the transition stop closed) the other stop is open until the
+    drives bring it back: the opening. Its collision there throws the transition stop open, and from
+    then on its gap is the one coordinate that is left, a body that bounces on a stop, rests on it,
+    and is released. That is independent of the past.
+
+    Attributes:
+        charts: The chart of the transition stop from the touch to the opening, and that of the
+            waiting stop from there to the touch; None where these are not known.
+        why: Reason why there are no tables; empty if there are.
+        asked: Whether the premise can be decided; without tables by simulating whole turns.
+    """
+
+    charts: Charts | None = field(default=None, repr=False)
+    why: str = ""
+    asked: bool = True
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,13 +9,13 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..dynamics import DriveMode, ShaftMotion, System, assemble
-from ..errors import InputError, NipperError
+from ..errors import InputError, NipperError, SimulationError
 from ..given import LARGEST, flag, number
 from ..hybrid import comes_back
 from ..hybrid.error_estimate.local_error import at_start
 from ..made_once import made_once
 from ..mechanism import Mechanism, Stop
-from ..tolerances.reduced import ARRIVAL_TABLES, NO_ACCELERATION
+from ..tolerances.reduced import ARRIVAL_TABLES, NO_ACCELERATION, TRIMMED_SHARE
 from .inputs import check_tolerance
 from .model import (
     BY_SPRINGS,
@@ -23,14 +23,17 @@ from .model import (
     LIVELY,
     MARGIN,
     ROOM,
+    Arrival,
     ReducedModel,
     factors,
     lively_speed,
     numbers_of,
 )
-from .tables.arrival import NOT_SAMPLED, Arrival, Opening, Waiting, arrival, found_opening, unknown
 from .tables.functions import Sampler
-from .tables.tables import Chart, Domain, checks, levers, resolved, stacked, trimmed
+from .tables.tables import Domain, checks, levers, resolved, stacked, trimmed
+from .turns.arcs import Arc, Walk, system_at
+from .turns.charts import Surroundings
+from .turns.model import charts_of
 
 # Least assumed share of a spring's preload in x''.
 _LEAST_SHARE = 0.01
@@ -124,10 +127,10 @@ def build(
     _check_opening(mechanism, others, sampler)
     weights, room = _nominal(mechanism, sampler, rate)
     gap_max = _pressed(mechanism, room) if gap_max is None else gap_max
-    (name,) = closed
-    opening = found_opening(sampler, mechanism.stop(name)) if turn or travel_rad is None else None
+    arcs, why = _turn(mechanism) if turn or travel_rad is None else ([], "")
     if travel_rad is None:
-        travel_rad = _USUAL if opening is None else min(opening.travel, _LONGEST)
+        opening = next((arc.end for arc in arcs if arc.after.name != stop.name), _USUAL)
+        travel_rad = min(opening, _LONGEST)
     domain = Domain(travel_rad, -MARGIN * gap_max, gap_max)
     tables, samples = resolved(sampler, domain, weights, tolerance)
     kept = trimmed(checks(sampler, domain, tables), domain, tables, weights, tolerance)
@@ -138,9 +141,9 @@ def build(
         charts=stacked([chart], [0], levers(mechanism)),
         tolerance=tolerance,
         samples=samples,
-        arrival=_arrival(system, sampler, opening, chart, weights, tolerance)
+        arrival=_arrival(mechanism, arcs, why, tolerance)
         if turn
-        else NOT_SAMPLED,
+        else Arrival(why="the rest of the turn was not sampled"),
     )
 
 
@@ -197,41 +200,44 @@ def _pressed(mechanism: Mechanism, gap_max: float) -> float:
     return gap_max
 
 
-def _arrival(
-    system: System, sampler: Sampler, opening: Opening | None, chart: Chart, weights: FloatArray,
-    tolerance: float,
-) -> Arrival:  # fmt: skip
-    """Sample a turn between its opening and the touch, with the gap of the flights after it.
+def _turn(mechanism: Mechanism) -> tuple[list[Arc], str]:
+    """Stretches of a turn from the touch on, as far as it can be followed, and why no further."""
+    arcs: list[Arc] = []
+    walk = Walk(mechanism, mechanism.cylinder.angle_at_touch_rad)
+    stop, home = mechanism.stop(mechanism.transition_stop), np.zeros(len(mechanism.joints))
+    try:
+        arcs.extend(walk.around(stop, home))
+    except SimulationError as error:
+        return arcs, error.message
+    return arcs, ""
+
+
+def _arrival(mechanism: Mechanism, arcs: list[Arc], why: str, tolerance: float) -> Arrival:
+    """Sample the turn around the touch: its clamping stop up to the opening, then the waiting one.
 
     Args:
-        chart: The domain of the transition.
-        weights: Weights of its functions.
+        arcs: The stretches that were found.
+        why: Why there are no more.
     """
-    mechanism = system.mechanism
-    if not comes_back(system):
-        return unknown("the drives do not come back with the cylinder", asked=False)
+    angle = mechanism.cylinder.angle_at_touch_rad
+    if not comes_back(system_at(mechanism, 0.0, angle)):
+        return Arrival(why="the drives do not come back with the cylinder", asked=False)
     (name,) = mechanism.phase(mechanism.initial_phase).closed
-    stop, transition = mechanism.stop(name), mechanism.stop(mechanism.transition_stop)
-    if opening is None:
-        return unknown(f"stop {name!r} does not come back to its place within a turn")
-    n, _ = sampler.rates(np.zeros(1), np.zeros((1, sampler.size)))
-    throw = float(n[0, stop.index])
+    if why:
+        return Arrival(why=why)
+    stops = [arc.stop.name for arc in arcs]
+    if name not in stops:
+        return Arrival(why=f"stop {name!r} does not come back to its place within a turn")
+    if stops != [mechanism.transition_stop, name]:
+        return Arrival(why=f"stops are closed in another order, or drives bend: {', '.join(stops)}")
+    around = [Surroundings(mechanism, arc, angle) for arc in arcs]
+    after = [1, 0]
     rough = max(tolerance, ARRIVAL_TABLES)
     try:
-        of_stop = Sampler(system, stop)
-        rate, wrong = _approach_rate(system, frozenset({name}), transition.index, transition.name)
-        # The transition stop is stretched to its opening where its domain ends elsewhere.
-        if chart.domain.travel != opening.travel:
-            domain = replace(chart.domain, travel=opening.travel)
-            tables, _ = resolved(sampler, domain, weights, rough)
-            points = checks(sampler, domain, tables)
-            chart = replace(trimmed(points, domain, tables, weights, rough), stop=chart.stop)
-        weights, _ = _nominal(mechanism, of_stop, throw * rate)
-        meets = rate, wrong, throw, 0.0
-        waiting = Waiting(stop, of_stop, weights, throw * chart.domain.high, meets)
-        return arrival(system, sampler, opening, chart, waiting, rough)
+        charts = charts_of(mechanism, around, after, rough, of_gaps=TRIMMED_SHARE * rough)
     except NipperError as error:
-        return unknown(error.message)
+        return Arrival(why=error.message)
+    return Arrival(charts=stacked(charts, after, levers(mechanism)))
 
 
 def _approach_rate(

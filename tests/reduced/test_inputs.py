@@ -16,7 +16,7 @@ from written_tables import lowered
 import nipper_pin.reduced
 from nipper_pin import InputError, Mechanism, NipperError, SimulationError
 from nipper_pin.reduced import ReducedModel, Status, build, results, transition, transitions
-from nipper_pin.reduced.tables.arrival import unknown
+from nipper_pin.reduced.model import Arrival
 
 RPM = 500.0
 
@@ -32,7 +32,7 @@ def parallel(model: ReducedModel) -> ReducedModel:
     both = [*range(6), 4, 5]
     return replace(
         model, springs=("one", "two"), stiffness=model.stiffness[0] * SHARES, preload=PRELOADS,
-        arrival=unknown("not of two springs"),
+        arrival=Arrival(why="not of two springs"),
         charts=charts._replace(
             equation=charts.equation[:, both], along=charts.along[:, both],
             bounds=charts.bounds[..., both],

@@ -19,7 +19,6 @@ from nipper_pin import (
     InputError,
     Mechanism,
     Resolution,
-    SimulationError,
     Solution,
     load,
     simulate,
@@ -36,9 +35,7 @@ from nipper_pin.reduced import (
     unfit,
 )
 from nipper_pin.reduced.kernels import layout
-from nipper_pin.reduced.tables import arrival
 from nipper_pin.reduced.tables.functions import Sampler
-from nipper_pin.reduced.tables.tables import Tables
 
 MODELS = Path(__file__).parents[1] / "verification" / "models"
 RPM = 450.0
@@ -124,8 +121,9 @@ def test_tables_between_opening_and_touch(
     rate = jaw_numbers[layout.ARRIVE] * SPEED
     assert rate == pytest.approx(opening.approach_rate, rel=1e-8)
     assert 0.0 < jaw_numbers[layout.ARRIVE_ERROR] < 1e-13
-    assert numbers[layout.ARRIVE] == model.approach_rate
-    assert numbers[layout.ARRIVE_ERROR] == model.approach_residual
+    wrong = numbers[layout.ARRIVE_ERROR]
+    assert abs(numbers[layout.ARRIVE] - model.approach_rate) <= wrong + model.approach_residual
+    assert 0.0 < model.approach_residual < wrong < 1e-12
     assert [e62.stops[place].name for place in stops[:, layout.OWN]] == ["jaw", "steeve"]
     assert stops[:, layout.AFTER].tolist() == [1, 0]
     assert charts.lever.tolist() == [stop.lever for stop in e62.stops]
@@ -220,31 +218,6 @@ def test_a_domain_without_an_opening_is_a_quarter_of_a_turn() -> None:
     model = build(load(MODELS / "bouncing_mass"))
     assert math.radians(90.0) <= model.travel_rad <= math.radians(100.0)
     assert not model.arrival.asked
-
-
-@pytest.mark.parametrize(
-    ("gaps", "fits"),
-    [
-        ([[-0.1, 0.2, 0.3], [-0.2, 0.1, 0.2]], True),
-        ([[-0.1, 0.2, 0.3], [-0.2, 0.2, 0.1]], False),
-        ([[-0.1, 0.2, 0.3], [-0.2, 0.2, 0.2]], False),
-        ([[-0.1, 0.2, 0.3], [-0.2, -0.1, 0.2]], False),
-        ([[-0.1, 0.0, 0.3], [-0.2, 0.1, 0.2]], False),
-    ],
-)
-def test_the_struck_stop_stays_open_while_the_other_one_waits(
-    e62: Mechanism, gaps: list[list[float]], fits: bool
-) -> None:
-    """It has to open further with the other one, and be open where that is closed."""
-    q = np.zeros((2, 3, len(e62.joints)))
-    q[:, :, e62.stop("jaw").index] = gaps
-    none = np.zeros(0)
-    tables = Tables(none, np.array([-0.1, 0.0, 1.0]), q, none, none, none, none)
-    if fits:
-        arrival._check_open(e62, tables)
-    else:
-        with pytest.raises(SimulationError, match="'jaw' can close between its opening and the"):
-            arrival._check_open(e62, tables)
 
 
 def test_what_cannot_be_reduced(e62: Mechanism, words: Words) -> None:

@@ -12,11 +12,10 @@ from numpy.polynomial import chebyshev
 from small_machines import SHAFT, frame, hinge, link, machine, slide
 from written_tables import with_numbers
 
-from nipper_pin import ConvergenceError, InputError, Mechanism, SimulationError
+from nipper_pin import ConvergenceError, InputError, Mechanism
 from nipper_pin.arrays import FloatArray
-from nipper_pin.dynamics import ShaftMotion, System
 from nipper_pin.reduced import ReducedModel, build
-from nipper_pin.reduced.tables import arrival, series2d
+from nipper_pin.reduced.tables import series2d
 from nipper_pin.reduced.tables.functions import Samples
 from nipper_pin.reduced.tables.tables import Domain, checks, residuals, resolved
 
@@ -44,27 +43,6 @@ def test_models_are_told_and_compared_without_their_tables(e62: Mechanism) -> No
     doubled = one.charts._replace(equation=2.0 * one.charts.equation)
     assert one == replace(one, charts=doubled)
     assert repr(one.arrival) == "Arrival(why='the rest of the turn was not sampled', asked=True)"
-
-
-def test_turns_that_the_waiting_stop_does_not_open(e62: Mechanism) -> None:
-    """Its collision has to throw the other one open, and it has to approach before."""
-    system = System(e62, ShaftMotion(e62, 1.0, e62.cylinder.angle_at_touch_rad))
-    stop = e62.stop("steeve")
-    opening = arrival.Opening(0.5, np.zeros((1, len(e62.joints))))
-
-    class Rates:
-        def rates(self, _travel: FloatArray, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-            thrown, approached = np.full_like(q, 9.0), np.full_like(q, 9.0)
-            thrown[0, stop.index], approached[0, stop.index] = throw, approach
-            return thrown, approached
-
-    sampler: Any = Rates()
-    chart: Any = None
-    for throw, approach in ((0.0, -1.0), (-2.0, -1.0), (2.0, 0.0), (2.0, 1.0)):
-        waiting = arrival.Waiting(stop, sampler, np.zeros(4), 1.0, (0.0, 0.0, 0.0, 0.0))
-        with pytest.raises(SimulationError, match="'steeve' does not open 'jaw' by its") as caught:
-            arrival.arrival(system, sampler, opening, chart, waiting, 1e-9)
-        assert caught.value.evidence == {"throw": throw, "approach": approach}
 
 
 def test_stops_that_cannot_move_freely() -> None:
@@ -126,11 +104,10 @@ class Known:
         return Samples(q, self.values(u, x), np.array([u - 7.0 * x]), slopes, inertia)
 
 
-@pytest.mark.parametrize("begin", [0.0, -1.3])
-def test_samples_of_a_domain(begin: float) -> None:
+def test_samples_of_a_domain() -> None:
     """Grid, configurations, functions, gaps, and the inertia at x = 0; from the touch outwards."""
     known = Known()
-    domain = Domain(1.3, -0.1, 0.5, begin=begin)
+    domain = Domain(1.3, -0.1, 0.5)
     tables, sampled = resolved(known, domain, np.array([1.0, 1.0]), 1e-9)  # type: ignore[arg-type]
     cells = tables.equation.shape[1]
     assert cells == 3
@@ -140,8 +117,7 @@ def test_samples_of_a_domain(begin: float) -> None:
     assert (np.diff(tables.x) > 0.0).all()
     assert 0.0 < tables.u[0] < tables.u[-1] < 1.3
     assert -0.1 < tables.x[0] < tables.x[-1] < 0.5
-    past = begin + tables.u
-    np.testing.assert_allclose(tables.q[:, 2, 0], past, rtol=1e-14)
+    np.testing.assert_allclose(tables.q[:, 2, 0], tables.u, rtol=1e-14)
     np.testing.assert_allclose(tables.q[5, :, 1], tables.x, rtol=1e-14)
     first = np.abs(known.asked[0])
     assert (np.diff(first) > 0.0).all()
@@ -153,11 +129,11 @@ def test_samples_of_a_domain(begin: float) -> None:
                 assert domain.places(np.array([x])) == pytest.approx([across])
                 assert domain.coordinates(np.array([across])) == pytest.approx([x])
                 found = [chebyshev.chebval2d(place, across, row[cell]) for row in tables.equation]
-                assert found == pytest.approx(known.values(begin + u, x), rel=1e-10)
+                assert found == pytest.approx(known.values(u, x), rel=1e-10)
                 gap = chebyshev.chebval2d(place, across, tables.gaps[0, cell])
-                assert gap == pytest.approx(begin + u - 7.0 * x, abs=1e-12)
+                assert gap == pytest.approx(u - 7.0 * x, abs=1e-12)
             inertia = chebyshev.chebval(place, tables.inertia[cell])
-            assert inertia == pytest.approx(2.0 + math.cos(begin + u), rel=1e-12)
+            assert inertia == pytest.approx(2.0 + math.cos(u), rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -194,10 +170,9 @@ def test_functions_that_no_refinement_resolves() -> None:
     assert evidence["iterations"] == 16 * 12 * 3
 
 
-@pytest.mark.parametrize("begin", [0.0, -1.3])
-def test_residuals_are_twice_the_largest_error_at_the_checks(begin: float) -> None:
+def test_residuals_are_twice_the_largest_error_at_the_checks() -> None:
     """Errors that are planted into single cells are found, each in its own function."""
-    known, domain = Known(), Domain(1.3, -0.1, 0.5, begin=begin)
+    known, domain = Known(), Domain(1.3, -0.1, 0.5)
     tables, _ = resolved(known, domain, np.ones(2), 1e-12)  # type: ignore[arg-type]
     points = checks(known, domain, tables)  # type: ignore[arg-type]
     good, relative = residuals(points, domain, tables.equation, tables.inertia)

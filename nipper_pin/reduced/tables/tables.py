@@ -45,15 +45,12 @@ class Domain:
         travel: Length of the domain [rad].
         low: Least coordinate.
         high: Largest coordinate.
-        begin: Travel from the touch configuration at u = 0 [rad]: 0, or minus the length, so that
-            the domain ends in the touch configuration.
         count_x: Nodes in x to start with.
     """
 
     travel: float
     low: float
     high: float
-    begin: float = 0.0
     count_x: int = 12
 
     def coordinates(self, places: FloatArray) -> FloatArray:
@@ -163,9 +160,8 @@ def checks(sampler: PointSampler, domain: Domain, tables: Tables) -> Checks:
     u[:4], x[4:8] = (0.0, 0.0, domain.travel, domain.travel), (0.0, 0.0, 0.0, domain.high)
     row = np.minimum(np.searchsorted(tables.u, u), len(tables.u) - 1)
     column = np.minimum(np.searchsorted(tables.x, x), len(tables.x) - 1)
-    past = domain.begin + u
-    true = sampler.at(past, x, tables.q[row, column])
-    at_rest = sampler.at(past, np.zeros_like(u), tables.q[row, np.argmin(np.abs(tables.x))])
+    true = sampler.at(u, x, tables.q[row, column])
+    at_rest = sampler.at(u, np.zeros_like(u), tables.q[row, np.argmin(np.abs(tables.x))])
     return Checks(u, x, true, at_rest.inertia)
 
 
@@ -228,12 +224,9 @@ def _sampled(sampler: PointSampler, domain: Domain, cells: int, count_x: int) ->
     inner = 0.5 * width * (series2d.gauss_nodes(_COUNT_U) + 1.0)
     u = (width * np.arange(cells)[:, None] + inner).ravel()
     x = domain.coordinates(series2d.gauss_nodes(count_x))
-    past = domain.begin + u
-    # Loops are closed from the touch configuration outwards.
-    order = slice(None, None, -1 if domain.begin < 0.0 else 1)
-    q = sampler.grid(past[order], x)[order]
+    q = sampler.grid(u, x)
     flat = q.reshape(len(u) * count_x, -1)
-    found = sampler.at(np.repeat(past, count_x), np.tile(x, len(u)), flat)
+    found = sampler.at(np.repeat(u, count_x), np.tile(x, len(u)), flat)
     shape = (-1, cells, _COUNT_U, count_x)
     inertia = series2d.fit(found.inertia.reshape(shape))[0]
     zero = np.polynomial.chebyshev.chebvander(domain.places(np.zeros(1)), count_x - 1)[0]

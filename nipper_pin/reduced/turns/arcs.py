@@ -8,7 +8,8 @@ are found by opening the near one until they close, and followed in the same way
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -66,7 +67,7 @@ class Walk:
         self._start = start_angle
         self._shaft = ShaftMotion(mechanism, 1.0, start_angle)
 
-    def around(self, stop: Stop, home: FloatArray) -> list[Arc]:
+    def around(self, stop: Stop, home: FloatArray) -> Iterator[Arc]:
         """Follow a stop, and those that take over from it, through one turn.
 
         Args:
@@ -75,13 +76,12 @@ class Walk:
         Raises:
             SimulationError: The stops jam the mechanism, or it cannot be followed.
         """
-        arcs: list[Arc] = []
-        begin = 0.0
+        first, begin = stop, 0.0
         while begin < TURN * (1.0 - KNOT_ANGLE):
             arc = self._arc(stop, begin, home)
-            arcs.append(arc)
             stop, begin, home = arc.after, arc.end, arc.path[-1]
-        return arcs
+            # A turn that starts where a stop takes over ends there.
+            yield arc if begin < TURN * (1.0 - KNOT_ANGLE) else replace(arc, after=first)
 
     def opposite(self, stop: Stop, home: FloatArray) -> tuple[Stop, FloatArray] | None:
         """The stop that ends a flight from another one at the start of a turn, closed."""

@@ -103,7 +103,9 @@ class Surroundings:
         return np.abs(weights) / (size if size > 0.0 else 1.0)
 
 
-def chart_of(around: Surroundings, gap: float, w: float, tolerance: float) -> Chart:
+def chart_of(
+    around: Surroundings, gap: float, w: float, tolerance: float, of_gaps: float = GAP_SHARE
+) -> Chart:
     """Sample the tables of one arc.
 
     Args:
@@ -111,6 +113,7 @@ def chart_of(around: Surroundings, gap: float, w: float, tolerance: float) -> Ch
         gap: Largest x.
         w: Rates of x up to this are usual.
         tolerance: Relative accuracy of the tables.
+        of_gaps: That of the gaps of other stops.
 
     Raises:
         ConvergenceError: The functions are not smooth enough around it.
@@ -118,18 +121,18 @@ def chart_of(around: Surroundings, gap: float, w: float, tolerance: float) -> Ch
     """
     for _ in range(_HALVINGS):
         try:
-            return _sampled(around, gap, w, tolerance)
+            return _sampled(around, gap, w, tolerance, of_gaps)
         except SimulationError:
             gap *= 0.5
-    return _sampled(around, gap, w, tolerance)
+    return _sampled(around, gap, w, tolerance, of_gaps)
 
 
-def _sampled(around: Surroundings, gap: float, w: float, tolerance: float) -> Chart:
+def _sampled(around: Surroundings, gap: float, w: float, tolerance: float, of_gaps: float) -> Chart:
     arc, sampler = around.arc, around.sampler
     domain = Domain(float(arc.travels[-1]), -MARGIN * gap, gap, count_x=_NODES_X)
     weights = around.weights(w)
     tables, samples = resolved(sampler, domain, weights, tolerance)
     points = checks(sampler, domain, tables)
-    kept = trimmed(points, domain, tables, weights, tolerance, orders_of_gaps(tables, GAP_SHARE))
+    kept = trimmed(points, domain, tables, weights, tolerance, orders_of_gaps(tables, of_gaps))
     on = on_rows(around.mechanism, domain, tables)
     return replace(around.placed(kept), on_rows=on, samples=samples)

@@ -12,9 +12,10 @@ from ...dynamics import ShaftMotion, System
 from ...errors import InputError
 from ...hybrid import comes_back, initial_state
 from ...mechanism import Mechanism, Stop
+from ...tolerances.reduced import GAP_SHARE
 from ..kernels.layout import Charts
 from ..model import LIVELY, ROOM, lively_speed
-from ..tables.tables import levers, stacked
+from ..tables.tables import Chart, levers, stacked
 from .arcs import Arc, Walk, system_at
 from .charts import Surroundings, chart_of
 
@@ -108,9 +109,7 @@ def build_turns(
     """
     around, after, (stop, q, closed) = surroundings(mechanism, start_index)
     angle = mechanism.cylinder.angle_from_index(start_index)
-    reach = _reach(mechanism, around, after)
-    charts = [chart_of(item, room * gap, w, tolerance)
-              for item, (gap, w) in zip(around, reach, strict=True)]  # fmt: skip
+    charts = charts_of(mechanism, around, after, tolerance, room=room)
     return TurnModel(
         name=mechanism.name,
         stops=tuple(item.name for item in mechanism.stops),
@@ -194,11 +193,34 @@ def _rates(
 def _chains(mechanism: Mechanism, angle: float, stop: Stop, home: FloatArray) -> list[list[Arc]]:
     """Arcs of a turn: of the stops that follow a closed one, and of those opposite."""
     walk = Walk(mechanism, angle)
-    near = walk.around(stop, home)
+    near = list(walk.around(stop, home))
     if len({arc.stop.name for arc in near}) == len(mechanism.stops):
         return [near]
     far = walk.opposite(stop, home)
-    return [near] if far is None else [near, walk.around(*far)]
+    return [near] if far is None else [near, list(walk.around(*far))]
+
+
+def charts_of(
+    mechanism: Mechanism, around: list[Surroundings], after: list[int], tolerance: float, *,
+    room: float = 1.0, of_gaps: float = GAP_SHARE,
+) -> list[Chart]:  # fmt: skip
+    """Sample the tables around the arcs of a turn.
+
+    Args:
+        after: Number of the arc that follows each.
+        room: Factor on the gaps that the tables cover.
+        of_gaps: Relative accuracy of the gaps of other stops.
+
+    Raises:
+        ConvergenceError: The functions are not smooth enough.
+        InputError: Nothing tells how far a stop opens.
+        SimulationError: A point cannot be reached.
+    """
+    gaps_and_rates = _reach(mechanism, around, after)
+    return [
+        chart_of(item, room * gap, w, tolerance, of_gaps)
+        for item, (gap, w) in zip(around, gaps_and_rates, strict=True)
+    ]
 
 
 def _reach(
