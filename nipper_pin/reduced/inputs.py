@@ -20,8 +20,6 @@ def check_run(rest_rate: float | None, tolerance: float, max_collisions: int) ->
 
     Args:
         rest_rate: Threshold of rest [rad/s or m/s], or None.
-        tolerance: Relative accuracy.
-        max_collisions: Largest number of collisions.
 
     Raises:
         InputError: One of them is out of range.

@@ -74,18 +74,11 @@ def settles(case: FloatArray, poly: FloatArray, degree: int, sizes: FloatArray, 
     """Whether the rest of a series of bounces is known, how far it is ahead, and the error of that.
 
     Args:
-        case: Numbers of the case.
         poly: Polynomials of the place of the last collision, in their first row.
-        degree: Coefficients of each.
-        sizes: Bounds of the case.
         series: Times and rates of the bounces, and scratch, shape (3, collisions).
-        count: Number of bounces.
         late: Whether the rebounds are slow enough for an extrapolation.
         w: Rate after the last collision, above zero.
         speed: Cylinder speed [rad/s].
-        restitution: e_N of the stop.
-        rest_rate: Threshold of rest, or 0.
-        tolerance: Relative accuracy.
         still: x'' at x = 0 at rest.
     """
     if rest_rate > 0.0:

@@ -42,12 +42,8 @@ def follow(grids: FloatArray, charts: Charts, work: Work, one: Case, settings: S
     """Follow a motion from event to event.
 
     Args:
-        charts: The functions of the machine.
         turns: Number of turns; zero: up to the first rest, with the rebound before it.
-        phase: What the machine does at first.
-        at: Its state there.
         clamp: Place of the clamping stop among the stops.
-        records: Written.
 
     Returns:
         Status, and the number of turns after which the last one repeats an earlier one; 0 if it

@@ -101,11 +101,8 @@ def off_rows(charts: Charts, c: int, begin: float, end: float, gaps: tuple[float
     """Whether a spring may leave the rows of its table between two travels.
 
     Args:
-        c: The chart.
         begin: Travel [rad].
         end: Later travel [rad].
-        gaps: Gaps at both.
-        top: Largest gap between them.
         steepest: Largest derivative of the gap by the travel.
     """
     parts = charts.on_rows.shape[1]

@@ -38,8 +38,6 @@ def force_at(charts: Charts, work: Work, c: int, u: float) -> tuple[float, float
     """Normal force of a closed stop [N], along the joint without a contact point, and its slope.
 
     Args:
-        work: Combined for the case.
-        c: The chart.
         u: Travel in it [rad].
     """
     cells, count = charts.inertia.shape[1], charts.inertia.shape[2]
@@ -150,7 +148,6 @@ def held(charts: Charts, work: Work, hold: FloatArray,
     """Forces of a closed stop on a stretch.
 
     Args:
-        work: Combined for the case.
         hold: The stretch, shape (HOLD_COLUMNS,).
         level: Force [N].
 
@@ -209,7 +206,6 @@ def summed(charts: Charts, work: Work, records: Records, turn: int, clamp: int, 
     """Quantities of one turn.
 
     Args:
-        work: Combined for the case.
         turn: Number of the turn, from 0.
         clamp: Place of the clamping stop among the stops.
         level: Force above which it clamps [N].
@@ -355,8 +351,6 @@ def run_turns(grids: FloatArray, charts: Plain, cases: Plain, settings: Plain, m
     """Quantities of the last turns of many cases.
 
     Args:
-        charts: The functions of the machine.
-        most: Largest number of collisions of a series.
         turns: Largest number of turns; fewer are followed where they repeat.
         begin: As of ``begun``.
         clamp: Place of the clamping stop.

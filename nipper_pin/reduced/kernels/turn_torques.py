@@ -30,12 +30,8 @@ def torque_at(torques: Charts, work: Work, i: int, u: float, x: float, v: float,
     """Torque of one drive in one chart, and its derivative by x''.
 
     Args:
-        torques: The functions.
-        work: Combined for the case.
         i: Place of chart and drive.
         u: Travel in the chart [rad].
-        x: Gap.
-        v: Its rate.
     """
     row, degree = work.poly.shape[0] - 1, torques.equation.shape[4]
     contract(work.mixed[i], work.poly, row, torques.numbers[i, rows.PER_RAD], u)
@@ -200,11 +196,7 @@ def run_torques(grids: FloatArray, charts: Charts, torques: Charts, cases: Cases
     The turns are followed once more, and the last of them again with their motion kept.
 
     Args:
-        charts: The functions of the machine.
-        torques: Those of the drives.
         panels: Panels of the motion of a turn that are kept.
-        records: Scratch.
-        again: Scratch of one turn.
         told: Written: the status, shape (n,).
         found: Written, shape (n, last, 2, drives): largest torques and bounds on their errors, the
             last turn first; NaN before the first one.

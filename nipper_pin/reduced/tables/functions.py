@@ -61,7 +61,6 @@ def inertial_forces(
     """M b + h - weight at the rates (1, 0), (1, 1), (1, -1) and (0, 1), then the weight.
 
     Args:
-        system: The held system.
         accelerations: Of the driven coordinates, at 1 rad/s of the cylinder, shape (N, drives).
         armature: Inertia added to the joints, shape (nv,): infinite where they are held.
 
@@ -97,7 +96,6 @@ def resisted(
     """What resists motion along a direction while x'' is zero, by function.
 
     Args:
-        system: The held system.
         along: The direction, shape (N, nv).
         forces: As of :func:`inertial_forces`.
 
@@ -265,7 +263,6 @@ class Sampler:
 
         Args:
             low: Travel before [rad].
-            high: Travel behind it.
             before: Configuration at ``low``, shape (1, nv).
 
         Returns:

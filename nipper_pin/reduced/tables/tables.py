@@ -287,9 +287,7 @@ def trimmed(
 
     Args:
         points: The functions at points off the grid, for the errors.
-        tables: The tables, resolved.
         weights: Weight of an error of each function, shape (functions,).
-        tolerance: Relative accuracy of the tables.
         least: Least orders that are kept, by travel and by x.
     """
     count_u, count_x = series2d.needed(tables.equation, weights, TRIMMED_SHARE * tolerance)

@@ -57,7 +57,6 @@ class Walk:
     """Follows stops along a turn.
 
     Args:
-        mechanism: The mechanism.
         start_angle: Cylinder angle at which turns start [rad].
     """
 

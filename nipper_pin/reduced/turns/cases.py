@@ -67,9 +67,6 @@ def run_of(key: str, turns: int, rest_rate: float | None, tolerance: float, most
            least_force: float = 0.0) -> Run:  # fmt: skip
     """What cases share, checked.
 
-    Args:
-        key: Name of the number of turns, for messages.
-
     Raises:
         InputError: A number is out of range, or there is no memory for so many turns.
     """
@@ -89,9 +86,7 @@ def room_for(cases: int, last: int | None, columns: int) -> FloatArray:
     """Room for what is told of the last turns of all cases.
 
     Args:
-        cases: Number of cases.
         last: Number of turns that are reported; None for the last one alone.
-        columns: Numbers of each.
 
     Returns:
         Shape (cases, turns, columns), not written yet.

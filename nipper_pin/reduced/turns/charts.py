@@ -30,8 +30,6 @@ class Surroundings:
     """What is known of an arc before its tables: its functions along the closed stop.
 
     Args:
-        mechanism: The mechanism.
-        arc: The arc.
         start_angle: Cylinder angle at which turns start [rad].
     """
 
@@ -109,10 +107,7 @@ def chart_of(
     """Sample the tables of one arc.
 
     Args:
-        around: The arc.
-        gap: Largest x.
         w: Rates of x up to this are usual.
-        tolerance: Relative accuracy of the tables.
         of_gaps: That of the gaps of other stops.
 
     Raises:
