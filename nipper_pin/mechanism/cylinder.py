@@ -28,7 +28,6 @@ def counted_from(start: float, index: FloatArray) -> FloatArray:
     """The same places as indices that count on from a start to 40 more, as means need them.
 
     Args:
-        start: Index of the start.
         index: Indices, of any shape.
     """
     return start + within_turn(index - start)

@@ -44,10 +44,8 @@ def write_texts(
     """Write the folder of a model complete, and such that it can be read, or not at all.
 
     Args:
-        target: The folder.
         meshes: Folder that relative mesh paths start from.
         heading: Comment at the top of both files, in lines.
-        change: What is done to the URDF.
 
     Raises:
         InputError: It cannot be written, is not empty, or cannot be read back.

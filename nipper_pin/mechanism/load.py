@@ -80,7 +80,6 @@ def need_mechanism(value: object, call: str) -> None:
     """Refuse what is no mechanism, above all a model's name.
 
     Args:
-        value: What a function was given.
         call: Its public name, for the message.
 
     Raises:

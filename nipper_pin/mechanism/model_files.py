@@ -236,7 +236,8 @@ def check_new_folder(folder: str | Path) -> Path:
     try:
         occupied = target.exists() and (not target.is_dir() or any(target.iterdir()))
     except OSError as error:
-        raise _unwritable(target, error) from error
+        message = f"{target} cannot be written: {error.strerror}; name another folder"
+        raise InputError(message, folder=str(target)) from error
     if occupied:
         message = f"{target} is there already and is not empty; name a new folder"
         raise InputError(message, folder=str(target))
@@ -292,8 +293,3 @@ def new_model(target: str | Path, text: str) -> Path:
     with complete_file(file) as partial:
         partial.write_text(text, encoding="utf-8")
     return file
-
-
-def _unwritable(target: Path, error: OSError) -> InputError:
-    message = f"{target} cannot be written: {error.strerror}; name another folder"
-    return InputError(message, folder=str(target))

@@ -30,7 +30,7 @@ from ..parts import Closure, Stop
 from ..scale import reach, unit_of, written
 from .placements import own_name
 from .references import named
-from .tree import Tree
+from .tree import Tree, add_own_frame
 
 _AXES: dict[str, tuple[float, float, float]] = {"x": (1.0, 0.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
@@ -75,9 +75,6 @@ def with_blocks(urdf: Urdf, closures: Mapping[str, ClosureDescription]) -> Urdf:
     ``frame_a``, comes nearest to the origin of ``frame_b``; its coordinate is zero there and grows
     along the axis of ``frame_a``.
 
-    Args:
-        closures: The closures, checked.
-
     Returns:
         The URDF with a link and a prismatic joint for each slot.
     """
@@ -121,9 +118,6 @@ def closure_gaps(
     closures: Sequence[Closure], model: pin.Model, placements: list[pin.SE3]
 ) -> FloatArray:
     """Gap of every closure at q = 0, frame b minus frame a.
-
-    Args:
-        placements: World placement of every joint at q = 0.
 
     Returns:
         Gaps along x and z [m], shape (closures, 2).
@@ -182,13 +176,7 @@ def _move_frames(closures: Sequence[Closure], gaps: FloatArray, tree: Tree) -> N
         frame = model.frames[model.getFrameId(name, pin.FrameType.BODY)]
         if not model.existFrame(own_name(name), pin.FrameType.OP_FRAME):
             # What is drawn of the link stays.
-            model.addFrame(
-                pin.Frame(
-                    own_name(name), frame.parentJoint, frame.parentFrame, frame.placement,
-                    pin.FrameType.OP_FRAME,
-                ),
-                False,
-            )  # fmt: skip
+            add_own_frame(model, name, frame.placement)
             frame = model.frames[model.getFrameId(name, pin.FrameType.BODY)]
         shift = tree.placements[frame.parentJoint].rotation.T @ np.array([x, 0.0, z])
         frame.placement = pin.SE3(frame.placement.rotation, frame.placement.translation + shift)

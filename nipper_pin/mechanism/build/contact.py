@@ -30,10 +30,7 @@ def find_contact(contact: ContactDescription, stop: Stop, joint_name: str, tree:
     """Find the contact of the two bodies of a stop where it is closed, all other coordinates zero.
 
     Args:
-        contact: Names of the bodies.
-        stop: The stop, as yet without a contact.
         joint_name: Its joint, which moves the upper body and not the lower one.
-        tree: The tree with its collision shapes.
 
     Raises:
         UnknownNameError: A body does not exist.

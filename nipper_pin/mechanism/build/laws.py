@@ -20,7 +20,8 @@ from ..parts import Joint
 from ..scale import written
 from .references import named
 
-_OF_SHAFT = {"revolute": "reflected_inertia_kg_m2", "prismatic": "reflected_mass_kg"}
+OF_SHAFT = {"revolute": "reflected_inertia_kg_m2", "prismatic": "reflected_mass_kg"}
+"""Key of the inertia of a drive train seen at a joint, by its kind."""
 
 
 def check_drive(name: str, drive: DriveTable, joint: Joint, file: str) -> None:
@@ -36,12 +37,12 @@ def check_drive(name: str, drive: DriveTable, joint: Joint, file: str) -> None:
         )
     hinge, slide = drive.hinge_keys, drive.slide_keys
     own, other = (slide, hinge) if joint.kind == "prismatic" else (hinge, slide)
-    foreign = _OF_SHAFT["revolute" if joint.kind == "prismatic" else "prismatic"]
+    foreign = OF_SHAFT["revolute" if joint.kind == "prismatic" else "prismatic"]
     for key in (*other, foreign):
         value = getattr(drive, key, None)
         if value not in (None, 0.0, ()):
             keys = f"{', '.join(own)} and " if own else ""
-            allowed = f"{keys}{_OF_SHAFT[joint.kind]} for the {joint.kind} joint {joint.name}"
+            allowed = f"{keys}{OF_SHAFT[joint.kind]} for the {joint.kind} joint {joint.name}"
             raise ModelError(file=file, key=f"{where}.{key}", value=value, allowed=allowed)
     for key in own:
         value = getattr(drive, key)

@@ -136,7 +136,6 @@ def meet(lips: Lips, at: float, sense: float) -> Meeting:
     """Find where lips touch.
 
     Args:
-        lips: Both bodies.
         at: Coordinate at which the stop is closed [rad or m].
         sense: 1 if the bodies part with a growing coordinate, -1 with a falling one.
     """

@@ -21,7 +21,7 @@ from ..parallel import together
 from ..parts import Closure, Coupling, Drive, Joint, Phase, Stop
 from .closures import block_of, check_frames, close_gaps, with_blocks
 from .elements import build_elements, build_forces
-from .laws import build_cylinder, build_laws, check_drive
+from .laws import OF_SHAFT, build_cylinder, build_laws, check_drive
 from .parallel import with_leaders
 from .placements import joint_placements
 from .references import named
@@ -34,7 +34,6 @@ from .tree import (
     tree_joints,
 )
 
-_REFLECTED = {"prismatic": "reflected_mass_kg", "revolute": "reflected_inertia_kg_m2"}
 _ELASTIC = ("shaft_frequency_hz", "shaft_damping_ratio")
 
 
@@ -168,7 +167,7 @@ def _drives(
         if any(other.index == joint.index for other in drives):
             allowed = "a joint has one drive only"
             raise ModelError(file=file, key=key, value=drive.joint, allowed=allowed)
-        shaft = {key: getattr(drive, key) for key in (_REFLECTED[joint.kind], *_ELASTIC)}
+        shaft = {key: getattr(drive, key) for key in (OF_SHAFT[joint.kind], *_ELASTIC)}
         inertia, frequency, ratio = (value or 0.0 for value in shaft.values())
         drives.append(
             Drive(

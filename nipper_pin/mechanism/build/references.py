@@ -15,7 +15,6 @@ def named(kind: str, name: str, known: Mapping[str, _T], where: str) -> _T:
 
     Args:
         kind: What it should be, such as "joint".
-        where: File and key that hold the name.
 
     Raises:
         UnknownNameError: There is none.

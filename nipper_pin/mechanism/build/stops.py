@@ -14,17 +14,17 @@ from .references import built, named
 from .tree import Tree
 
 _MOST_CONTACTS = 100
-_STOP_PLACES = {"prismatic": ("at_mm", M_PER_MM), "revolute": ("at_deg", RAD_PER_DEG)}
+# Keys of place and rate by the kind of joint, with their factors to SI units.
+_KEYS = {
+    "prismatic": (("at_mm", M_PER_MM), ("rate_mm_per_s", M_PER_MM)),
+    "revolute": (("at_deg", RAD_PER_DEG), ("rate_rad_per_s", 1.0)),
+}
 
 
 def build_stops(
     description: Description, joints: Mapping[str, Joint], tree: Tree
 ) -> tuple[Stop, ...]:
     """Build the stops.
-
-    Args:
-        joints: Tree joints by name.
-        tree: The tree with its collision shapes.
 
     Raises:
         UnknownNameError: A joint, a body or the transition stop does not exist.
@@ -89,8 +89,8 @@ def _check_transition(description: Description, file: str) -> None:
 
 def _stop_place(name: str, stop: StopDescription, joint: Joint, file: str) -> float:
     """Coordinate at which a stop is closed [rad or m]."""
-    key, scale = _STOP_PLACES[joint.kind]
-    for other, _ in _STOP_PLACES.values():
+    key, scale = _KEYS[joint.kind][0]
+    for (other, _), _ in _KEYS.values():
         value = getattr(stop, other)
         if other != key and value is not None:
             allowed = f"the place of a stop on the {joint.kind} joint {joint.name} is {key}"
@@ -129,12 +129,6 @@ def _check_opposite(stop: Stop, others: Sequence[Stop], joint: Joint, file: str)
                 f"{coordinate_text(stop.at, joint.kind)}",
                 allowed=allowed,
             )
-
-
-_KEYS = {
-    "prismatic": (("at_mm", M_PER_MM), ("rate_mm_per_s", M_PER_MM)),
-    "revolute": (("at_deg", RAD_PER_DEG), ("rate_rad_per_s", 1.0)),
-}
 
 
 def build_starts(

@@ -101,10 +101,6 @@ def check_assembly(
 ) -> None:
     """Check that the mechanism, which is closed, moves as stated and can be driven.
 
-    Args:
-        phases: The working phases.
-        degrees_of_freedom: Mobility stated in the TOML file.
-
     Raises:
         AssemblyError: Closures have redundant rows.
         ModelError: The mobility is not the stated one, a guide does not stand on its joint, or
@@ -139,7 +135,6 @@ def dependent_rows(matrix: FloatArray, names: Sequence[str]) -> list[str]:
 
     Args:
         matrix: Rows of any scale, shape (rows, columns).
-        names: Name of each row.
     """
     if not len(matrix):
         return []

@@ -45,7 +45,6 @@ def build_model(urdf: Urdf, gravity_m_s2: float, file: str) -> pin.Model:
     """Build the Pinocchio model of a URDF.
 
     Args:
-        urdf: The URDF, in the side view.
         gravity_m_s2: Gravity along -z [m/s2].
 
     Raises:
@@ -67,22 +66,22 @@ def build_model(urdf: Urdf, gravity_m_s2: float, file: str) -> pin.Model:
             model.appendBodyToJoint(identity, inertia, at)
         frame = pin.Frame(joint.child, identity, places[joint.parent], at, body)
         places[joint.child] = model.addFrame(frame, False)
-    _add_own_axes(model, urdf)
+    for link, axes in urdf.own_axes.items():
+        frame = model.frames[places[link]]
+        add_own_frame(model, link, frame.placement * pin.SE3(axes, np.zeros(3)))
     _check_bodies(model, urdf, file)
     model.gravity.linear = np.array([0.0, 0.0, -gravity_m_s2])
     model.gravity.angular = np.zeros(3)
     return model
 
 
-def _add_own_axes(model: pin.Model, urdf: Urdf) -> None:
-    """Add the frames of links as the file has them, for what is only drawn."""
-    for link, axes in urdf.own_axes.items():
-        frame = model.frames[model.getFrameId(link, pin.FrameType.BODY)]
-        at = frame.placement * pin.SE3(axes, np.zeros(3))
-        own = pin.Frame(
-            own_name(link), frame.parentJoint, frame.parentFrame, at, pin.FrameType.OP_FRAME
-        )
-        model.addFrame(own, False)
+def add_own_frame(model: pin.Model, link: str, at: pin.SE3) -> None:
+    """Add the frame of a link as the file has it, for what is only drawn."""
+    frame = model.frames[model.getFrameId(link, pin.FrameType.BODY)]
+    own = pin.Frame(
+        own_name(link), frame.parentJoint, frame.parentFrame, at, pin.FrameType.OP_FRAME
+    )
+    model.addFrame(own, False)
 
 
 def _joint_model(joint: UrdfJoint) -> pin.JointModel:

@@ -16,10 +16,6 @@ _SECTIONS = ("drives", "springs", "dampers", "forces", "initial", "stops")
 def drawn_sources(tables: Mapping[str, Any], name: str) -> tuple[str, dict[str, Any]]:
     """The URDF and the TOML document of a drawing, as plain data.
 
-    Args:
-        tables: What its file holds.
-        name: Name of the machine.
-
     Raises:
         ModelError: A value cannot be used, or the drawing does not hang together.
     """

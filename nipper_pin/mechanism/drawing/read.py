@@ -64,11 +64,7 @@ class Drawn:
             self.refuse(key, name, error.message)
 
     def link(self, name: str, key: str) -> None:
-        """Refuse a link that there is not.
-
-        Raises:
-            ModelError: There is none.
-        """
+        """Refuse a link that there is not."""
         links = [FRAME, *self.table.bodies]
         if name not in links:
             self.refuse(key, name, f"{meant(name, links)}one of {', '.join(links)}")
@@ -78,19 +74,12 @@ class Drawn:
         return place(self.points, shape.at) if isinstance(shape.at, str) else shape.at
 
     def refuse(self, key: str, value: object, allowed: str) -> NoReturn:
-        """Refuse a value.
-
-        Raises:
-            ModelError: It cannot be used.
-        """
+        """Refuse a value."""
         raise ModelError(file=self.file, key=key, value=value, allowed=allowed)
 
 
 def read(document: Mapping[str, Any], name: str) -> Drawn:
     """Read the document of a drawing.
-
-    Args:
-        name: Name of the machine.
 
     Raises:
         ModelError: A value in it cannot be used.

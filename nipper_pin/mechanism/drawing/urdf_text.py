@@ -181,12 +181,8 @@ def body_visuals(tree: Tree, name: str, number: int) -> list[str]:
     return bars + pins
 
 
-def frame_visuals(tree: Tree) -> list[str]:
+def frame_visuals(tree: Tree) -> Iterator[str]:
     """Shapes of the frame: a foot under each fixed pin, a rail along each guide."""
-    return list(_ground(tree))
-
-
-def _ground(tree: Tree) -> Iterator[str]:
     points, size = tree.drawn.points, _size(tree)
     width = _WIDTH * size
     depth = 0.6 * width

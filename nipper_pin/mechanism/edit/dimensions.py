@@ -56,7 +56,6 @@ def change_dimensions(
     Args:
         root: The ``robot`` element, changed in place.
         document: The TOML document, known to be well-formed.
-        values: New values by path.
 
     Returns:
         The document with the axes of guides and cranks where their pins have gone.
@@ -120,7 +119,6 @@ def read_dimension(found: Layout, path: str, file: str) -> float:
     """Read a number of a URDF.
 
     Args:
-        found: Where everything stands.
         path: The path; its first step is one of ``HEADS``.
 
     Raises:

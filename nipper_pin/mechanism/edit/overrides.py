@@ -26,7 +26,6 @@ def by_path(
 
     Args:
         overrides: New values by path, or by a shortcut that the document defines.
-        data: The TOML document.
 
     Raises:
         UnknownNameError: A name without a dot is no shortcut and no key.
@@ -59,7 +58,6 @@ def with_tables(
     Args:
         data: The TOML document, as written.
         overrides: New values by path. Those that name another CSV file count before it is read.
-        folder: Model folder that the CSV files must lie in.
 
     Returns:
         The document with its tables, and the overrides that are left.
@@ -90,7 +88,6 @@ def apply_overrides(
             ``stops.jaw.restitution`` (:mod:`.paths`), or one of ``points.``, ``links.`` and
             ``urdf.`` into the URDF (:mod:`.dimensions`). Strings are converted to the type of the
             value that they replace.
-        urdf_file: Name of the URDF file, for messages.
 
     Returns:
         Changed copies of the document and of the URDF text.

@@ -49,8 +49,6 @@ class UrdfValue:
     """One number of a URDF.
 
     Attributes:
-        element: Element that holds it.
-        attribute: Attribute that holds it.
         place: Place in an attribute of several numbers; None if it is the only one.
     """
 
@@ -89,9 +87,6 @@ class UrdfValue:
 
 def find_value(root: ElementTree.Element, path: str) -> UrdfValue:
     """Follow a path into a URDF.
-
-    Args:
-        path: The path; its first step is ``urdf``.
 
     Raises:
         UnknownNameError: The path leads nowhere, or stops before a number.
@@ -231,7 +226,6 @@ def number_from(value: object, path: str, file: str) -> float:
 
     Args:
         value: A number, or a string that holds one, with a unit of its own or without.
-        path: The path that it is for.
 
     Raises:
         ModelError: It is none.

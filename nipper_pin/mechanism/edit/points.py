@@ -415,7 +415,6 @@ def write_origin(element: ElementTree.Element, xyz: FloatArray, rpy: FloatArray 
     """Write the origin of an element.
 
     Args:
-        element: Joint, inertial or shape.
         xyz: Translation [m], shape (3,).
         rpy: Roll, pitch, yaw [rad], shape (3,); None leaves them.
     """

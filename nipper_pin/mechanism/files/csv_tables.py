@@ -36,7 +36,6 @@ def inline_tables(data: Mapping[str, object], folder: Path, file: str) -> dict[s
 
     Args:
         data: The TOML document, as written.
-        folder: Model folder that the CSV files must lie in.
 
     Returns:
         The document with the columns in place of each file name.

@@ -97,7 +97,6 @@ def member_of(kind: Any, value: object) -> Any:
     """The type of a union that a value belongs to; the type itself if none does.
 
     Args:
-        kind: A type hint.
         value: Plain data; a table belongs to the only table of the union.
     """
     if typing.get_origin(kind) is Annotated and isinstance(value, Mapping | list):

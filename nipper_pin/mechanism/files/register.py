@@ -41,9 +41,6 @@ class Register(Generic[_T]):
     def add(self, kind: _T) -> _T:
         """Register a table under the name of its law.
 
-        Args:
-            kind: The table.
-
         Returns:
             The same class, so that this is a decorator.
 

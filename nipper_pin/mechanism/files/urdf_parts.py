@@ -69,9 +69,6 @@ class Plane:
 def find_plane(axes: Sequence[JointAxis], file: str) -> Plane:
     """Find the plane that all joints move in.
 
-    Args:
-        axes: Axes of the joints that move.
-
     Raises:
         ModelError: There is none; names the joint that leaves the plane of most others.
     """
@@ -82,11 +79,7 @@ def find_plane(axes: Sequence[JointAxis], file: str) -> Plane:
 
 
 def nearest_plane(axes: Sequence[JointAxis]) -> Plane:
-    """The plane that most joints move in.
-
-    Args:
-        axes: Axes of the joints that move.
-    """
+    """The plane that most joints move in."""
     normal, off = _nearest(axes)
     return Plane(_side_view(normal), float(off.max()))
 
@@ -204,10 +197,7 @@ class UrdfJoint:
     """One joint of the URDF.
 
     Attributes:
-        name: Joint name.
         kind: "revolute", "prismatic" or "fixed".
-        parent: Parent link.
-        child: Child link.
         placement: Of the child's frame in the parent's at coordinate zero.
         axis: Unit axis of rotation or translation in the joint frame; zero if fixed.
         damping: Of its <dynamics> [N s/m or N m s/rad].
@@ -245,8 +235,6 @@ class Urdf:
 
     Attributes:
         root: Name of the root link.
-        links: All links by name.
-        joints: All joints by name.
         plane: The plane of the file that became the side view.
         own_axes: Frames of the file in the frames here where they differ, by link, shape (3, 3).
     """
@@ -372,9 +360,6 @@ def _link(link: UrdfLink, turn: FloatArray) -> UrdfLink:
 
 def side_view_text(urdf: Urdf) -> str:
     """Say how a URDF became the side view, and which hinges turn clockwise in it.
-
-    Args:
-        urdf: The URDF, in the side view.
 
     Returns:
         One sentence; empty if its plane is x-z and every axis is exactly ``0 -1 0`` or in it.

@@ -150,8 +150,6 @@ def mesh_path(filename: str, mesh_folder: Path, key: str, file: str) -> Path:
     Args:
         filename: Path in the URDF, relative to the model folder; ``package://NAME/`` before it
             stands for that folder.
-        mesh_folder: The model folder.
-        key: Place in the URDF, for messages.
 
     Raises:
         ModelError: The path leaves the folder or names no file.
@@ -239,8 +237,6 @@ def check_corners(corners: FloatArray, key: str, file: str) -> None:
 
     Args:
         corners: Shape (N, 3) or (3,) [m].
-        key: Place in the model, for messages.
-        file: File that names the mesh, for messages.
 
     Raises:
         ModelError: One of them is not finite, or too far away.

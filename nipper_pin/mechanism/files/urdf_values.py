@@ -44,10 +44,7 @@ def finite(
     """Read an attribute of finite numbers as a list: most are only checked, hundreds a load.
 
     Args:
-        attribute: Name of the attribute.
-        count: How many numbers it has.
         default: Its text where it is missing; None if it must be there.
-        key: Place in the URDF, for messages.
 
     Raises:
         ModelError: It has others, or too large ones.
