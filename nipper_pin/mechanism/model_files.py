@@ -223,9 +223,6 @@ def check_model_folder(folder: str | Path) -> Path:
 def check_new_folder(folder: str | Path) -> Path:
     """Refuse a folder that holds something already.
 
-    Args:
-        folder: Folder that a model is to be written into. It may exist if it is empty.
-
     Returns:
         The folder, resolved.
 

@@ -44,7 +44,6 @@ def build_mechanism(
 
     Args:
         data: The TOML document, overrides applied and tables written out.
-        mesh_folder: Folder that mesh files must lie in.
 
     Raises:
         UnknownNameError: A name in the data does not exist.

@@ -100,18 +100,11 @@ def _with_frames(drawn: Drawn, section: str) -> dict[str, Any]:
 def _closures(tree: Tree) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for name, cut in tree.cut.items():
+        first = LINE.format(name) if cut.slot else frame_name(cut.parent, cut.point)
+        found[name] = {"frame_a": first, "frame_b": frame_name(cut.child, cut.point)}
         if cut.slot:
-            found[name] = {
-                "frame_a": LINE.format(name),
-                "frame_b": frame_name(cut.child, cut.point),
-                "slot_axis": "x",
-                "block_mass_kg": 0.02 if cut.block_mass_kg is None else cut.block_mass_kg,
-            }
-        else:
-            found[name] = {
-                "frame_a": frame_name(cut.parent, cut.point),
-                "frame_b": frame_name(cut.child, cut.point),
-            }
+            mass = 0.02 if cut.block_mass_kg is None else cut.block_mass_kg
+            found[name] |= {"slot_axis": "x", "block_mass_kg": mass}
     return found
 
 

@@ -151,7 +151,7 @@ def _offset(tree: Tree, link: str, at: Place) -> str:
 
 _WIDTH = 0.028  # of a bar, by the size of the drawing
 _ALONE = 100.0  # size of a drawing of one point [mm]
-_GROUND = (0.55, 0.57, 0.6)
+_GROUND = '<material name="ground"><color rgba="0.55 0.57 0.6 1"/></material>'
 
 
 def body_visuals(tree: Tree, name: str, number: int) -> list[str]:
@@ -167,16 +167,18 @@ def body_visuals(tree: Tree, name: str, number: int) -> list[str]:
         side = 2.4 * width
         carrier = next(joint for joint in tree.carried.values() if joint.child == name)
         turned = _angle(vector(points, carrier.along)) if carrier.along else 0.0
-        return [_box(tree, name, "block", places[0], (side, depth, side), turned, aside)]
-    bars = [
-        _box(tree, name, f"bar_{place}", ((a[0] + b[0]) / 2, (a[1] + b[1]) / 2),
-             (distance(a, b), depth, width), direction(a, b), aside)
-        for place, (a, b) in enumerate(pairwise(places))
-        if a != b
-    ]  # fmt: skip
+        return [_seen(tree, name, "block", places[0], aside, _box((side, depth, side), turned))]
+    bars = []
+    for piece, (a, b) in enumerate(pairwise(places)):
+        if a != b:
+            middle = (a[0] + b[0]) / 2, (a[1] + b[1]) / 2
+            bar = _box((distance(a, b), depth, width), direction(a, b))
+            bars.append(_seen(tree, name, f"bar_{piece}", middle, aside, bar))
+    radius, thick = M_PER_MM * (0.75 * width), M_PER_MM * (1.05 * depth)
+    eye = "1.57079632679 0 0", f'<cylinder radius="{radius:.6g}" length="{thick:.6g}"/>'
     pins = [
-        _disc(tree, name, f"eye_{place}", at, 0.75 * width, 1.05 * depth, aside)
-        for place, at in enumerate(dict.fromkeys(places))
+        _seen(tree, name, f"eye_{piece}", at, aside, eye)
+        for piece, at in enumerate(dict.fromkeys(places))
     ]
     return bars + pins
 
@@ -189,13 +191,12 @@ def frame_visuals(tree: Tree) -> Iterator[str]:
     for key, joint in {**tree.carried, **tree.cut}.items():
         if joint.pin and FRAME in (joint.parent, joint.child):
             x, z = place(points, joint.point)
-            foot = (2.2 * width, depth, 1.6 * width)
-            yield _box(tree, FRAME, f"foot_{key}", (x, z - 0.8 * width), foot, 0.0, depth, _GROUND)
+            foot = _box((2.2 * width, depth, 1.6 * width), 0.0)
+            yield _seen(tree, FRAME, f"foot_{key}", (x, z - 0.8 * width), depth, foot, _GROUND)
         elif joint.slide and joint.parent == FRAME:
             angle = _angle(vector(points, joint.along or ""))
-            rail = (0.35 * size, depth, 0.35 * width)
-            yield _box(tree, FRAME, f"rail_{key}", place(points, joint.point), rail, angle, depth,
-                       _GROUND)  # fmt: skip
+            rail, at = _box((0.35 * size, depth, 0.35 * width), angle), place(points, joint.point)
+            yield _seen(tree, FRAME, f"rail_{key}", at, depth, rail, _GROUND)
 
 
 def _size(tree: Tree) -> float:
@@ -209,45 +210,25 @@ def _angle(along: Place) -> float:
     return direction((0.0, 0.0), along)
 
 
-def _box(
-    tree: Tree,
-    link: str,
-    name: str,
-    at: Place,
-    edges: tuple[float, float, float],
-    angle_deg: float,
-    aside: float,
-    colour: tuple[float, float, float] | None = None,
-) -> str:
-    lean = -radians(angle_deg)
+def _box(edges: tuple[float, float, float], angle_deg: float) -> tuple[str, str]:
+    """Angles and geometry of a box [mm], turned counter-clockwise."""
     size = " ".join(f"{M_PER_MM * edge:.6g}" for edge in edges)
-    return _shape(tree, link, name, at, aside, f"0 {lean:.9g} 0", f'<box size="{size}"/>', colour)
+    return f"0 {-radians(angle_deg):.9g} 0", f'<box size="{size}"/>'
 
 
-def _disc(
-    tree: Tree, link: str, name: str, at: Place, radius: float, thick: float, aside: float
-) -> str:
-    solid = f'<cylinder radius="{M_PER_MM * radius:.6g}" length="{M_PER_MM * thick:.6g}"/>'
-    return _shape(tree, link, name, at, aside, "1.57079632679 0 0", solid, None)
-
-
-def _shape(
+def _seen(
     tree: Tree,
     link: str,
     name: str,
     at: Place,
     aside: float,
-    rpy: str,
-    solid: str,
-    colour: tuple[float, float, float] | None,
+    solid: tuple[str, str],
+    paint: str = "",
 ) -> str:
     x, z = at[0] - tree.origins[link][0], at[1] - tree.origins[link][1]
     xyz = f"{M_PER_MM * x:.6g} {M_PER_MM * aside:.6g} {M_PER_MM * z:.6g}"
-    paint = ""
-    if colour is not None:
-        rgba = " ".join(f"{part:g}" for part in (*colour, 1.0))
-        paint = f'<material name="ground"><color rgba="{rgba}"/></material>'
+    rpy, geometry = solid
     return (
         f'    <visual name="{name}"><origin xyz="{xyz}" rpy="{rpy}"/>'
-        f"<geometry>{solid}</geometry>{paint}</visual>"
+        f"<geometry>{geometry}</geometry>{paint}</visual>"
     )

@@ -32,9 +32,6 @@ _KINDS: dict[str, Literal["revolute", "prismatic", "fixed"]] = {
 def check_urdf(root: ElementTree.Element, file: str, mesh_folder: Path) -> Urdf:
     """Read a URDF, check it, and turn it into the side view.
 
-    Args:
-        mesh_folder: Folder that mesh files must lie in.
-
     Raises:
         ModelError: A value cannot belong to a planar mechanism.
         UnknownNameError: A joint names a link that does not exist.

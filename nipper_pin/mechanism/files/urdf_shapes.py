@@ -54,9 +54,6 @@ def read_shapes(
 ) -> tuple[UrdfShape, ...]:
     """Read the collision shapes of a link; the visual ones are only checked.
 
-    Args:
-        mesh_folder: Folder that mesh files must lie in.
-
     Raises:
         ModelError: A shape is none, or a mesh is not in the folder.
     """

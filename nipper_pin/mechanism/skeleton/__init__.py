@@ -10,13 +10,6 @@ from ..model_files import new_model
 def write_skeleton(target: str | Path) -> Path:
     """Write a model that can be checked and simulated, with a comment for every decision in it.
 
-    Args:
-        target: ``NAME.toml``, or a folder to write; its name becomes the model's.
-
-    Returns:
-        The file or folder, resolved.
-
-    Raises:
-        InputError: The name cannot be a model's, or it is there or cannot be written.
+    Target, what is returned, and errors as of :func:`new_model`.
     """
     return new_model(target, Path(__file__).with_name("press.toml").read_text(encoding="utf-8"))

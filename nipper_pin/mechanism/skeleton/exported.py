@@ -64,7 +64,6 @@ def take_urdf(urdf: str | Path, folder: str | Path) -> Exported:
     """Write a model folder of an exported URDF: a copy, its meshes, and a TOML to complete.
 
     Args:
-        urdf: The file.
         folder: Folder to write; its name becomes the model's. It may exist if it is empty.
 
     Raises:
