@@ -166,16 +166,6 @@ class Elements:
         line = places[:, :, 1] - places[:, :, 0]
         jacobian = jacobians[:, :, 1] - jacobians[:, :, 0]
         length = np.sqrt(np.einsum("nsi,nsi->ns", line, line))
-        self._check_lengths(length, q)
-        # Points of a spring of free length zero may coincide: its force vanishes with the line.
-        inverse = np.divide(1.0, length, out=np.zeros_like(length), where=length > 0.0)
-        rate = inverse * np.einsum("nsi,nsij,nj->ns", line, jacobian, v)
-        density = (
-            self._stiffness * (1.0 - self._free_length * inverse) + self._damping * rate * inverse
-        )
-        return density[:, :, None] * line, jacobian, rate
-
-    def _check_lengths(self, length: FloatArray, q: FloatArray) -> None:
         short = self._directed & (length < self.coincident_m)
         if short.any():
             row, place = (int(found[0]) for found in np.nonzero(short))
@@ -187,3 +177,10 @@ class Elements:
             raise ElementError(
                 message, element=strut.name, distance_m=float(length[row, place]), q=q[row]
             )
+        # Points of a spring of free length zero may coincide: its force vanishes with the line.
+        inverse = np.divide(1.0, length, out=np.zeros_like(length), where=length > 0.0)
+        rate = inverse * np.einsum("nsi,nsij,nj->ns", line, jacobian, v)
+        density = (
+            self._stiffness * (1.0 - self._free_length * inverse) + self._damping * rate * inverse
+        )
+        return density[:, :, None] * line, jacobian, rate

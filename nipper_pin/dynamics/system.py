@@ -226,12 +226,7 @@ class System:
 
         The rest is linear in the state, tau = forcing - stiffness q - damping v, but for tables and
         struts (:mod:`.elements`). Preloads are -k p; a held shaft has I a_law with its infinite
-        inertia I; an elastic drive train has tau = I a_law + k (q_law - q) + c (v_law - v), with
-        k = I w^2 and c = 2 zeta w I.
-
-        Args:
-            motion: Driven coordinates, rates and accelerations of these states, as
-                :meth:`ShaftMotion.driven` gives them.
+        inertia I, an elastic drive train the torque of :meth:`train_torques` at q = v = 0.
         """
         q_law, v_law, a_law = motion
         tau = np.empty((len(q_law), self.body.nv))
@@ -285,7 +280,6 @@ class System:
 
         Args:
             phase: The phase; every independent coordinate is a held drive or a closed stop.
-            inverse: What :func:`inverses` gives for them.
         """
         a = np.zeros(q.shape)
         if self.held:
