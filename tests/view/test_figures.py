@@ -17,13 +17,13 @@ from rich.console import Console
 from runs_shown import run_of, slotted, turn, with_elements
 from snapshots import Words
 
-from nipper_pin import Case, EventKind, InputError, Solution, check, compare, load, simulate
+from nipper_pin import Case, EventKind, Solution, check, compare, load, simulate
 from nipper_pin.study.next_steps import NextSteps
 from nipper_pin.study.speed_limit import SpeedLimit, SpeedRange, Verdict
 from nipper_pin.view.compare.files import curves_figure
 from nipper_pin.view.run import print_solution
 from nipper_pin.view.run.bounces import impulse_figure, transition_figure
-from nipper_pin.view.run.plots import plot_solution
+from nipper_pin.view.run.export import export
 from nipper_pin.view.run.timelines import force_figure, motion_figure, phase_figure
 from nipper_pin.view.studies.check_report import print_report
 from nipper_pin.view.studies.speed_limit_plot import speed_limit_figure
@@ -118,16 +118,11 @@ def test_which_figures_a_run_has(
 ) -> None:
     """None of what did not happen: forces in a transition, a rest, motion."""
     folder = tmp_path / "new" / "folder"
-    files = plot_solution(simulate(load("e62", changes), case), str(folder))
+    written = export(simulate(load("e62", changes), case), str(folder))
+    files = [file for file in written if file.suffix == ".png"]
     assert [file.name for file in files] == [f"{name}.png" for name in names]
-    assert sorted(folder.iterdir()) == sorted(files)
+    assert sorted(folder.iterdir()) == sorted(written)
     assert all(imread(file)[..., :3].std() > 0.02 for file in files)
-
-
-def test_a_folder_that_is_a_file_is_refused(transition: Solution, tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("")
-    with pytest.raises(InputError, match="cannot be made a folder"):
-        plot_solution(transition, tmp_path / "file")
 
 
 # Springs, dampers, slots and limits in words, as `check` and the tables of a run have them.

@@ -9,8 +9,9 @@ from ...errors import InputError
 from ...hybrid import Solution, need_sound
 from ...hybrid.files.npz import save, save_case
 from ...outputs import complete_file, complete_folder
+from ..figure_file import write_figure
 from .csv_tables import TABLES, tables
-from .plots import PLOTS, plot_solution
+from .plots import PLOTS, figures
 
 _CASE = "case.json"
 _FILES = (*TABLES, "solution.npz", _CASE, *(f"{name}.png" for name in PLOTS))
@@ -38,8 +39,9 @@ def export(solution: Solution, folder: str | Path, units: str = "SI") -> list[Pa
             *(_write(target / name, text) for name, text in tables(solution, units)),
             save(solution, target / "solution.npz"),
             save_case(solution.mechanism, solution.case, target / _CASE),
-            *plot_solution(solution, target),
-        ]
+            *(write_figure(figure, target / f"{name}.png")
+              for name, figure in figures(solution).items()),
+        ]  # fmt: skip
     return [Path(folder) / file.name for file in written]
 
 
