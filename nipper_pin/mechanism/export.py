@@ -9,7 +9,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 from .files import parse_xml, path_inside, toml
-from .files.schema import SCHEMA_FILE, schema_text
+from .files.schema import write_document
 from .load import load
 from .mechanism import Mechanism
 from .model_files import check_model_folder, new_folder
@@ -60,13 +60,12 @@ def write_texts(
         root.insert(0, note)
     if change is not None:
         change(root)
-    lines = [f"#:schema ./{SCHEMA_FILE}", *(f"# {line}" for line in heading), "", toml(document)]
+    lines = [*(f"# {line}" for line in heading), "", toml(document)]
     with new_folder(target) as partial:
         _copy_meshes(root, meshes, partial)
         text = '<?xml version="1.0"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
         (partial / f"{name}.urdf").write_text(text, encoding="utf-8")
-        (partial / f"{name}.toml").write_text("\n".join(lines), encoding="utf-8")
-        (partial / SCHEMA_FILE).write_text(schema_text(), encoding="utf-8")
+        write_document(partial / f"{name}.toml", "\n".join(lines))
         # What cannot be read back does not take its place.
         load(partial)
 

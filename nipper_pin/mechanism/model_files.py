@@ -274,14 +274,12 @@ def new_model(target: str | Path, text: str) -> Path:
         InputError: The name cannot be a model's, or it is there or cannot be written.
     """
     from ..outputs import complete_file
-    from .files.schema import DRAWING_SCHEMA_FILE, drawing_schema_text
+    from .files.schema import write_document
 
     if Path(target).suffix != ".toml":
         folder = check_model_folder(target)
-        first = f"#:schema ./{DRAWING_SCHEMA_FILE}\n"
         with new_folder(folder) as partial:
-            (partial / f"{folder.name}.toml").write_text(first + text, encoding="utf-8")
-            (partial / DRAWING_SCHEMA_FILE).write_text(drawing_schema_text(), encoding="utf-8")
+            write_document(partial / f"{folder.name}.toml", text, "drawing")
         return folder
     file = check_model_folder(Path(target).with_suffix("")).with_suffix(".toml")
     if file.exists():

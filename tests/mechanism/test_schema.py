@@ -16,12 +16,7 @@ from nipper_pin import Drawing, InputError, ModelError
 from nipper_pin.mechanism import find_model
 from nipper_pin.mechanism.drives import DriveTable, register_drive
 from nipper_pin.mechanism.files.describe import describe
-from nipper_pin.mechanism.files.schema import (
-    drawing_schema,
-    drawing_schema_text,
-    model_schema,
-    schema_text,
-)
+from nipper_pin.mechanism.files.schema import drawing_schema, model_schema, schema_text
 from nipper_pin.mechanism.gallery import GALLERY, drawn
 from nipper_pin.mechanism.skeleton import write_skeleton
 from tests.refusals.bases import places
@@ -36,13 +31,14 @@ VALID = jsonschema.Draft202012Validator(SCHEMA)
 def test_document_is_the_schema_of_the_structs() -> None:
     """docs/model.schema.json is what the structs give; after a change of them, write it anew:
 
-    python -c "from nipper_pin.mechanism.files import schema as s; print(s.schema_text(), end='')"
-    and with drawing_schema_text() docs/drawing.schema.json.
+    from nipper_pin.mechanism.files.schema import schema_text; print(schema_text("model"), end="")
+    and with "drawing" docs/drawing.schema.json.
     """
-    for name, text in (("model", schema_text()), ("drawing", drawing_schema_text())):
+    for name in ("model", "drawing"):
+        text = schema_text(name)
         assert (ROOT / "docs" / f"{name}.schema.json").read_text(encoding="utf-8") == text
     jsonschema.Draft202012Validator.check_schema(SCHEMA)
-    assert json.loads(schema_text()) == SCHEMA
+    assert json.loads(schema_text("model")) == SCHEMA
     for path in ROOT.glob("models/**/*.toml"):
         VALID.validate(tomllib.loads(path.read_text(encoding="utf-8")))
 

@@ -10,7 +10,8 @@ import inspect
 import json
 import re
 from importlib import import_module
-from typing import Any
+from pathlib import Path
+from typing import Any, Literal
 
 import msgspec
 
@@ -18,11 +19,6 @@ from ...written_units import pattern_of_key
 from . import description
 from .description import Description
 from .register import DRIVES, FORCES, RESTITUTIONS, STOPS
-
-SCHEMA_FILE = "model.schema.json"
-"""Name of the file beside a model that its first line refers to."""
-DRAWING_SCHEMA_FILE = "drawing.schema.json"
-"""The same of a drawing."""
 
 _ATTRIBUTE = re.compile(r"(?P<name>\w+): (?P<text>.*?)(?=\n\w+: |\Z)", re.DOTALL)
 
@@ -86,14 +82,17 @@ def _schema(of_file: type, title: str) -> dict[str, Any]:
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": title, **schema}
 
 
-def schema_text() -> str:
-    """Return the schema of a model as the text of its file."""
-    return json.dumps(model_schema(), indent=1) + "\n"
+def schema_text(kind: Literal["model", "drawing"]) -> str:
+    """Return a schema as the text of its file."""
+    schema = model_schema() if kind == "model" else drawing_schema()
+    return json.dumps(schema, indent=1) + "\n"
 
 
-def drawing_schema_text() -> str:
-    """Return the schema of a drawing as the text of its file."""
-    return json.dumps(drawing_schema(), indent=1) + "\n"
+def write_document(file: Path, text: str, kind: Literal["model", "drawing"] = "model") -> None:
+    """Write a TOML document; its first line refers to its schema, which is put beside it."""
+    schema = file.with_name(f"{kind}.schema.json")
+    file.write_text(f"#:schema ./{schema.name}\n{text}", encoding="utf-8")
+    schema.write_text(schema_text(kind), encoding="utf-8")
 
 
 def _plain(value: dict[str, Any], words: str | None) -> dict[str, Any]:

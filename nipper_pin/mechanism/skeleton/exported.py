@@ -26,7 +26,7 @@ from ...units import MM_PER_M
 from ..build.closures import PLANE, frame_point
 from ..build.placements import joint_placements
 from ..files import parse_xml, toml
-from ..files.schema import SCHEMA_FILE, schema_text
+from ..files.schema import write_document
 from ..files.xml_text import as_unicode, encoding_of
 from ..limits import joint_limits, without_room
 from ..load import from_sources
@@ -101,9 +101,8 @@ def take_urdf(urdf: str | Path, folder: str | Path) -> Exported:
             wrong = "all pins closed, nothing can move: one may slide in a slot (slot_axis)"
             found = replace(found, wrong=wrong)
         written = {key: value for key, value in document.items() if value}
-        lines = [f"#:schema ./{SCHEMA_FILE}", "", toml(written), *_proposals(found)]
-        (partial / f"{name}.toml").write_text("\n".join(lines) + "\n", encoding="utf-8")
-        (partial / SCHEMA_FILE).write_text(schema_text(), encoding="utf-8")
+        lines = ["", toml(written), *_proposals(found), ""]
+        write_document(partial / f"{name}.toml", "\n".join(lines))
     return found
 
 
