@@ -130,7 +130,6 @@ def weakest(jacobian: FloatArray, given: Sequence[int]) -> tuple[float, list[int
 
     Args:
         jacobian: Closure Jacobian G by coordinates in their units, as for :func:`partition`.
-        given: Coordinates whose motion is prescribed.
 
     Returns:
         Condition number of G in the other coordinates, in the 2-norm; and those of them, the most

@@ -88,14 +88,13 @@ def free_mass_matrix(system: System, q: Vector) -> tuple[list[int], FloatArray]:
 def force_size(
     system: System, motion: Driven, q: Vector, v: Vector, a: Vector, index: int
 ) -> float:
-    """Size of the forces that balance in a part, the root of f' M^-1 f of each kind, added up.
+    """Size of forces that balance in a coordinate's part: roots of f' M^-1 f of each kind, summed.
 
     Times the root of a diagonal term of M^-1 or of M it bounds what they come to in an
     acceleration or a force of that coordinate: round-off is a small part of that.
 
     Args:
         motion: Driven coordinates at this time, as one row.
-        index: A coordinate of the part.
     """
     moving, mass = free_mass_matrix(system, q)
     weight, whole = system.body.inverse_dynamics(*np.array([[q, q], [v, v], [0.0 * a, a]]))

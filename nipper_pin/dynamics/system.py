@@ -125,7 +125,6 @@ class System:
         """Velocities with G v = 0, shape of ``v``: dependent rates from independent ones.
 
         Args:
-            split: What :meth:`split` gives for it.
             v: Velocity, shape (nv,) or (N, nv); its dependent rates count for nothing.
         """
         # Caches the inverse of the dependent block.
@@ -278,8 +277,7 @@ class System:
     ) -> Vectors:
         """Accelerations of a phase without freedom: G a + G_dot v = 0, whatever the forces are.
 
-        Args:
-            phase: The phase; every independent coordinate is a held drive or a closed stop.
+        Every independent coordinate is a held drive or a closed stop.
         """
         a = np.zeros(q.shape)
         if self.held:
