@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from nipper_pin.cli.arguments import check_outputs, load_mechanism
+from nipper_pin.cli.arguments import add_json, add_value, load_mechanism, output_folder
 from nipper_pin.extras import require
 
 from . import hand_over, tell
@@ -21,13 +21,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--set", action="append", default=[], metavar="PATH=VALUE",
         help="change a number of the model; may be repeated",
     )  # fmt: skip
-    parser.add_argument("--json", metavar="FILE", help="write the result as JSON; - for stdout")
-    parser.add_argument("--out", metavar="DIR", help="write JSON, table and plots into a folder")
+    add_json(parser)
+    text = "write JSON, table and plots into a folder"
+    add_value(parser, "--out", "DIR", text, output_folder)
     parser.set_defaults(run=_run)
 
 
 def _run(options: argparse.Namespace) -> None:
-    check_outputs(options.out, options.json)
     require("study", "numba", "matplotlib", what="the published study")
     from ..paper.report import print_paper, write_paper
     from ..paper.study import paper_study

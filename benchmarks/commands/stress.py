@@ -8,7 +8,7 @@ from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from nipper_pin.cli.arguments import check_outputs, write_json
+from nipper_pin.cli.arguments import add_json, add_value, add_workers, output_folder, write_json
 from nipper_pin.errors import InputError, SimulationError, one_line
 from nipper_pin.extras import require
 
@@ -23,45 +23,22 @@ _SEED = 1
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Define the arguments of the command."""
-    parser.add_argument(
-        "--cases", type=int, default=_CASES, metavar="N", help=f"number of cases (default {_CASES})"
-    )
-    parser.add_argument(
-        "--seed",
-        type=int,
-        default=_SEED,
-        metavar="S",
-        help=f"seed of the random cases (default {_SEED})",
-    )
-    parser.add_argument(
-        "--first",
-        type=int,
-        default=0,
-        metavar="N",
-        help="number of the first case (default 0): one alone again, or those after an interrupt",
-    )
+    add_value(parser, "--cases", "N", f"number of cases (default {_CASES})", int, _CASES)
+    add_value(parser, "--seed", "S", f"seed of the random cases (default {_SEED})", int, _SEED)
+    text = "number of the first case (default 0): one alone again, or those after an interrupt"
+    add_value(parser, "--first", "N", text, int, 0)
     parser.add_argument(
         "--family",
         action="append",
         metavar="NAME",
         help="cases of this family alone, for example linkage; may be repeated",
     )
-    parser.add_argument(
-        "--workers", type=int, metavar="N", help="processes (default: one a processor)"
-    )
-    parser.add_argument(
-        "--out",
-        metavar="DIR",
-        help="keep each verdict as it comes, a case file of each failure, and the report",
-    )
-    parser.add_argument(
-        "--time-limit",
-        type=float,
-        default=600.0,
-        metavar="S",
-        help="seconds of the processor after which a case is a hang (default 600)",
-    )
-    parser.add_argument("--json", metavar="FILE", help="write the result as JSON; - for stdout")
+    add_workers(parser)
+    text = "keep each verdict as it comes, a case file of each failure, and the report"
+    add_value(parser, "--out", "DIR", text, output_folder)
+    text = "seconds of the processor after which a case is a hang (default 600)"
+    add_value(parser, "--time-limit", "S", text, default=600.0)
+    add_json(parser)
     parser.set_defaults(run=_run)
 
 
@@ -87,7 +64,6 @@ def _check(options: argparse.Namespace) -> None:
     if options.time_limit <= 0.0:
         message = f"--time-limit {options.time_limit}: above 0"
         raise InputError(message, argument=options.time_limit)
-    check_outputs(options.out, options.json)
 
 
 def _campaign(options: argparse.Namespace) -> Campaign:

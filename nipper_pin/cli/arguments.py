@@ -56,7 +56,7 @@ def refuse_again(
 def add_model(parser: argparse.ArgumentParser, *, json_output: bool = True) -> None:
     """Define the arguments for a machine, its speed and the file of JSON output."""
     add_machine(parser)
-    add_number(parser, "--speed", "RPM", SPEED, rpm)
+    add_value(parser, "--speed", "RPM", SPEED, rpm)
     if json_output:
         add_json(parser)
 
@@ -70,8 +70,8 @@ def add_machine(parser: argparse.ArgumentParser) -> None:
         help=f"name of a model that comes with the package, or a folder (default {MODEL})",
     )
     add_set(parser)
-    add_number(parser, "--restitution", "E", RESTITUTION)
-    add_number(parser, "--stiffness", "N_PER_M", STIFFNESS, number_or_text)
+    add_value(parser, "--restitution", "E", RESTITUTION)
+    add_value(parser, "--stiffness", "N_PER_M", STIFFNESS, number_or_text)
 
 
 def add_set(parser: argparse.ArgumentParser) -> None:
@@ -88,10 +88,10 @@ def add_set(parser: argparse.ArgumentParser) -> None:
 
 def add_json(parser: argparse.ArgumentParser, what: str = "result") -> None:
     """Define the argument for the file of JSON output."""
-    parser.add_argument("--json", metavar="FILE", help=f"write the {what} as JSON; - for stdout")
+    add_value(parser, "--json", "FILE", f"write the {what} as JSON; - for stdout", output_file)
 
 
-def add_number(
+def add_value(
     parser: argparse.ArgumentParser,
     option: str,
     letter: str,
@@ -99,27 +99,49 @@ def add_number(
     kind: Callable[[str], object] = float,
     default: object = None,
 ) -> None:
-    """Define an argument that takes a number, which help calls by a letter or a word."""
+    """Define an option that takes a value, which help calls by a letter or a word."""
     parser.add_argument(option, type=kind, metavar=letter, help=text, default=default)
+
+
+def add_flag(parser: argparse.ArgumentParser, option: str, text: str) -> None:
+    """Define an option without a value."""
+    parser.add_argument(option, action="store_true", help=text)
+
+
+def output_folder(text: str) -> str:
+    """A folder, refused before all work where it can neither be made nor written into."""
+    from ..outputs import check_folder
+
+    check_folder(text)
+    return text
+
+
+def output_file(text: str) -> str:
+    """A file (- is stdout), refused before all work where it cannot be written."""
+    from ..outputs import check_file
+
+    if text != "-":
+        check_file(text)
+    return text
 
 
 def add_workers(parser: argparse.ArgumentParser) -> None:
     """Define the argument for the number of processes."""
-    add_number(parser, "--workers", "N", "processes (default: one a processor)", int)
+    add_value(parser, "--workers", "N", "processes (default: one a processor)", int)
 
 
 def add_look(parser: argparse.ArgumentParser) -> None:
     """Define the arguments for how a film is drawn."""
     text = "stretch time 1:N around events (default 1000, less for films above two minutes)"
-    add_number(parser, "--slow", "N", text)
+    add_value(parser, "--slow", "N", text)
     text = "draw rebounds N times as large, 1 to 1000 (default: so that they are seen)"
-    add_number(parser, "--exaggerate", "N", text)
+    add_value(parser, "--exaggerate", "N", text)
 
 
 def add_server(parser: argparse.ArgumentParser, port: int) -> None:
     """Define the arguments for where a page is served."""
-    add_number(parser, "--port", "N", f"port to serve at (default {port})", int)
-    parser.add_argument("--no-browser", action="store_true", help="serve without opening a browser")
+    add_value(parser, "--port", "N", f"port to serve at (default {port})", int)
+    add_flag(parser, "--no-browser", "serve without opening a browser")
 
 
 def rpm(text: str) -> float:
@@ -233,20 +255,13 @@ def refuse_beside(options: argparse.Namespace, what: str, *names: str) -> None:
 
 
 def need_suffix(option: str, file: str | None, suffix: str) -> None:
-    """Refuse a file whose name says that it is of another kind."""
-    if file is not None and Path(file).suffix.lower() != suffix:
+    """Refuse a file whose name says that it is of another kind, or that cannot be written."""
+    if file is None:
+        return
+    if Path(file).suffix.lower() != suffix:
         message = f"{option} {file}: such a file is called NAME{suffix}"
         raise InputError(message, argument=option)
-
-
-def check_outputs(folder: str | None, document: str | None) -> None:
-    """Refuse a folder and a document (- is stdout) that cannot be written, before all work."""
-    from ..outputs import check_file, check_folder
-
-    if folder is not None:
-        check_folder(folder)
-    if document is not None and document != "-":
-        check_file(document)
+    output_file(file)
 
 
 def check_figure(file: str | None, extra: str, what: str) -> None:

@@ -15,7 +15,7 @@ from ..errors import InputError
 from ..given import read_number
 from ..hybrid import START_INDEX, Case, Window
 from ..mechanism import Mechanism, changed
-from .arguments import add_number, load_mechanism, overrides, speed
+from .arguments import add_value, load_mechanism, overrides, speed
 
 LIMIT = "limit"
 DRIVES = [item.value for item in DriveMode]
@@ -37,12 +37,12 @@ def add_window(parser: argparse.ArgumentParser, default: Window) -> None:
 def add_start(parser: argparse.ArgumentParser) -> None:
     """Define the argument for the start of whole turns."""
     text = f"index at which the turns start, in the initial phase (default {START_INDEX:g})"
-    add_number(parser, "--start-index", "INDEX", text, default=argparse.SUPPRESS)
+    add_value(parser, "--start-index", "INDEX", text, default=argparse.SUPPRESS)
 
 
 def add_cycles(parser: argparse.ArgumentParser) -> None:
     """Define the argument for the number of turns."""
-    add_number(parser, "--cycles", "N", "number of turns (default 1)", int, argparse.SUPPRESS)
+    add_value(parser, "--cycles", "N", "number of turns (default 1)", int, argparse.SUPPRESS)
 
 
 def add_case(parser: argparse.ArgumentParser) -> None:
@@ -55,9 +55,9 @@ def add_case(parser: argparse.ArgumentParser) -> None:
         "end a series of bounces at this separation rate (rad/s or m/s) instead of at its limit; "
         f"{LIMIT}: at its limit (default)"
     )
-    add_number(parser, "--rest-rate", "RATE", text, _rest_rate, argparse.SUPPRESS)
+    add_value(parser, "--rest-rate", "RATE", text, _rest_rate, argparse.SUPPRESS)
     text = "relative accuracy (default 1e-12)"
-    add_number(parser, "--tolerance", "TOL", text, default=argparse.SUPPRESS)
+    add_value(parser, "--tolerance", "TOL", text, default=argparse.SUPPRESS)
     parser.add_argument(
         "--reuse",
         action=argparse.BooleanOptionalAction,

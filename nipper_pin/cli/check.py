@@ -12,9 +12,10 @@ from ..hybrid import START_INDEX
 from ..mechanism.model_files import find_files
 from .arguments import (
     MODEL,
+    add_flag,
     add_model,
+    add_value,
     check_figure,
-    check_outputs,
     load_mechanism,
     machine_words,
     refuse_beside,
@@ -30,19 +31,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Define the arguments of the command."""
     add_model(parser)
     add_start(parser)
-    parser.add_argument(
-        "--drawing",
-        metavar="FILE",
-        help="draw the mechanism with the names of its parts: NAME.svg, NAME.png or NAME.pdf",
-    )
-    parser.add_argument(
-        "--provenance", action="store_true", help="print where each number of the model comes from"
-    )
-    parser.add_argument(
-        "--watch",
-        action="store_true",
-        help="check, and draw, again whenever a file of the model is saved; Ctrl-C ends",
-    )
+    text = "draw the mechanism with the names of its parts: NAME.svg, NAME.png or NAME.pdf"
+    add_value(parser, "--drawing", "FILE", text, str)
+    add_flag(parser, "--provenance", "print where each number of the model comes from")
+    text = "check, and draw, again whenever a file of the model is saved; Ctrl-C ends"
+    add_flag(parser, "--watch", text)
     parser.set_defaults(run=_run)
 
 
@@ -81,7 +74,6 @@ def _check(options: argparse.Namespace) -> None:
 
     if options.json == "-":
         refuse_beside(options, "--json -, whose document holds all of it", "--provenance")
-    check_outputs(None, options.json)
     check_figure(options.drawing, "view", "the drawing")
     mechanism = load_mechanism(options)
     start = getattr(options, "start_index", START_INDEX)

@@ -18,13 +18,15 @@ from .arguments import (
     RESTITUTION,
     SPEED,
     STIFFNESS,
+    add_flag,
     add_json,
     add_look,
-    check_outputs,
+    add_value,
     command,
     machine_words,
     need_suffix,
     number_or_text,
+    output_folder,
     refuse_again,
     refuse_beside,
     write_document,
@@ -115,12 +117,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         )  # fmt: skip
     add_window(parser, Window.CYCLE)
     add_cycles(parser)
-    parser.add_argument("--html", metavar="FILE", help="write both in one film, as one page")
-    parser.add_argument(
-        "--browser", action="store_true", help="show that page in the browser, until Ctrl-C"
-    )
+    add_value(parser, "--html", "FILE", "write both in one film, as one page", str)
+    add_flag(parser, "--browser", "show that page in the browser, until Ctrl-C")
     add_look(parser)
-    parser.add_argument("--out", metavar="DIR", help="write the table (CSV) and the curves")
+    add_value(parser, "--out", "DIR", "write the table (CSV) and the curves", output_folder)
     add_json(parser, "table")
     parser.set_defaults(run=_run)
 
@@ -161,9 +161,7 @@ def _check(options: argparse.Namespace) -> None:
         Look(slow=options.slow, exaggerate=options.exaggerate)
     if options.out is not None:
         require("view", "matplotlib", what="compare --out, which draws curves,")
-    check_outputs(options.out, options.json)
     need_suffix("--html", options.html, ".html")
-    check_outputs(None, options.html)
 
 
 def _next(options: argparse.Namespace, comparison: Comparison) -> str:

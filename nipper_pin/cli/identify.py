@@ -10,10 +10,10 @@ from ..errors import InputError
 from ..view.progress import progress
 from .arguments import (
     add_json,
-    add_number,
+    add_value,
     add_workers,
-    check_outputs,
     command,
+    output_folder,
     refuse_beside,
     write_document,
 )
@@ -32,24 +32,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="PROBLEM.toml",
         help="free numbers, targets and limits (default: the published ratios, model e62)",
     )
-    add_number(parser, "--seed", "N", f"seed of the starts (default {_SEED})", int)
-    add_number(parser, "--starts", "N", "number of starts (default 4)", int, 4)
+    add_value(parser, "--seed", "N", f"seed of the starts (default {_SEED})", int)
+    add_value(parser, "--starts", "N", "number of starts (default 4)", int, 4)
     text = "profile likelihoods of the N numbers that are determined best (default 2)"
-    add_number(parser, "--profiles", "N", text, int, 2)
+    add_value(parser, "--profiles", "N", text, int, 2)
     add_workers(parser)
-    parser.add_argument("--out", metavar="DIR", help="write the identified model into a folder")
+    add_value(parser, "--out", "DIR", "write the identified model into a folder", output_folder)
     add_json(parser)
     parser.set_defaults(run=_run)
 
 
 def _run(options: argparse.Namespace) -> None:
     from ..mechanism.model_files import check_new_folder
-    from ..study.identify import (
-        identify,
-        read_problem,
-        record,
-        write_model,
-    )
+    from ..study.identify import identify, read_problem, record, write_model
 
     if options.profiles < 0:
         message = f"--profiles {options.profiles}: at least 0"
@@ -57,7 +52,6 @@ def _run(options: argparse.Namespace) -> None:
     if options.starts == 1:
         refuse_beside(options, "--starts 1, the model's own numbers", "--seed")
     problem = read_problem(options.problem)
-    check_outputs(options.out, options.json)
     if options.out is not None:
         check_new_folder(options.out)
     # Some starts take ten times as long as others, so no time left is told.

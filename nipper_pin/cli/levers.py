@@ -8,7 +8,6 @@ from ..view.progress import progress
 from .arguments import (
     MODEL,
     add_model,
-    check_outputs,
     command,
     load_mechanism,
     machine_words,
@@ -25,7 +24,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def _run(options: argparse.Namespace) -> None:
     from ..study.levers import levers
 
-    check_outputs(None, options.json)
     mechanism = load_mechanism(options)
     with progress("numbers") as tell:
         found = levers(mechanism, options.speed, tell)

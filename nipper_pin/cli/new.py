@@ -8,7 +8,7 @@ from typing import Any
 
 from ..errors import InputError, UnknownNameError
 from ..view.console import paste, say, show_table, unbroken_console
-from .arguments import command, refuse_beside
+from .arguments import add_flag, add_value, command, refuse_beside
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -19,22 +19,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="?",
         help="folder or NAME.toml to write; its name becomes the machine's",
     )
-    parser.add_argument(
-        "--from",
-        metavar="NAME",
-        help="start from this machine of the gallery, not from the commented press",
-    )
-    parser.add_argument(
-        "--urdf",
-        metavar="FILE",
-        help="start from a URDF that another program exported: a copy, its meshes, and a TOML",
-    )
-    parser.add_argument(
-        "--study",
-        metavar="KIND",
-        help="write the commented file of a study instead: sweep, optimise or identify",
-    )
-    parser.add_argument("--list", action="store_true", help="name the machines of the gallery")
+    text = "start from this machine of the gallery, not from the commented press"
+    add_value(parser, "--from", "NAME", text, str)
+    text = "start from a URDF that another program exported: a copy, its meshes, and a TOML"
+    add_value(parser, "--urdf", "FILE", text, str)
+    text = "write the commented file of a study instead: sweep, optimise or identify"
+    add_value(parser, "--study", "KIND", text, str)
+    add_flag(parser, "--list", "name the machines of the gallery")
     parser.set_defaults(run=_run)
 
 

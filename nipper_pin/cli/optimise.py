@@ -10,10 +10,10 @@ from ..errors import one_line
 from ..extras import require
 from ..view.progress import progress
 from .arguments import (
+    add_flag,
     add_json,
-    add_number,
+    add_value,
     add_workers,
-    check_outputs,
     refuse_beside,
     write_document,
 )
@@ -26,20 +26,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "study", metavar="STUDY.toml", help="what is free, what is to be small, what has to hold"
     )
-    parser.add_argument(
-        "--out",
-        metavar="DIR",
-        help="folder of the results (default out/ and the name of the study)",
-    )
-    add_number(parser, "--seed", "N", "seed of the starts (default 1)", int, 1)
-    add_number(parser, "--starts", "N", "descents by each aim (default 6)", int, 6)
+    text = "folder of the results (default out/ and the name of the study)"
+    add_value(parser, "--out", "DIR", text, str)
+    add_value(parser, "--seed", "N", "seed of the starts (default 1)", int, 1)
+    add_value(parser, "--starts", "N", "descents by each aim (default 6)", int, 6)
     text = f"points of the front of two aims (default {_POINTS})"
-    add_number(parser, "--points", "N", text, int)
-    parser.add_argument(
-        "--no-check",
-        action="store_true",
-        help="leave out the global check by differential evolution",
-    )
+    add_value(parser, "--points", "N", text, int)
+    add_flag(parser, "--no-check", "leave out the global check by differential evolution")
     add_workers(parser)
     parser.add_argument(
         "--format", choices=["svg", "png"], help="of the figure of the front (default svg)"
@@ -49,7 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(options: argparse.Namespace) -> None:
-    from ..outputs import complete_folder
+    from ..outputs import check_folder, complete_folder
     from ..study.optimise import RESULTS, optimise, read_problem, write
 
     problem = read_problem(options.study)
@@ -58,7 +51,7 @@ def _run(options: argparse.Namespace) -> None:
     else:
         require("study", "matplotlib", what="the figure of the front")
     folder = Path(options.out or Path("out") / Path(options.study).stem)
-    check_outputs(str(folder), options.json)
+    check_folder(folder)
     # How many parts there are shows only as they are done, so no share is told.
     with progress("parts", alike=False) as tell:
         optimum = optimise(

@@ -7,6 +7,7 @@ import sys
 
 from ..errors import one_line
 from ..extras import require
+from .arguments import add_value
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -18,15 +19,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="NAME",
         help="what to draw (default: the first quantity of the study); may be repeated",
     )
-    parser.add_argument("--x", metavar="NAME", help="parameter across, of the level lines")
-    parser.add_argument("--y", metavar="NAME", help="parameter upwards, of the level lines")
+    add_value(parser, "--x", "NAME", "parameter across, of the level lines", str)
+    add_value(parser, "--y", "NAME", "parameter upwards, of the level lines", str)
     parser.add_argument(
         "--format",
         choices=["svg", "png", "pdf"],
         default="svg",
         help="of the figures (default svg)",
     )
-    parser.add_argument("--out", metavar="DIR", help="folder of the figures (default DIR/plots)")
+    add_value(parser, "--out", "DIR", "folder of the figures (default DIR/plots)", str)
     parser.set_defaults(run=_run)
 
 

@@ -14,10 +14,12 @@ from ..mechanism import Mechanism
 from ..view.progress import progress
 from .arguments import (
     MODEL,
+    add_flag,
     add_model,
-    check_outputs,
+    add_value,
     command,
     machine_words,
+    output_folder,
     refuse_beside,
     write_document,
 )
@@ -32,25 +34,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_model(parser)
     add_window(parser, Window.TRANSITION)
     add_case(parser)
-    parser.add_argument(
-        "--forces", action="store_true", help="add clamping and stop forces to the table"
-    )
-    parser.add_argument(
-        "--out",
-        metavar="DIR",
-        help="write CSV tables, the solution, the case and plots into a folder",
-    )
+    add_flag(parser, "--forces", "add clamping and stop forces to the table")
+    text = "write CSV tables, the solution, the case and plots into a folder"
+    add_value(parser, "--out", "DIR", text, output_folder)
     parser.add_argument(
         "--units",
         choices=("SI", "mm"),
         help="units of the CSV tables of --out: SI (default), or mm and degrees",
     )
-    parser.add_argument(
-        "--case",
-        metavar="FILE",
-        help="repeat the run of a case.json that --out wrote, its machine included; numbers and "
-        "settings beside it change that run, a MODEL beside it is refused",
+    text = (
+        "repeat the run of a case.json that --out wrote, its machine included; numbers and "
+        "settings beside it change that run, a MODEL beside it is refused"
     )
+    add_value(parser, "--case", "FILE", text, str)
     parser.set_defaults(run=_run)
 
 
@@ -63,7 +59,6 @@ def _run(options: argparse.Namespace) -> None:
     if options.out is not None:
         require("view", "matplotlib", what="simulate --out, which draws plots,")
     mechanism, case = _asked(options)
-    check_outputs(options.out, options.json)
     if options.out is not None:
         from ..view.run.export import export, need_own_folder
 

@@ -10,9 +10,8 @@ from .arguments import (
     MODEL,
     add_json,
     add_machine,
-    add_number,
+    add_value,
     check_figure,
-    check_outputs,
     command,
     load_mechanism,
     machine_words,
@@ -30,35 +29,30 @@ _SLOWEST, _FASTEST = 0.5, 4.0
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Define the arguments of the command."""
     add_machine(parser)
-    parser.add_argument(
-        "--from", dest="low", type=rpm, metavar="RPM", help="least speed; half the rated"
-    )
-    parser.add_argument(
-        "--to", dest="high", type=rpm, metavar="RPM", help="largest speed; four times the rated"
-    )
-    add_number(parser, "--speeds", "N", "number of speeds (default 241)", int, 241)
-    add_number(parser, "--turns", "N", "most turns followed at a speed (default 400)", int, 400)
+    add_value(parser, "--from", "RPM", "least speed; half the rated", rpm)
+    add_value(parser, "--to", "RPM", "largest speed; four times the rated", rpm)
+    add_value(parser, "--speeds", "N", "number of speeds (default 241)", int, 241)
+    add_value(parser, "--turns", "N", "most turns followed at a speed (default 400)", int, 400)
     text = "force above which the stop clamps [N] (default 0)"
-    add_number(parser, "--least-force", "N", text, default=0.0)
-    parser.add_argument("--plot", metavar="FILE", help="draw the turns by speed (PNG, SVG, PDF)")
+    add_value(parser, "--least-force", "N", text, default=0.0)
+    add_value(parser, "--plot", "FILE", "draw the turns by speed (PNG, SVG, PDF)", str)
     add_json(parser)
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> None:
     """Follow the turns, and tell how fast the machine can run."""
-    check_outputs(None, options.json)
     require("study", "numba", what="the speed limit")
     check_figure(options.plot, "study", "the figure of the speed limit")
     mechanism = load_mechanism(options)
-    rated = mechanism.cylinder.rated_speed_rpm
+    rated, start = mechanism.cylinder.rated_speed_rpm, getattr(options, "from")
 
     from ..study.speed_limit import speed_limit
 
     result = speed_limit(
         mechanism,
-        low_rpm=_SLOWEST * rated if options.low is None else options.low,
-        high_rpm=_FASTEST * rated if options.high is None else options.high,
+        low_rpm=_SLOWEST * rated if start is None else start,
+        high_rpm=_FASTEST * rated if options.to is None else options.to,
         speeds=options.speeds,
         turns=options.turns,
         least_force=options.least_force,

@@ -12,10 +12,12 @@ from pathlib import Path
 from ..errors import InputError, one_line
 from ..view.progress import progress
 from .arguments import (
+    add_flag,
     add_json,
+    add_value,
     add_workers,
-    check_outputs,
     command,
+    output_file,
     refuse_beside,
     write_document,
 )
@@ -24,28 +26,22 @@ from .arguments import (
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Define the arguments of the command."""
     parser.add_argument("study", metavar="STUDY.toml", help="what to vary, and what to keep")
-    parser.add_argument(
-        "--out",
-        metavar="DIR",
-        help="folder of the results (default out/ and the name of the study); "
-        "one that holds a part of them is completed",
+    text = (
+        "folder of the results (default out/ and the name of the study); "
+        "one that holds a part of them is completed"
     )
+    add_value(parser, "--out", "DIR", text, str)
     add_workers(parser)
-    parser.add_argument(
-        "--scheduler", metavar="ADDRESS", help="a Dask scheduler, for example tcp://host:8786"
+    text = "a Dask scheduler, for example tcp://host:8786"
+    add_value(parser, "--scheduler", "ADDRESS", text, str)
+    text = "only chunks A to B, counted from 0: a part of a sweep for each job of an array"
+    add_value(parser, "--chunks", "A-B", text, str)
+    text = (
+        "check the study, and say what it, or --chunks of it, would compute and how long that "
+        "takes here"
     )
-    parser.add_argument(
-        "--chunks",
-        metavar="A-B",
-        help="only chunks A to B, counted from 0: a part of a sweep for each job of an array",
-    )
-    parser.add_argument(
-        "--dry-run",
-        action="store_true",
-        help="check the study, and say what it, or --chunks of it, would compute and how long that "
-        "takes here",
-    )
-    parser.add_argument("--csv", metavar="FILE", help="write all rows that are stored as CSV")
+    add_flag(parser, "--dry-run", text)
+    add_value(parser, "--csv", "FILE", "write all rows that are stored as CSV", output_file)
     parser.add_argument(
         "--units", choices=("SI", "mm"), help="of --csv: SI (default), or mm and degrees"
     )
@@ -64,8 +60,6 @@ def _run(options: argparse.Namespace) -> None:
     if options.units is not None and options.csv is None:
         message = "--units is that of the table that --csv FILE writes; give both"
         raise InputError(message, argument="--units")
-    for file in (options.csv, options.json):
-        check_outputs(None, file)
     plan, bounds = read_plan(options.study), _bounds(options.chunks)
     size = f"{counted(plan.scenarios, 'scenario')} of {counted(plan.mechanisms, 'mechanism')}"
     if options.dry_run:

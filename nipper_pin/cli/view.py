@@ -12,7 +12,7 @@ from .arguments import (
     add_look,
     add_model,
     add_server,
-    check_outputs,
+    add_value,
     need_suffix,
     refuse_beside,
     write_json,
@@ -24,18 +24,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Define the arguments of the command."""
     add_model(parser)
     add_window(parser, Window.CYCLE)
-    parser.add_argument(
-        "--solution",
-        metavar="FILE",
-        help="show a saved run (solution.npz of simulate --out); what would change it is refused",
-    )
+    text = "show a saved run (solution.npz of simulate --out); what would change it is refused"
+    add_value(parser, "--solution", "FILE", text, str)
     add_look(parser)
-    parser.add_argument(
-        "--html", metavar="FILE", help="write one self-contained page instead of serving it"
-    )
-    parser.add_argument(
-        "--gif", metavar="FILE", help="write the film in side view as a GIF instead of serving it"
-    )
+    text = "write one self-contained page instead of serving it"
+    add_value(parser, "--html", "FILE", text, str)
+    text = "write the film in side view as a GIF instead of serving it"
+    add_value(parser, "--gif", "FILE", text, str)
     add_server(parser, show.PORT)
     parser.set_defaults(run=_run)
 
@@ -55,8 +50,6 @@ def _run(options: argparse.Namespace) -> None:
     if not served:
         refuse_beside(options, "--html and --gif, which serve nothing", "--port", "--no-browser")
     look = Look(slow=options.slow, exaggerate=options.exaggerate)
-    for file in (options.html, options.gif, options.json):
-        check_outputs(None, file)
     solution = _solution(options)
     need_sound(solution)
     if options.json is not None:
