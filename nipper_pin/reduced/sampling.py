@@ -31,8 +31,8 @@ from .model import (
 )
 from .tables.functions import Sampler
 from .tables.tables import Domain, checks, levers, resolved, stacked, trimmed
-from .turns.arcs import Arc, Walk, system_at
-from .turns.charts import Surroundings
+from .turns.arcs import ContactArc, ContactContinuation, system_at
+from .turns.charts import ChartSampler
 from .turns.model import charts_of
 
 # Least assumed share of a spring's preload in x''.
@@ -200,10 +200,10 @@ def _pressed(mechanism: Mechanism, gap_max: float) -> float:
     return gap_max
 
 
-def _turn(mechanism: Mechanism) -> tuple[list[Arc], str]:
+def _turn(mechanism: Mechanism) -> tuple[list[ContactArc], str]:
     """Stretches of a turn from the touch on, as far as it can be followed, and why no further."""
-    arcs: list[Arc] = []
-    walk = Walk(mechanism, mechanism.cylinder.angle_at_touch_rad)
+    arcs: list[ContactArc] = []
+    walk = ContactContinuation(mechanism, mechanism.cylinder.angle_at_touch_rad)
     stop, home = mechanism.stop(mechanism.transition_stop), np.zeros(len(mechanism.joints))
     try:
         arcs.extend(walk.around(stop, home))
@@ -212,7 +212,7 @@ def _turn(mechanism: Mechanism) -> tuple[list[Arc], str]:
     return arcs, ""
 
 
-def _arrival(mechanism: Mechanism, arcs: list[Arc], why: str, tolerance: float) -> Arrival:
+def _arrival(mechanism: Mechanism, arcs: list[ContactArc], why: str, tolerance: float) -> Arrival:
     """Sample the turn around the touch: its clamping stop up to the opening, then the waiting one.
 
     Args:
@@ -230,7 +230,7 @@ def _arrival(mechanism: Mechanism, arcs: list[Arc], why: str, tolerance: float) 
         return Arrival(why=f"stop {name!r} does not come back to its place within a turn")
     if stops != [mechanism.transition_stop, name]:
         return Arrival(why=f"stops are closed in another order, or drives bend: {', '.join(stops)}")
-    around = [Surroundings(mechanism, arc, angle) for arc in arcs]
+    around = [ChartSampler(mechanism, arc, angle) for arc in arcs]
     after = [1, 0]
     rough = max(tolerance, ARRIVAL_TABLES)
     try:

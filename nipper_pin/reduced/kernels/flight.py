@@ -19,7 +19,7 @@ from ...tolerances.reduced import NEWTON_STEP, TRAVEL_END, ZERO_RESOLUTION
 from . import layout as rows
 from .compiled import part
 from .flight_errors import begin_growth, grow, size
-from .hits import Held, first_hit
+from .hits import SolvedPanel, first_hit
 from .panel import (
     OVERSHOOT,
     Source,
@@ -40,18 +40,18 @@ from .panel import (
 
 
 @part
-def keep(held: Held, covered: float) -> None:
+def keep(solved: SolvedPanel, covered: float) -> None:
     """Keep a panel of a flight up to a part of it, if panels are kept and there is room."""
-    nodes = held.nodes
+    nodes = solved.nodes
     first = _next_block(nodes)
     if first + rows.SCRATCH_ROWS > nodes.shape[0]:
         return
     for row in (rows.SERIES, rows.SERIES_ONCE, rows.SERIES_TWICE):
-        for i in range(held.order + 2):
+        for i in range(solved.order + 2):
             nodes[first + row, i] = nodes[row, i]
     numbers = nodes[first + rows.KEPT]
-    numbers[FROM], numbers[LENGTH], numbers[COVERED] = held.u, held.h, covered
-    numbers[X_BEGIN], numbers[V_BEGIN], numbers[NODES] = held.x0, held.v0, float(held.order)
+    numbers[FROM], numbers[LENGTH], numbers[COVERED] = solved.u, solved.h, covered
+    numbers[X_BEGIN], numbers[V_BEGIN], numbers[NODES] = solved.x0, solved.v0, float(solved.order)
     numbers[BOUNCED] = 0.0
 
 
@@ -284,15 +284,15 @@ def flight(grids: FloatArray, case: FloatArray, source: Source, poly: FloatArray
         first = 1 if panel == 0 and touching else 0
         for j in range(count):
             fastest = max(fastest, abs(nodes[rows.NODE_V, j]))
-        held = Held(mixed, case, poly, nodes, degree, rows.LEVELS[level], u, h, x, v)
-        place, hit = first_hit(grids, held, level, until, first)
+        solved = SolvedPanel(mixed, case, poly, nodes, degree, rows.LEVELS[level], u, h, x, v)
+        place, hit = first_hit(grids, solved, level, until, first)
         if hit >= 0:
             until = place
         # The usual bounce ends on its first panel, and its errors are known by a formula.
         if panel > 0 or end < 0.0 or x0 > 0.0:
-            grow(held, until)
+            grow(solved, until)
         if nodes.shape[0] > rows.SCRATCH_ROWS:
-            keep(held, until)
+            keep(solved, until)
         top, highest_at = _highest(grids, nodes, level, h, x, v, until)
         if not top <= case[rows.HIGH]:
             return rows.LEFT_GAP, *failed

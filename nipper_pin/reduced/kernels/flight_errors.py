@@ -39,7 +39,7 @@ from ...arrays import FloatArray
 from ...tolerances.mechanics import EPS
 from . import layout as rows
 from .compiled import part
-from .hits import Held
+from .hits import SolvedPanel
 from .layout import Case
 from .panel import chebyshev, contract, position, rate_at
 
@@ -54,20 +54,20 @@ def begin_growth(nodes: FloatArray) -> None:
 
 
 @part
-def grow(held: Held, end: float) -> None:
+def grow(solved: SolvedPanel, end: float) -> None:
     """Carry the growth of errors over a panel up to ``end``.
 
     The row GROWTH holds what becomes of dx = 1 and dv = 1 at the start of the flight and of e = 1:
     three errors of x, then three of x'.
     """
-    nodes = held.nodes
+    nodes = solved.nodes
     g = nodes[rows.GROWTH]
     if np.isnan(g[0]):
         g[0], g[1], g[2], g[3], g[4], g[5] = 1.0, 0.0, 0.0, 0.0, 1.0, 0.0
     xx, xv, vx, vv, rx, rv = 1.0, 0.0, 0.0, 1.0, 0.0, 0.0
-    h = held.h * end / _STEPS
+    h = solved.h * end / _STEPS
     for step in range(_STEPS):
-        by_x, by_v = _slopes(held, end * (step + 0.5) / _STEPS)
+        by_x, by_v = _slopes(solved, end * (step + 0.5) / _STEPS)
         # The exponential of the step to second order.
         a, b = 1.0 + 0.5 * h * h * by_x, h + 0.5 * h * h * by_v
         c, d = h * by_x * (1.0 + 0.5 * h * by_v), 1.0 + h * by_v + 0.5 * h * h * (by_x + by_v**2)
@@ -83,13 +83,15 @@ def grow(held: Held, end: float) -> None:
 
 
 @part
-def _slopes(held: Held, sigma: float) -> tuple[float, float]:
+def _slopes(solved: SolvedPanel, sigma: float) -> tuple[float, float]:
     """Derivatives of x'' by x and by x' at a place of a panel."""
-    case, poly, degree = held.case, held.poly, held.degree
+    case, poly, degree = solved.case, solved.poly, solved.degree
     row = poly.shape[0] - 1
-    contract(held.mixed, poly, row, case[rows.PER_RAD], held.u + held.h * case[rows.SPEED] * sigma)
-    x = position(held.nodes, held.order, held.h, held.x0, held.v0, sigma)
-    v = rate_at(held.nodes, held.order, held.h, held.v0, sigma)
+    contract(
+        solved.mixed, poly, row, case[rows.PER_RAD], solved.u + solved.h * case[rows.SPEED] * sigma
+    )
+    x = position(solved.nodes, solved.order, solved.h, solved.x0, solved.v0, sigma)
+    v = rate_at(solved.nodes, solved.order, solved.h, solved.v0, sigma)
     place = case[rows.SCALE] * (x - case[rows.LOW]) - 1.0
     by_v = chebyshev(poly, row, degree, degree, place)
     by_v += 2.0 * v * chebyshev(poly, row, 2 * degree, degree, place)

@@ -15,7 +15,7 @@ from .panel import chebyshev, contract, position
 _SEARCH_STEPS = 60
 
 
-class Held(NamedTuple):
+class SolvedPanel(NamedTuple):
     """A panel that has been solved.
 
     Attributes:
@@ -45,17 +45,17 @@ class Held(NamedTuple):
 
 @part
 def first_hit(
-    grids: FloatArray, held: Held, level: int, end: float, first: int
+    grids: FloatArray, solved: SolvedPanel, level: int, end: float, first: int
 ) -> tuple[float, int]:
     """First place before ``end`` where another stop closes, and its number; -1 without one.
 
     Nodes before ``first`` do not count: there a stop has just been thrown open.
     """
     place, hit = end, -1
-    poly, nodes, case, degree = held.poly, held.nodes, held.case, held.degree
+    poly, nodes, case, degree = solved.poly, solved.nodes, solved.case, solved.degree
     for column in range(3 * degree, poly.shape[1], degree):
         older = old = -np.inf
-        for j in range(held.order):
+        for j in range(solved.order):
             sigma = grids[rows.SIGMA, level, 0, j]
             at = case[rows.SCALE] * (nodes[rows.NODE_X, j] - case[rows.LOW]) - 1.0
             gap = chebyshev(poly, j, column, degree, at)
@@ -65,9 +65,9 @@ def first_hit(
             drop = 0.5 * max(older - old, gap - old)
             if j >= 2 and gap > 0.0 and old < older and old <= gap and old <= drop:
                 low = grids[rows.SIGMA, level, 0, max(j - 2, 0)]
-                high = _dip(held, column, low, sigma)
+                high = _dip(solved, column, low, sigma)
             if high >= 0.0:
-                root = _closing(held, column, low, high)
+                root = _closing(solved, column, low, high)
                 if root < place:
                     place, hit = root, column // degree - 3
                 break
@@ -78,25 +78,29 @@ def first_hit(
 
 
 @part
-def _gap_at(held: Held, column: int, sigma: float) -> float:
+def _gap_at(solved: SolvedPanel, column: int, sigma: float) -> float:
     """Gap of another stop at a place sigma of the panel."""
-    row, case = held.poly.shape[0] - 1, held.case
+    row, case = solved.poly.shape[0] - 1, solved.case
     contract(
-        held.mixed, held.poly, row, case[rows.PER_RAD], held.u + held.h * case[rows.SPEED] * sigma
+        solved.mixed,
+        solved.poly,
+        row,
+        case[rows.PER_RAD],
+        solved.u + solved.h * case[rows.SPEED] * sigma,
     )
-    x = position(held.nodes, held.order, held.h, held.x0, held.v0, sigma)
+    x = position(solved.nodes, solved.order, solved.h, solved.x0, solved.v0, sigma)
     return chebyshev(
-        held.poly, row, column, held.degree, case[rows.SCALE] * (x - case[rows.LOW]) - 1.0
+        solved.poly, row, column, solved.degree, case[rows.SCALE] * (x - case[rows.LOW]) - 1.0
     )
 
 
 @part
-def _dip(held: Held, column: int, low: float, high: float) -> float:
+def _dip(solved: SolvedPanel, column: int, low: float, high: float) -> float:
     """A place between two others where a gap with one minimum is zero or below; -1 without one."""
     for _ in range(_SEARCH_STEPS):
         third = (high - low) / 3.0
         left, right = low + third, high - third
-        before, after = _gap_at(held, column, left), _gap_at(held, column, right)
+        before, after = _gap_at(solved, column, left), _gap_at(solved, column, right)
         if before <= 0.0:
             return left
         if after <= 0.0:
@@ -109,13 +113,13 @@ def _dip(held: Held, column: int, low: float, high: float) -> float:
 
 
 @part
-def _closing(held: Held, column: int, low: float, high: float) -> float:
+def _closing(solved: SolvedPanel, column: int, low: float, high: float) -> float:
     """Zero of a gap that is positive at ``low`` and not at ``high``."""
     for _ in range(_SEARCH_STEPS):
         middle = 0.5 * (low + high)
         if not low < middle < high:
             break
-        if _gap_at(held, column, middle) > 0.0:
+        if _gap_at(solved, column, middle) > 0.0:
             low = middle
         else:
             high = middle

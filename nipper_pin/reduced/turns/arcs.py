@@ -28,7 +28,7 @@ _ROOT_STEPS = 40
 
 
 @dataclass(frozen=True, eq=False)
-class Arc:
+class ContactArc:
     """A stretch of a turn along which one stop can be closed.
 
     Attributes:
@@ -53,7 +53,7 @@ def system_at(mechanism: Mechanism, travel: float, start_angle: float) -> System
     return System(mechanism, ShaftMotion(mechanism, 1.0, angle))
 
 
-class Walk:
+class ContactContinuation:
     """Follows stops along a turn.
 
     Args:
@@ -66,7 +66,7 @@ class Walk:
         self._start = start_angle
         self._shaft = ShaftMotion(mechanism, 1.0, start_angle)
 
-    def around(self, stop: Stop, home: FloatArray) -> Iterator[Arc]:
+    def around(self, stop: Stop, home: FloatArray) -> Iterator[ContactArc]:
         """Follow a stop, and those that take over from it, through one turn.
 
         Args:
@@ -109,7 +109,7 @@ class Walk:
             (rows,) = sampler.along(np.zeros(1), np.array([x]), rows)
         return np.asarray(rows[0])
 
-    def _arc(self, stop: Stop, begin: float, home: FloatArray) -> Arc:
+    def _arc(self, stop: Stop, begin: float, home: FloatArray) -> ContactArc:
         system = system_at(self._mechanism, begin, self._start)
         sampler = Sampler(system, stop, home)
         end = min(begin + self._shaft.smooth_for(begin), TURN)
@@ -141,11 +141,13 @@ class Walk:
                 (corner, q), (other, _) = corners[first], beyond[first]
                 q[other.index] = other.at
                 travels, path = [*travels, corner], [*path, q]
-                return Arc(stop, begin, begin + corner, other, np.array(travels), np.array(path))
+                return ContactArc(
+                    stop, begin, begin + corner, other, np.array(travels), np.array(path)
+                )
             before, low, rates = row[None], float(travel), after
             travels.append(low)
             path.append(row)
-        return Arc(stop, begin, end, stop, np.array(travels), np.array(path))
+        return ContactArc(stop, begin, end, stop, np.array(travels), np.array(path))
 
     @staticmethod
     def _dip(

@@ -15,7 +15,7 @@ from ...tolerances.reduced import CORNER_ROUND_OFF, GAP_SHARE
 from ..model import MARGIN, factors
 from ..tables.functions import Sampler
 from ..tables.tables import Chart, Domain, checks, orders_of_gaps, resolved, trimmed
-from .arcs import TURN, Arc, system_at
+from .arcs import TURN, ContactArc, system_at
 from .rows import on_rows
 
 _PLACES = 9
@@ -26,14 +26,14 @@ _BESIDE = 1e-3
 _HALVINGS = 4
 
 
-class Surroundings:
+class ChartSampler:
     """What is known of an arc before its tables: its functions along the closed stop.
 
     Args:
         start_angle: Cylinder angle at which turns start [rad].
     """
 
-    def __init__(self, mechanism: Mechanism, arc: Arc, start_angle: float) -> None:
+    def __init__(self, mechanism: Mechanism, arc: ContactArc, start_angle: float) -> None:
         """Sample a few places along the stop."""
         self.mechanism, self.arc = mechanism, arc
         self.system = system_at(mechanism, arc.begin, start_angle)
@@ -102,7 +102,7 @@ class Surroundings:
 
 
 def chart_of(
-    around: Surroundings, gap: float, w: float, tolerance: float, of_gaps: float = GAP_SHARE
+    around: ChartSampler, gap: float, w: float, tolerance: float, of_gaps: float = GAP_SHARE
 ) -> Chart:
     """Sample the tables of one arc.
 
@@ -122,7 +122,7 @@ def chart_of(
     return _sampled(around, gap, w, tolerance, of_gaps)
 
 
-def _sampled(around: Surroundings, gap: float, w: float, tolerance: float, of_gaps: float) -> Chart:
+def _sampled(around: ChartSampler, gap: float, w: float, tolerance: float, of_gaps: float) -> Chart:
     arc, sampler = around.arc, around.sampler
     domain = Domain(float(arc.travels[-1]), -MARGIN * gap, gap, count_x=_NODES_X)
     weights = around.weights(w)

@@ -16,8 +16,8 @@ from ...tolerances.reduced import GAP_SHARE
 from ..kernels.layout import Charts
 from ..model import LIVELY, ROOM, lively_speed
 from ..tables.tables import Chart, levers, stacked
-from .arcs import Arc, Walk, system_at
-from .charts import Surroundings, chart_of
+from .arcs import ContactArc, ContactContinuation, system_at
+from .charts import ChartSampler, chart_of
 
 
 def unfit_turns(mechanism: Mechanism) -> str | None:
@@ -94,14 +94,14 @@ class TurnModel:
 
 def build_turns(
     mechanism: Mechanism, *, start_index: float = START_INDEX, tolerance: float = 1e-11,
-    room: float = 1.0,
+    gap_scale: float = 1.0,
 ) -> TurnModel:  # fmt: skip
     """Sample the model of whole turns.
 
     Args:
         start_index: Index at which turns start.
         tolerance: Relative accuracy of the tables.
-        room: Factor on the gaps that the tables cover.
+        gap_scale: Factor on the gaps that the tables cover.
 
     Raises:
         InputError: The mechanism cannot be reduced.
@@ -109,7 +109,7 @@ def build_turns(
     """
     around, after, (stop, q, closed) = surroundings(mechanism, start_index)
     angle = mechanism.cylinder.angle_from_index(start_index)
-    charts = charts_of(mechanism, around, after, tolerance, room=room)
+    charts = charts_of(mechanism, around, after, tolerance, gap_scale=gap_scale)
     return TurnModel(
         name=mechanism.name,
         stops=tuple(item.name for item in mechanism.stops),
@@ -130,7 +130,7 @@ def build_turns(
 
 def surroundings(
     mechanism: Mechanism, start_index: float
-) -> tuple[list[Surroundings], list[int], tuple[Stop, FloatArray, bool]]:
+) -> tuple[list[ChartSampler], list[int], tuple[Stop, FloatArray, bool]]:
     """Follow the stops along a turn.
 
     Returns:
@@ -159,7 +159,7 @@ def surroundings(
     for chain in chains:
         first = len(after)
         after += [*range(first + 1, first + len(chain)), first]
-    around = [Surroundings(mechanism, arc, angle) for arc in arcs]
+    around = [ChartSampler(mechanism, arc, angle) for arc in arcs]
     return around, after, (stop, state.q, closed)
 
 
@@ -175,7 +175,7 @@ def _standing(mechanism: Mechanism, angle: float, q: FloatArray) -> tuple[Stop, 
     if closed:
         return mechanism.stop(next(iter(closed))), q, True
     stop = min(mechanism.stops, key=lambda item: item.gap(q))
-    return stop, Walk(mechanism, angle).closing(stop, q), False
+    return stop, ContactContinuation(mechanism, angle).closing(stop, q), False
 
 
 def _rates(
@@ -190,9 +190,11 @@ def _rates(
     return 2.0 * slow - fast, fast - slow
 
 
-def _chains(mechanism: Mechanism, angle: float, stop: Stop, home: FloatArray) -> list[list[Arc]]:
+def _chains(
+    mechanism: Mechanism, angle: float, stop: Stop, home: FloatArray
+) -> list[list[ContactArc]]:
     """Arcs of a turn: of the stops that follow a closed one, and of those opposite."""
-    walk = Walk(mechanism, angle)
+    walk = ContactContinuation(mechanism, angle)
     near = list(walk.around(stop, home))
     if len({arc.stop.name for arc in near}) == len(mechanism.stops):
         return [near]
@@ -201,14 +203,14 @@ def _chains(mechanism: Mechanism, angle: float, stop: Stop, home: FloatArray) ->
 
 
 def charts_of(
-    mechanism: Mechanism, around: list[Surroundings], after: list[int], tolerance: float, *,
-    room: float = 1.0, of_gaps: float = GAP_SHARE,
+    mechanism: Mechanism, around: list[ChartSampler], after: list[int], tolerance: float, *,
+    gap_scale: float = 1.0, of_gaps: float = GAP_SHARE,
 ) -> list[Chart]:  # fmt: skip
     """Sample the tables around the arcs of a turn.
 
     Args:
         after: Number of the arc that follows each.
-        room: Factor on the gaps that the tables cover.
+        gap_scale: Factor on the gaps that the tables cover.
         of_gaps: Relative accuracy of the gaps of other stops.
 
     Raises:
@@ -218,13 +220,13 @@ def charts_of(
     """
     gaps_and_rates = _reach(mechanism, around, after)
     return [
-        chart_of(item, room * gap, w, tolerance, of_gaps)
+        chart_of(item, gap_scale * gap, w, tolerance, of_gaps)
         for item, (gap, w) in zip(around, gaps_and_rates, strict=True)
     ]
 
 
 def _reach(
-    mechanism: Mechanism, around: list[Surroundings], after: list[int]
+    mechanism: Mechanism, around: list[ChartSampler], after: list[int]
 ) -> list[tuple[float, float]]:
     """Largest gap of each chart, and usual rates in it."""
     speed = lively_speed(mechanism)

@@ -30,7 +30,7 @@ from ..results import ENGINE
 from ..tables.functions import Samples
 from ..tables.tables import Chart, Domain, checks, levers, resolved, stacked, trimmed
 from .cases import BESIDE, Run, room_for, run_of, turn_cases
-from .charts import Surroundings
+from .charts import ChartSampler
 from .model import START_INDEX, TurnModel, surroundings
 from .quantities import widening
 from .turn import turn_model
@@ -61,7 +61,7 @@ class _DriveSampler:
         drive: Place of the drive.
     """
 
-    around: Surroundings
+    around: ChartSampler
     drive: int
 
     def grid(self, u: FloatArray, x: FloatArray) -> FloatArray:
@@ -76,19 +76,19 @@ class _DriveSampler:
 
 
 @made_once
-def torque_model(mechanism: Mechanism, start_index: float, room: float) -> TorqueModel:
+def torque_model(mechanism: Mechanism, start_index: float, gap_scale: float) -> TorqueModel:
     """Return the torques of a mechanism's drives on the charts of its turns, sampled once.
 
     Args:
         start_index: Index at which turns start.
-        room: Factor on the gaps that the tables cover.
+        gap_scale: Factor on the gaps that the tables cover.
 
     Raises:
         ConvergenceError: The functions are not smooth enough on a chart.
         SimulationError: A point of the turn cannot be reached or is singular.
     """
     around, _, _ = surroundings(mechanism, start_index)
-    charts = turn_model(mechanism, start_index, room).charts
+    charts = turn_model(mechanism, start_index, gap_scale).charts
     found = []
     for place, item in enumerate(around):
         low, high = charts.numbers[place, [LOW, HIGH]].tolist()
@@ -101,7 +101,7 @@ def torque_model(mechanism: Mechanism, start_index: float, room: float) -> Torqu
     )
 
 
-def _chart(around: Surroundings, drive: int, domain: Domain) -> Chart:
+def _chart(around: ChartSampler, drive: int, domain: Domain) -> Chart:
     """Tables of the torque of one drive around one arc."""
     sampler = _DriveSampler(around, drive)
     rate = float(np.sqrt(np.abs(around.acceleration(0.0, 0)[0]) * domain.high))
@@ -117,7 +117,7 @@ def _chart(around: Surroundings, drive: int, domain: Domain) -> Chart:
     )  # fmt: skip
 
 
-def _weights(around: Surroundings, sampler: _DriveSampler, rate: float) -> FloatArray:
+def _weights(around: ChartSampler, sampler: _DriveSampler, rate: float) -> FloatArray:
     """Weights of the functions by the size of the torque at rates up to ``rate``."""
     places = np.linspace(0, len(around.arc.travels) - 1, around.along.equation.shape[1]).astype(int)
     places = np.unique(places)
@@ -196,15 +196,15 @@ def turn_torques(
 
 
 def _follow(
-    mechanism: Mechanism, run: Run, model: TurnModel, room: float, cases: Cases,
+    mechanism: Mechanism, run: Run, model: TurnModel, gap_scale: float, cases: Cases,
     told: NDArray[np.int64], found: FloatArray,
 ) -> None:  # fmt: skip
-    """Follow cases on the tables with a room, and write their status and torques."""
+    """Follow cases on the tables of a scale of gaps, and write their status and torques."""
     require("study", "numba", what="the reduced engine")
     from ..kernels.panel import grids
     from ..kernels.turn_torques import run_torques
 
-    torques = torque_model(mechanism, model.start_index, room).charts
+    torques = torque_model(mechanism, model.start_index, gap_scale).charts
     panels = _PANELS * (run.most + BESIDE)
     run_torques(
         grids(), model.charts, torques, cases, run.settings, run.most, panels, run.turns,

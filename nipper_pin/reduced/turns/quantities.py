@@ -23,7 +23,7 @@ from ..results import ENGINE, Column
 from .cases import room_for, run_of, turn_cases
 from .model import START_INDEX, TurnModel
 from .results import TurnStatus
-from .turn import ROOMS, follow, turn_model, wider
+from .turn import GAP_SCALES, follow, turn_model, wider
 
 _LEFT_GAP = int(TurnStatus.LEFT_GAP)
 
@@ -43,19 +43,19 @@ def widening(
         cases: As of :func:`~.cases.turn_cases`.
         told: Written by ``run``: the status first, shape (n, numbers).
         found: Written by it, shape (n, ...).
-        run: Follows some of the cases on the tables with a room.
+        run: Follows some of the cases on the tables of a scale of gaps.
     """
     left = np.arange(len(told))
-    for room in ROOMS:
-        model = wider(mechanism, start_index, room) if len(left) else None
+    for gap_scale in GAP_SCALES:
+        model = wider(mechanism, start_index, gap_scale) if len(left) else None
         if model is None:
             break
         here = told[left], found[left]
         try:
-            run(model, room, Cases(*(item[left] for item in cases)), *here)
+            run(model, gap_scale, Cases(*(item[left] for item in cases)), *here)
         except SimulationError:
             # It needs tables of its own, and there are none that wide.
-            if room == ROOMS[0]:
+            if gap_scale == GAP_SCALES[0]:
                 raise
             break
         told[left], found[left] = here
@@ -212,7 +212,7 @@ def turn_quantities(
     columns = rows.TURN_NUMBERS + rows.PER_STOP * len(model.stops)
     found, records = room_for(n, last, columns), settings.records()
 
-    def run(model: TurnModel, _room: float, cases: Cases, *written: Any) -> None:
+    def run(model: TurnModel, _gap_scale: float, cases: Cases, *written: Any) -> None:
         follow(settings, model, cases, records, *written)
 
     widening(mechanism, start_index, cases, told, found, run)

@@ -18,36 +18,36 @@ from .cases import Run, one_case, run_of
 from .model import START_INDEX, TurnModel, build_turns
 from .results import TURN_REASONS, ReducedTurns, TurnStatus
 
-ROOMS = (1.0, 2.0, 4.0, 8.0, 32.0, 128.0)
+GAP_SCALES = (1.0, 2.0, 4.0, 8.0, 32.0, 128.0)
 
 
 def turn_model(
-    mechanism: Mechanism, start_index: float = START_INDEX, room: float = 1.0
+    mechanism: Mechanism, start_index: float = START_INDEX, gap_scale: float = 1.0
 ) -> TurnModel:
     """Return the model of a mechanism's turns, sampled at the first call.
 
     Args:
         start_index: Index at which turns start.
-        room: Factor on the gaps that the tables cover.
+        gap_scale: Factor on the gaps that the tables cover.
 
     Raises:
         InputError: The mechanism cannot be reduced.
         SimulationError: A point of the turn cannot be reached or is singular.
     """
-    return _model(mechanism, start_index, room)
+    return _model(mechanism, start_index, gap_scale)
 
 
 @made_once
-def _model(mechanism: Mechanism, start_index: float, room: float) -> TurnModel:
-    return build_turns(mechanism, start_index=start_index, room=room)
+def _model(mechanism: Mechanism, start_index: float, gap_scale: float) -> TurnModel:
+    return build_turns(mechanism, start_index=start_index, gap_scale=gap_scale)
 
 
-def wider(mechanism: Mechanism, start_index: float, room: float) -> TurnModel | None:
-    """The model with that room; None where no tables can be made that are wider than the usual."""
+def wider(mechanism: Mechanism, start_index: float, gap_scale: float) -> TurnModel | None:
+    """The model of that scale; None where no tables can be made that are wider than the usual."""
     try:
-        return turn_model(mechanism, start_index, room)
+        return turn_model(mechanism, start_index, gap_scale)
     except SimulationError:
-        if room == ROOMS[0]:
+        if gap_scale == GAP_SCALES[0]:
             raise
         return None
 
@@ -67,7 +67,7 @@ def turns(
 ) -> ReducedTurns:
     """Follow whole turns from event to event.
 
-    Tables with more room are made where flights leave those of the usual one.
+    Tables of wider gaps are made where flights leave those of the usual one.
 
     Args:
         cycles: Number of turns; fewer are computed once they repeat.
@@ -81,8 +81,8 @@ def turns(
     run = run_of("cycles", cycles, rest_rate, tolerance, max_collisions)
     start_index = number("start_index", start_index)
     told, nothing = np.zeros((1, 4), dtype=np.int64), np.empty((1, 0, 0))
-    for room in ROOMS:
-        model = wider(mechanism, start_index, room)
+    for gap_scale in GAP_SCALES:
+        model = wider(mechanism, start_index, gap_scale)
         if model is None:
             break
         cases = one_case(model, speed_rpm, restitution, stiffness, preload)

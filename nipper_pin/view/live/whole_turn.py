@@ -18,7 +18,7 @@ from ...extras import installed
 from ...mechanism import INDEX_PER_TURN, Mechanism, within_turn
 from ...reduced.turns import TurnModel, TurnQuantities, TurnStatus, turn_model, turn_quantities
 from ...reduced.turns.results import TURN_REASONS
-from ...reduced.turns.turn import ROOMS
+from ...reduced.turns.turn import GAP_SCALES
 from ...terms import TERMS
 from ...units import MS_PER_S
 from .numbers import Number, Rows
@@ -60,8 +60,8 @@ def unusable(mechanism: Mechanism) -> str:
         return "it needs numba (extra study)"
     try:
         # Also the wider ones: a slider must not wait for them.
-        for room in ROOMS:
-            turn_model(mechanism, room=room)
+        for gap_scale in GAP_SCALES:
+            turn_model(mechanism, gap_scale=gap_scale)
         turn_quantities(mechanism, speed_rpm=mechanism.cylinder.rated_speed_rpm)
     except NipperError as error:
         return error.message
