@@ -24,15 +24,18 @@ os.environ["MPLBACKEND"] = "agg"
 
 from .. import __version__
 from ..errors import InputError, NipperError, meant, one_line
+from ..extras import require
 from ..given import read_number, read_whole
 from .arguments import Once
-from .completion import SHELLS, PrintCompletion
 from .surroundings import interrupts, open_streams
 
 _RIGHT = 0
 _NOT_SIMULATED = 1
 _UNUSABLE = 2
 _INTERRUPTED = 130
+_SHELLS = ("bash", "zsh", "fish", "powershell", "tcsh")
+_FILES = {"FILE", "MODEL", "A", "B", "NAME"}
+_FOLDERS = {"DIR", "FOLDER"}
 
 
 class Commands(NamedTuple):
@@ -152,6 +155,31 @@ class _Parser(argparse.ArgumentParser):
         return found, left
 
 
+class _PrintCompletion(argparse.Action):
+    """Write the script of a shell, which completes commands, options and files, and end."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *given: Any) -> None:
+        shell = given[1]
+        require("completion", "shtab", what=f"--print-completion {shell}")
+        import shtab
+
+        every = _parser()
+        kinds = dict.fromkeys(_FILES, shtab.FILE) | dict.fromkeys(_FOLDERS, shtab.DIRECTORY)
+        _mark(every, kinds)
+        sys.stdout.write(shtab.complete(every, shell))
+        parser.exit()
+
+
+def _mark(parser: argparse.ArgumentParser, kinds: dict[str, Any]) -> None:
+    """Say of each argument whether it is a file or a folder, as shtab asks for it."""
+    for action in parser._actions:
+        if isinstance(action.choices, dict):
+            for command in action.choices.values():
+                _mark(command, kinds)
+        elif action.metavar in kinds:
+            action.complete = kinds[str(action.metavar)]  # type: ignore[attr-defined]
+
+
 def _options(words: list[str], commands: Commands) -> argparse.Namespace:
     """The arguments of a command; one that does not exist names the nearest."""
     named = words[0] if words and words[0] in commands.places else None
@@ -226,8 +254,8 @@ def _parser(command: str | None = None, commands: Commands = NIPPER_PIN) -> argp
     if commands is NIPPER_PIN:
         parser.add_argument("--version", action="version", version=f"nipper-pin {__version__}")
         parser.add_argument(
-            "--print-completion", action=PrintCompletion, every=_parser, choices=SHELLS,
-            metavar="SHELL", help=f"print how a shell completes: {', '.join(SHELLS)}",
+            "--print-completion", action=_PrintCompletion, choices=_SHELLS,
+            metavar="SHELL", help=f"print how a shell completes: {', '.join(_SHELLS)}",
         )  # fmt: skip
     subparsers = parser.add_subparsers(dest="command", metavar="COMMAND")
     for name, (place, text) in commands.places.items():

@@ -39,18 +39,11 @@ class Once(argparse.Action):
         option_string: str | None = None,
     ) -> None:
         """Store the value."""
-        refuse_again(parser, namespace, option_string)
+        before = getattr(namespace, "options", ())
+        if option_string is not None and option_string in before:
+            parser.error(f"argument {option_string}: given twice; leave one out")
+        namespace.options = (*before, option_string)
         setattr(namespace, self.dest, values)
-
-
-def refuse_again(
-    parser: argparse.ArgumentParser, namespace: argparse.Namespace, option: str | None
-) -> None:
-    """Refuse an option that was given before."""
-    before = getattr(namespace, "options", ())
-    if option is not None and option in before:
-        parser.error(f"argument {option}: given twice; leave one out")
-    namespace.options = (*before, option)
 
 
 def add_model(parser: argparse.ArgumentParser, *, json_output: bool = True) -> None:
@@ -165,20 +158,12 @@ def load_mechanism(options: argparse.Namespace) -> Mechanism:
     """Load the mechanism of the arguments."""
     given, model = overrides(options), options.model or MODEL
     mechanism = load(model, given)
-    ask_back(mechanism, model, given)
+    _ask_back(mechanism, model, given)
     return mechanism
 
 
-def ask_back(mechanism: Mechanism, model: str, given: Mapping[str, object]) -> None:
-    """Refuse a stiffness without a unit that reads like N/mm of a machine in N/m.
-
-    Args:
-        model: Its model, which is read once more where it is needed.
-        given: New values by path or shortcut.
-
-    Raises:
-        InputError: A bare number is a hundredth of the model's own or less.
-    """
+def _ask_back(mechanism: Mechanism, model: str, given: Mapping[str, object]) -> None:
+    """Refuse a stiffness that reads like N/mm: a bare number far below that of the model."""
     for name, value in given.items():
         path, number = mechanism.shortcuts.get(name, name), number_or_text(str(value))
         if not path.endswith(_PER_M) or isinstance(number, str):
@@ -218,8 +203,8 @@ def overrides(options: argparse.Namespace) -> dict[str, object]:
 
 
 def machine_words(options: argparse.Namespace) -> list[str]:
-    """Arguments that make the machine and its speed, as another command takes them."""
-    words = [word for item in options.set for word in ("--set", item)]
+    """The model, and what changes it and its speed, as another command takes them."""
+    words = [options.model or MODEL, *(word for item in options.set for word in ("--set", item))]
     for name in (*_SHORT, "speed"):
         value = getattr(options, name, None)
         if value is not None:

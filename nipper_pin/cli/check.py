@@ -89,6 +89,7 @@ def _check(options: argparse.Namespace) -> None:
 
         console = Terminal()
         begin = ["--start-index", f"{start:g}"] if hasattr(options, "start_index") else []
-        steps = next_steps(report, options.model or MODEL, machine_words(options), begin)
+        model, *changes = machine_words(options)
+        steps = next_steps(report, model, changes, begin)
         print_report(report, steps, console, provenance=options.provenance)
         ending(console, written=(options.drawing, options.json))

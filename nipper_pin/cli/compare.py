@@ -18,6 +18,7 @@ from .arguments import (
     RESTITUTION,
     SPEED,
     STIFFNESS,
+    Once,
     add_flag,
     add_json,
     add_look,
@@ -27,7 +28,6 @@ from .arguments import (
     need_suffix,
     number_or_text,
     output_folder,
-    refuse_again,
     refuse_beside,
     write_document,
 )
@@ -38,7 +38,7 @@ from .compare_sides import sides, simulated
 _QUICKER = 1.1
 
 
-class _OneOrTwo(argparse.Action):
+class _OneOrTwo(Once):
     """Takes one value for both, or two; words behind them are A and B again.
 
     Args:
@@ -56,7 +56,6 @@ class _OneOrTwo(argparse.Action):
         values: Any,
         option_string: str | None = None,
     ) -> None:
-        refuse_again(parser, namespace, option_string)
         found: list[object] = []
         try:
             for word in values:
@@ -67,7 +66,7 @@ class _OneOrTwo(argparse.Action):
         if len(found) > 2:
             many = " ".join(values)
             parser.error(f"argument {option_string}: one for both or two, and these are {many}")
-        setattr(namespace, self.dest, found)
+        super().__call__(parser, namespace, found, option_string)
         namespace.behind = [*getattr(namespace, "behind", []), *values[len(found) :]]
 
 
@@ -171,10 +170,11 @@ def _next(options: argparse.Namespace, comparison: Comparison) -> str:
         rpm = comparison.b.case.speed_rpm
         one.speed = None
         speeds = ("--speed", f"{rpm:g}", f"{_QUICKER * rpm:g}")
-        return command("compare", one.model, *machine_words(one), *case_words(one), *speeds)
+        return command("compare", *machine_words(one), *case_words(one), *speeds)
     if options.html is None and not options.browser:
         return command(*options.words, "--html", "compare.html")
     if other.saved:
         return command("view", "--solution", other.saved)
     window = [] if hasattr(options, "window") else ["--window", Window.CYCLE.value]
-    return command("simulate", other.model, *window, *case_words(other), *machine_words(other))
+    model, *changes = machine_words(other)
+    return command("simulate", model, *window, *case_words(other), *changes)

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from ..errors import InputError
 from ..view.progress import progress
@@ -17,9 +15,6 @@ from .arguments import (
     refuse_beside,
     write_document,
 )
-
-if TYPE_CHECKING:
-    from ..study.identify import Fit, Profile
 
 _SEED = 1
 
@@ -44,7 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _run(options: argparse.Namespace) -> None:
     from ..mechanism.model_files import check_new_folder
-    from ..study.identify import identify, read_problem, record, write_model
+    from ..study.identify import Profile, identify, profile, read_problem, record, write_model
 
     if options.profiles < 0:
         message = f"--profiles {options.profiles}: at least 0"
@@ -65,7 +60,11 @@ def _run(options: argparse.Namespace) -> None:
         )
     known, judged = fit.known, fit.goodness
     chosen = [path for path, _ in known.ranked()][: options.profiles]
-    profiles = _profiles(fit, chosen, options.workers)
+    profiles = list[Profile]()
+    with progress("profiles", len(chosen), alike=False) as tell:
+        for path in chosen:
+            profiles.append(profile(fit, path, workers=options.workers))
+            tell(len(profiles), len(chosen))
     # The folder last: once it is there, the same command is refused.
     free = write_document(lambda: record(fit, judged, known, profiles), options.json)
     if options.out is not None:
@@ -81,14 +80,3 @@ def _run(options: argparse.Namespace) -> None:
         ending(console, following, (options.out, options.json))
     # The result is written, but the fit contradicts the data.
     fit.check()
-
-
-def _profiles(fit: Fit, paths: Sequence[str], workers: int | None) -> tuple[Profile, ...]:
-    from ..study.identify import profile
-
-    found: list[Profile] = []
-    with progress("profiles", len(paths), alike=False) as tell:
-        for path in paths:
-            found.append(profile(fit, path, workers=workers))
-            tell(len(found), len(paths))
-    return tuple(found)

@@ -6,7 +6,6 @@ import argparse
 
 from ..view.progress import progress
 from .arguments import (
-    MODEL,
     add_model,
     command,
     load_mechanism,
@@ -32,5 +31,5 @@ def _run(options: argparse.Namespace) -> None:
     from ..view.console import Terminal
     from ..view.studies.levers_report import print_levers
 
-    again = command("compare", options.model or MODEL, *machine_words(options))
+    again = command("compare", *machine_words(options))
     print_levers(found, Terminal(), again)

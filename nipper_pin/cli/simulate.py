@@ -13,7 +13,6 @@ from ..hybrid.result.json_document import record
 from ..mechanism import Mechanism
 from ..view.progress import progress
 from .arguments import (
-    MODEL,
     add_flag,
     add_model,
     add_value,
@@ -106,5 +105,4 @@ def _view(options: argparse.Namespace, mechanism: Mechanism) -> str:
     """Return the command line that shows the same machine; empty for a case of a file."""
     if options.case is not None:
         return ""
-    words = machine_words(options)
-    return command("view", options.model or MODEL, *words, "--html", f"{mechanism.name}.html")
+    return command("view", *machine_words(options), "--html", f"{mechanism.name}.html")

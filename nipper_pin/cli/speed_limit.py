@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from ..extras import require
 from .arguments import (
-    MODEL,
     add_json,
     add_machine,
     add_value,
@@ -78,5 +77,5 @@ def _next(options: argparse.Namespace, result: SpeedLimit) -> str:
 
     ends = (part.high_rpm for part in result.settled if part.verdict is Verdict.YES)
     speed = next(ends, float(result.speed_rpm[0]))
-    machine = (options.model or MODEL, *machine_words(options))
-    return command("simulate", *machine, "--speed", f"{speed:.5g}", "--window", "cycle")
+    turn = ("--speed", f"{speed:.5g}", "--window", "cycle")
+    return command("simulate", *machine_words(options), *turn)
