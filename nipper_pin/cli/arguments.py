@@ -56,12 +56,8 @@ def add_model(parser: argparse.ArgumentParser, *, json_output: bool = True) -> N
 
 def add_machine(parser: argparse.ArgumentParser) -> None:
     """Define the arguments for a model and changes of its numbers."""
-    parser.add_argument(
-        "model",
-        nargs="?",
-        metavar="MODEL",
-        help=f"name of a model that comes with the package, or a folder (default {MODEL})",
-    )
+    text = f"name of a model that comes with the package, or a folder (default {MODEL})"
+    parser.add_argument("model", nargs="?", metavar="MODEL", help=text)
     add_set(parser)
     add_value(parser, "--restitution", "E", RESTITUTION)
     add_value(parser, "--stiffness", "N_PER_M", STIFFNESS, number_or_text)
@@ -250,23 +246,12 @@ def need_suffix(option: str, file: str | None, suffix: str) -> None:
 
 
 def check_figure(file: str | None, extra: str, what: str) -> None:
-    """Refuse a figure that cannot be drawn or written, before anything is computed.
+    """Refuse a figure that cannot be drawn, or a file of none, before anything is computed."""
+    if file is not None:
+        require(extra, "matplotlib", what=what)
+        from ..view.figure_file import figure_format
 
-    Args:
-        extra: The extra of the command that draws it.
-        what: What it is, the beginning of a sentence.
-
-    Raises:
-        InputError: Matplotlib is missing, the file cannot be written, or is none of a figure.
-    """
-    if file is None:
-        return
-    require(extra, "matplotlib", what=what)
-    from ..outputs import check_file
-    from ..view.figure_file import figure_format
-
-    check_file(file)
-    figure_format(file)
+        figure_format(file)
 
 
 def write_document(document: Callable[[], dict[str, Any]], target: str | None) -> bool:

@@ -25,12 +25,9 @@ _OF_TURNS = {"cycles": "--cycles", "start_index": "--start-index", "reuse_cycles
 
 def add_window(parser: argparse.ArgumentParser, default: Window) -> None:
     """Define the arguments of all simulations."""
-    parser.add_argument(
-        "--window",
-        choices=[item.value for item in Window],
-        default=argparse.SUPPRESS,
-        help=f"transition: first collision to rest; cycle: whole turns (default {default.value})",
-    )
+    windows = [item.value for item in Window]
+    text = f"transition: first collision to rest; cycle: whole turns (default {default.value})"
+    parser.add_argument("--window", choices=windows, default=argparse.SUPPRESS, help=text)
     add_start(parser)
 
 

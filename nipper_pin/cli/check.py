@@ -18,6 +18,7 @@ from .arguments import (
     check_figure,
     load_mechanism,
     machine_words,
+    output_file,
     refuse_beside,
     speed,
     write_document,
@@ -32,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_model(parser)
     add_start(parser)
     text = "draw the mechanism with the names of its parts: NAME.svg, NAME.png or NAME.pdf"
-    add_value(parser, "--drawing", "FILE", text, str)
+    add_value(parser, "--drawing", "FILE", text, output_file)
     add_flag(parser, "--provenance", "print where each number of the model comes from")
     text = "check, and draw, again whenever a file of the model is saved; Ctrl-C ends"
     add_flag(parser, "--watch", text)

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from ..errors import InputError
-from ..hybrid import Solution, Window
+from ..hybrid import Solution, Window, simulate
 from ..written_units import number_in
 from .arguments import MODEL, load_mechanism, overrides, refuse_beside
 from .case_options import changed_case, given_settings, machine_and_case
@@ -43,7 +43,6 @@ def sides(options: argparse.Namespace) -> list[argparse.Namespace]:
 
 def simulated(side: argparse.Namespace) -> Solution:
     """The run of a side: a saved one as it is, a new one for a model or for changes."""
-    from ..hybrid import simulate
     from ..hybrid.files.npz import load_solution
 
     if side.saved:

@@ -10,12 +10,10 @@ from .new import written
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Define the arguments of the command."""
-    parser.add_argument(
-        "model", metavar="MODEL", help="a model's name, a folder, or the TOML file of a drawing"
-    )
-    parser.add_argument(
-        "folder", metavar="FOLDER", help="folder to write; its name becomes the model's"
-    )
+    text = "a model's name, a folder, or the TOML file of a drawing"
+    parser.add_argument("model", metavar="MODEL", help=text)
+    text = "folder to write; its name becomes the model's"
+    parser.add_argument("folder", metavar="FOLDER", help=text)
     add_set(parser)
     parser.set_defaults(run=_run)
 

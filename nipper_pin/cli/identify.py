@@ -21,12 +21,8 @@ _SEED = 1
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Define the arguments of the command."""
-    parser.add_argument(
-        "problem",
-        nargs="?",
-        metavar="PROBLEM.toml",
-        help="free numbers, targets and limits (default: the published ratios, model e62)",
-    )
+    text = "free numbers, targets and limits (default: the published ratios, model e62)"
+    parser.add_argument("problem", nargs="?", metavar="PROBLEM.toml", help=text)
     add_value(parser, "--seed", "N", f"seed of the starts (default {_SEED})", int)
     add_value(parser, "--starts", "N", "number of starts (default 4)", int, 4)
     text = "profile likelihoods of the N numbers that are determined best (default 2)"

@@ -13,12 +13,8 @@ from .arguments import add_flag, add_value, command, refuse_beside
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Define the arguments of the command."""
-    parser.add_argument(
-        "model",
-        metavar="MODEL",
-        nargs="?",
-        help="folder or NAME.toml to write; its name becomes the machine's",
-    )
+    text = "folder or NAME.toml to write; its name becomes the machine's"
+    parser.add_argument("model", metavar="MODEL", nargs="?", help=text)
     text = "start from this machine of the gallery, not from the commented press"
     add_value(parser, "--from", "NAME", text, str)
     text = "start from a URDF that another program exported: a copy, its meshes, and a TOML"

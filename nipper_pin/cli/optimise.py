@@ -6,7 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from ..errors import one_line
+from ..errors import SimulationError, one_line
 from ..extras import require
 from ..view.progress import progress
 from .arguments import (
@@ -23,9 +23,8 @@ _POINTS = 12
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Define the arguments of the command."""
-    parser.add_argument(
-        "study", metavar="STUDY.toml", help="what is free, what is to be small, what has to hold"
-    )
+    text = "what is free, what is to be small, what has to hold"
+    parser.add_argument("study", metavar="STUDY.toml", help=text)
     text = "folder of the results (default out/ and the name of the study)"
     add_value(parser, "--out", "DIR", text, str)
     add_value(parser, "--seed", "N", "seed of the starts (default 1)", int, 1)
@@ -79,6 +78,4 @@ def _run(options: argparse.Namespace) -> None:
         sys.stdout.write("".join(f"{one_line(str(folder / path.name))}\n" for path in written))
         print_optimum(optimum, Terminal())
     if optimum.contradiction:
-        from ..errors import SimulationError
-
         raise SimulationError(optimum.contradiction, folder=str(folder))

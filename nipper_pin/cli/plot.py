@@ -13,20 +13,12 @@ from .arguments import add_value
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Define the arguments of the command."""
     parser.add_argument("folder", metavar="DIR", help="folder of a sweep")
-    parser.add_argument(
-        "--quantity",
-        action="append",
-        metavar="NAME",
-        help="what to draw (default: the first quantity of the study); may be repeated",
-    )
+    text = "what to draw (default: the first quantity of the study); may be repeated"
+    parser.add_argument("--quantity", action="append", metavar="NAME", help=text)
     add_value(parser, "--x", "NAME", "parameter across, of the level lines", str)
     add_value(parser, "--y", "NAME", "parameter upwards, of the level lines", str)
-    parser.add_argument(
-        "--format",
-        choices=["svg", "png", "pdf"],
-        default="svg",
-        help="of the figures (default svg)",
-    )
+    text = "of the figures (default svg)"
+    parser.add_argument("--format", choices=("svg", "png", "pdf"), default="svg", help=text)
     add_value(parser, "--out", "DIR", "folder of the figures (default DIR/plots)", str)
     parser.set_defaults(run=_run)
 

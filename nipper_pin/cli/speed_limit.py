@@ -14,6 +14,7 @@ from .arguments import (
     command,
     load_mechanism,
     machine_words,
+    output_file,
     rpm,
     write_document,
 )
@@ -34,20 +35,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_value(parser, "--turns", "N", "most turns followed at a speed (default 400)", int, 400)
     text = "force above which the stop clamps [N] (default 0)"
     add_value(parser, "--least-force", "N", text, default=0.0)
-    add_value(parser, "--plot", "FILE", "draw the turns by speed (PNG, SVG, PDF)", str)
+    add_value(parser, "--plot", "FILE", "draw the turns by speed (PNG, SVG, PDF)", output_file)
     add_json(parser)
-    parser.set_defaults(run=run)
+    parser.set_defaults(run=_run)
 
 
-def run(options: argparse.Namespace) -> None:
-    """Follow the turns, and tell how fast the machine can run."""
+def _run(options: argparse.Namespace) -> None:
     require("study", "numba", what="the speed limit")
-    check_figure(options.plot, "study", "the figure of the speed limit")
-    mechanism = load_mechanism(options)
-    rated, start = mechanism.cylinder.rated_speed_rpm, getattr(options, "from")
-
     from ..study.speed_limit import speed_limit
 
+    check_figure(options.plot, "study", "the figure of the speed limit")
+    mechanism = load_mechanism(options)
+    rated = mechanism.cylinder.rated_speed_rpm
+    start = getattr(options, "from")
     result = speed_limit(
         mechanism,
         low_rpm=_SLOWEST * rated if start is None else start,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import sys
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -35,16 +36,12 @@ def interrupts() -> Iterator[list[int]]:
         came.append(number)
         raise KeyboardInterrupt
 
-    # Whoever ignores or handles them goes on doing so.
-    if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
+    # Whoever ignores or handles them goes on doing so, and only the main thread is interrupted.
+    free = signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    if not free or threading.current_thread() is not threading.main_thread():
         yield came
         return
-    try:
-        before = signal.signal(signal.SIGINT, note)
-    except ValueError:
-        # Only the main thread is interrupted.
-        yield came
-        return
+    before = signal.signal(signal.SIGINT, note)
     try:
         yield came
     finally:

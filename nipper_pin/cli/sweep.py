@@ -65,20 +65,19 @@ def _run(options: argparse.Namespace) -> None:
     if options.dry_run:
         whole = plan.chunks()
         asked = chosen(whole, bounds)
-        scenarios = sum(chunk.stop - chunk.start for chunk in asked)
-        document: dict[str, object] = {
+        scenarios = asked[-1].stop - asked[0].start
+        expected = estimate.estimate(plan, options.workers, bounds)
+        document = {
             "scenarios": scenarios,
             "mechanisms": plan.mechanisms,
             "chunks": len(asked),
             "hash": plan.hash,
+            "estimate": expected.record(),
         }
-        expected = estimate.estimate(plan, options.workers, bounds)
-        document["estimate"] = expected.record()
-        if bounds is None:
-            said = [f"{size} in {counted(len(asked), 'chunk')}"]
-        else:
-            said = [f"{scenarios:,} of {size} in {len(asked):,} of {len(whole):,} chunks"]
-        said.append(expected.sentence())
+        part = f"{size} in {counted(len(asked), 'chunk')}"
+        if bounds is not None:
+            part = f"{scenarios:,} of {size} in {len(asked):,} of {len(whole):,} chunks"
+        said = [part, expected.sentence()]
         following = ["sweep", options.study]
     else:
         folder = Path(options.out or Path("out") / Path(options.study).stem)

@@ -6,7 +6,8 @@ import argparse
 from pathlib import Path
 
 from ..errors import InputError
-from ..hybrid import Solution, Window, need_sound
+from ..hybrid import Solution, Window, need_sound, simulate
+from ..hybrid.result.json_document import record
 from ..view import show
 from .arguments import (
     add_look,
@@ -15,7 +16,7 @@ from .arguments import (
     add_value,
     need_suffix,
     refuse_beside,
-    write_json,
+    write_document,
 )
 from .case_options import add_window, machine_and_case
 
@@ -52,13 +53,10 @@ def _run(options: argparse.Namespace) -> None:
     look = Look(slow=options.slow, exaggerate=options.exaggerate)
     solution = _solution(options)
     need_sound(solution)
-    if options.json is not None:
-        from ..hybrid.result.json_document import record
-
-        write_json(record(solution), options.json)
+    free = write_document(lambda: record(solution), options.json)
     for place in files:
         show.write(solution, place, look)
-    if options.json != "-":
+    if free:
         ending(unbroken_console(), written=(options.html, options.gif, options.json))
     if served:
         from ..view.scene.server import serve
@@ -70,8 +68,6 @@ def _run(options: argparse.Namespace) -> None:
 def _solution(options: argparse.Namespace) -> Solution:
     """The saved run of the arguments, or a new one."""
     if options.solution is None:
-        from ..hybrid import simulate
-
         return simulate(*machine_and_case(options, Window.CYCLE))
     done = f"--solution {options.solution}, a run that is done"
     machine = (f"MODEL {options.model}", "--set", "--restitution", "--stiffness", "--speed")
