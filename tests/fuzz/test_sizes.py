@@ -83,7 +83,7 @@ LIMITS: list[tuple[str, int, Callable[[Path], object]]] = [
      lambda _: read_mesh(MESHES[1])),
     ("mechanism.elements.MOST_ROWS", 4,
      lambda _: Characteristic(coordinate=rows(4), force=(0.0,) * 4)),
-    ("mechanism.drives.table.MOST_ROWS", 8,
+    ("mechanism.elements.MOST_ROWS", 8,
      lambda _: Table(cylinder_angle_rad=rows(8), coordinate=(0.0,) * 8)),
     ("study.identify.problem.measured._MOST_LINES", 3, measured),
     ("study.sweep.plan._MOST_CHUNKS", 4, chunks),
