@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -272,3 +273,9 @@ def test_what_a_library_makes_of_an_interrupt(monkeypatch: pytest.MonkeyPatch) -
     with pytest.raises(ImportError):
         main(["simulate"])
     assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_a_command_in_a_thread_leaves_interrupts_alone() -> None:
+    """Python lets the main thread alone handle signals."""
+    with ThreadPoolExecutor(1) as pool:
+        assert pool.submit(main, ["simulate", "none"]).result() == 2
