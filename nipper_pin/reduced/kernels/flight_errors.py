@@ -19,7 +19,7 @@ The solver's part is F times the last change of x'' in the iteration, plus the d
 nodes: the equation of motion is evaluated at three points between the nodes, and a defect d
 there acts like a steady error of less than 12 d / n^2 on n nodes, since polynomials of the
 degrees that are missing nearly cancel when they are integrated. That they do not act alike on
-time and rate is allowed for: this part has 1 in the place of the last integral.
+time and rate is allowed for: this part has at least 1 in the place of the last integral.
 
 The change of x'' by a late start, Lt dt, is nearly constant along a short flight: for it the
 last integral has no modulus, |1 - rho / 2|, and 4 times the travel of the flight in
@@ -175,7 +175,8 @@ def flight_errors(sizes: FloatArray, speed: float, T: float, v: float, a: float,
     growth = abs(1.0 - rho) + (K - 1.0) * (1.0 + abs(rho))
     # The defect of a grid changes its sign, so it may act on the rate without acting on the time.
     even = min(abs(1.0 - 0.5 * rho) + _UNEVEN * speed * T * lever, lever)
-    rate = growth * dw + K * (steady * lever + shifted * even + left) * T + 4.0 * EPS * abs(v)
+    known = steady * lever + shifted * even + left * max(lever, 1.0)
+    rate = growth * dw + K * known * T + 4.0 * EPS * abs(v)
     return duration, rate, K * (dw * peak + 0.5 * e * peak * peak)
 
 
