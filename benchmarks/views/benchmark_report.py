@@ -13,6 +13,7 @@ from nipper_pin.outputs import complete_folder
 from nipper_pin.view.console import say
 
 from ..run_time.benchmark import Benchmark
+from ..run_time.recorded import ALLOWED, Slower
 from .sheet import Sheet
 
 _NONE = "-"
@@ -44,6 +45,16 @@ def print_benchmark(result: Benchmark, console: Console) -> None:
         sheet.show(console)
     for line in result.unavailable:
         say(console, f"Not measured: {line}")
+
+
+def print_slower(found: list[Slower], console: Console) -> None:
+    """Print what became slower than in the recorded run, or that nothing did."""
+    if not found:
+        say(console, f"Nothing became slower than in the recorded run by more than {ALLOWED:g}.")
+        return
+    rows = tuple((item.engine, item.setting, f"{item.ratio:.2f}") for item in found)
+    headings = "engine", "setting", "time by that time"
+    Sheet("Slower than in the recorded run, in times of the peers", headings, rows, 2).show(console)
 
 
 def markdown(result: Benchmark) -> str:

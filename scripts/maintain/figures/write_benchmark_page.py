@@ -1,4 +1,4 @@
-"""Write the page of the benchmark from a folder of `python -m benchmarks run --out FOLDER`.
+"""Write page and record of the benchmark, from a folder of `python -m benchmarks run --out FOLDER`.
 
 Run: python scripts/maintain/figures/write_benchmark_page.py FOLDER [DOCS]
      Copies the picture of the run, too.
@@ -14,6 +14,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from benchmarks.run_time.recorded import RECORDED, record
 from benchmarks.views.sheet import Sheet
 
 _PAGE = Path(__file__).with_name("benchmark_page.md")
@@ -25,7 +26,7 @@ _NUMBA = "fixed-step RK4, located impacts (numba, hand-derived equation)"
 
 
 def main(folder: str, docs: str = "docs") -> None:
-    """Write the page and its picture.
+    """Write the page, its picture, and the times that later runs are compared with.
 
     Args:
         folder: Folder with ``benchmark.json`` and ``work_precision.png``.
@@ -35,7 +36,8 @@ def main(folder: str, docs: str = "docs") -> None:
     target = Path(docs) / "benchmark.md"
     target.write_text(page(document), encoding="utf-8")
     shutil.copyfile(Path(folder) / _PICTURE, Path(docs) / "images" / _PICTURE)
-    print(f"wrote {target} and {_PICTURE}")
+    RECORDED.write_text(json.dumps(record(document)) + "\n", encoding="utf-8")
+    print(f"wrote {target}, {_PICTURE} and {RECORDED.name}")
 
 
 def page(document: Mapping[str, Any]) -> str:

@@ -27,6 +27,7 @@ from benchmarks.run_time import timing
 from benchmarks.run_time.benchmark import Benchmark
 from benchmarks.run_time.certified import Certified, certified, certified_cycle, certified_names
 from benchmarks.run_time.cost import four_bar_chain
+from benchmarks.run_time.recorded import read_record, slower
 from benchmarks.run_time.timing import Timing
 from benchmarks.run_time.turns import TurnRow, _errors
 from benchmarks.run_time.work_precision import (
@@ -37,14 +38,20 @@ from benchmarks.run_time.work_precision import (
     observe,
     trajectory_error,
 )
-from benchmarks.views.benchmark_report import markdown, print_benchmark, write_benchmark
+from benchmarks.views.benchmark_report import (
+    markdown,
+    print_benchmark,
+    print_slower,
+    write_benchmark,
+)
 from benchmarks.views.work_precision_plot import work_precision_figure
-from nipper_pin import Case, Mechanism, Window, simulate
+from nipper_pin import Case, InputError, Mechanism, Window, simulate
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "scripts/maintain/figures"))
 
 from write_benchmark_page import least_times, page
 
+ROOT = Path(__file__).resolve().parents[3]
 TIMING = Timing(2.0, 1.0, 0.5, 0.1, 3)
 
 
@@ -262,7 +269,7 @@ def test_what_is_told_of_a_benchmark(tmp_path: Path, words: Words) -> None:
     lines = [line for line in text.splitlines() if line.startswith(told)]
     figure = drawn(work_precision_figure(result))
     words("\n".join([printed.getvalue(), markdown(result), *lines, "", figure]))
-    kept = (Path(__file__).parents[3] / "docs/benchmark.md").read_text(encoding="utf-8")
+    kept = (ROOT / "docs/benchmark.md").read_text(encoding="utf-8")
     for start in ("#", "| engine", "| turns", "| links"):
         titles = [line for line in text.splitlines() if line.startswith(start)]
         assert titles
@@ -287,6 +294,40 @@ def test_the_least_time_is_below_the_bound_of_its_column() -> None:
     rows = [{"engine": e, "fastest_ms": t, "error_worst": worst} for e, t, worst in points]
     assert "| a | 5 | 9 | 12 | 2 | 4 | 1.0e-10 | 12 |" in least_times(rows)
     assert f"| {scipy} | 6 | 6 | 6 | 1 | 2 | 1.0e-12 | 6 |" in least_times(rows)
+
+
+def test_what_became_slower_is_told_by_the_peers_of_both_runs(words: Words) -> None:
+    """On a machine of half the pace: what takes twice as long is as fast, 2.3 times is slower."""
+    before = read_record()
+    assert before["engines"]
+    assert before["date"][:10] in (ROOT / "docs/benchmark.md").read_text(encoding="utf-8")
+    factor = {"direct": 2.0, "reduced": 2.3, "reduced, batch": 1.0}
+
+    def rows(kind: str, time: str, longer: Any) -> list[dict[str, Any]]:
+        return [{"engine": name, "setting": at, time: longer(name) * ms}
+                for name, at, ms in before[kind]]  # fmt: skip
+
+    document = {
+        "environment": {"date": "later"},
+        "engines": [*rows("engines", "fastest_ms", factor.__getitem__),
+                    {"engine": "reduced", "setting": "none before", "fastest_ms": 99.0}],
+        "turns": rows("turns", "wall_ms", lambda name: 1.2 * factor[name]),
+        "peers": rows("peers", "fastest_ms", lambda _: 2.0),
+    }  # fmt: skip
+    found = slower(document, before)
+    of = {(kind, name): 0 for kind in ("engines", "turns") for name in factor}
+    for kind, name in of:
+        of[kind, name] = sum(row[0] == name for row in before[kind])
+    assert [round(item.ratio, 12) for item in found] == [
+        *[1.38] * of["turns", "reduced"], *[1.2] * of["turns", "direct"],
+        *[1.15] * of["engines", "reduced"],
+    ]  # fmt: skip
+    printed = io.StringIO()
+    for some in (found[:1], []):
+        print_slower(some, Console(file=printed, width=80, color_system=None))
+    words(printed.getvalue())
+    with pytest.raises(InputError, match="no peer of the recorded run"):
+        slower({**document, "peers": []}, before)
 
 
 @pytest.mark.slow
