@@ -58,9 +58,7 @@ class Judged:
     """The stated premise of a transition, and the simulated turn.
 
     Attributes:
-        drawn: The case.
-        engine: Engine that said it.
-        holds: What it said.
+        holds: What the engine said.
         apart: Largest difference from the turn by the sum of both stated errors, of the first
             approach rate, the first rebound and the duration; infinite where the turn has none.
     """
@@ -88,7 +86,6 @@ def draw(count: int, seed: int) -> Iterator[tuple[Mechanism, list[Drawn]]]:
     """Random machines with random settings.
 
     Args:
-        count: Number of cases.
         seed: The same seed draws the same.
 
     Yields:
@@ -142,7 +139,7 @@ def judged(mechanism: Mechanism, drawn: list[Drawn]) -> list[Judged]:
         )
         try:
             solution = simulate(tuned, Case(speed_rpm=one.speed_rpm))
-            direct = _of_transition(solution)
+            direct = _numbers(solution, 0.0)
             turn = _of_turn(tuned, one.speed_rpm)
             holds = solution.premise_holds
         except NipperError:
@@ -159,10 +156,6 @@ def _apart(one: _Numbers, turn: _Numbers | None) -> float:
         return np.inf
     stated = one.errors + turn.errors
     return float((np.abs(one.values - turn.values) / stated).max())
-
-
-def _of_transition(solution: Solution) -> _Numbers | None:
-    return _numbers(solution, 0.0)
 
 
 def _of_turn(mechanism: Mechanism, speed_rpm: float) -> _Numbers | None:
