@@ -59,11 +59,11 @@ TABLES = {
     for name in (*CALLS, "cases", "sides")
 }
 TABLE = {block.name.partition(":")[0]: block for name in CALLS for block in TABLES[name]}
-# By what they write, in test_cli_endings.py, test_words.py and study/.
+# By what they write, in test_cli_endings.py, test_words.py, bench/ and study/.
 ELSEWHERE = {
     "identify --profiles", "identify --out", "optimise --out", "optimise --format",
     "speed-limit --plot", "--version", "--print-completion", "check --watch", "sweep --csv",
-    "sweep --units",
+    "sweep --units", "run --no-slower",
 }  # fmt: skip
 
 

@@ -42,5 +42,5 @@ def _run(options: argparse.Namespace) -> None:
         print_slower(worse, Terminal())
     if worse and options.no_slower:
         first = f"{worse[0].engine} at {worse[0].setting} takes {worse[0].ratio:.2f} times as long"
-        message = f"{len(worse)} settings became slower: {first}"
+        message = f"settings that became slower: {len(worse)}; {first}"
         raise SimulationError(message, ratio=worse[0].ratio)

@@ -27,7 +27,7 @@ from benchmarks.run_time import timing
 from benchmarks.run_time.benchmark import Benchmark
 from benchmarks.run_time.certified import Certified, certified, certified_cycle, certified_names
 from benchmarks.run_time.cost import four_bar_chain
-from benchmarks.run_time.recorded import read_record, slower
+from benchmarks.run_time.recorded import read_record, record, slower
 from benchmarks.run_time.timing import Timing
 from benchmarks.run_time.turns import TurnRow, _errors
 from benchmarks.run_time.work_precision import (
@@ -233,7 +233,12 @@ def test_import_adds_little_to_pinocchio() -> None:
     assert late <= saved - imported
 
 
-def test_what_is_told_of_a_benchmark(tmp_path: Path, words: Words) -> None:
+def test_what_is_told_of_a_benchmark(
+    tmp_path: Path,
+    words: Words,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     """Printed in eighty columns, as tables, as the page that was recorded, and as a figure.
 
     No two numbers are equal, and one is none: settings without an answer have no place in a figure.
@@ -282,6 +287,16 @@ def test_what_is_told_of_a_benchmark(tmp_path: Path, words: Words) -> None:
     assert document["engines"][0] == asdict(result.engines[0])
     assert files[1].read_text(encoding="utf-8") == markdown(result)
     assert files[2].read_bytes().startswith(b"\x89PNG")
+    before = record(document)
+    before["engines"][0][2] /= 2.0
+    file = tmp_path / "recorded.json"
+    file.write_text(json.dumps(before), encoding="utf-8")
+    monkeypatch.setattr("benchmarks.run_time.recorded.RECORDED", file)
+    monkeypatch.setattr("benchmarks.run_time.benchmark.benchmark", lambda **_: result)
+    assert main(["run"]) == 0
+    assert main(["run", "--no-slower"]) == 1
+    said = capsys.readouterr().err
+    assert "settings that became slower: 1; direct at finest takes 2.00 times as long" in said
 
 
 def test_the_least_time_is_below_the_bound_of_its_column() -> None:
