@@ -35,7 +35,8 @@ def parallel(model: ReducedModel) -> ReducedModel:
         arrival=Arrival(why="not of two springs"),
         charts=charts._replace(
             equation=charts.equation[:, both], along=charts.along[:, both],
-            bounds=charts.bounds[..., both],
+            # Code is compiled anew for arrays of another order.
+            bounds=np.ascontiguousarray(charts.bounds[..., both]),
         ),
     )  # fmt: skip
 
