@@ -44,8 +44,9 @@ demo: $(VIEW)
 	$(BIN)/nipper-pin view --solution out/demo-cycle/solution.npz --html out/demo.html
 	@echo "open out/demo.html in a browser: the nipper and its rebounds"
 
+# In the order of their names: files of few tests, which may be long ones, are not left to the end.
 test: $(MACHINE_CODE)
-	$(BIN)/python -m pytest -m "not slow" $(PYTEST_ARGS) --dist loadfile
+	$(BIN)/python -m pytest -m "not slow" $(PYTEST_ARGS) --dist loadfile --no-loadscope-reorder
 
 test-slow: $(MACHINE_CODE)
 	$(BIN)/python -m pytest -m slow --day $(DAY) $(PYTEST_ARGS) --dist loadfile
