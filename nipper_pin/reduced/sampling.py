@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..arrays import FloatArray
-from ..dynamics import DriveMode, ShaftMotion, System, assemble
+from ..dynamics import DriveMode, System, assemble
 from ..errors import InputError, NipperError, SimulationError
 from ..given import LARGEST, flag, number
 from ..hybrid import comes_back
@@ -30,7 +30,7 @@ from .model import (
     numbers_of,
 )
 from .tables.functions import Sampler
-from .tables.tables import Domain, checks, levers, resolved, stacked, trimmed
+from .tables.tables import Chart, Domain, checks, levers, resolved, stacked, trimmed
 from .turns.arcs import ContactArc, ContactContinuation, system_at
 from .turns.charts import ChartSampler
 from .turns.model import charts_of
@@ -121,13 +121,14 @@ def build(
     _check_arguments(mechanism, travel_rad, gap_max, tolerance, drive, turn)
     stop = mechanism.stop(mechanism.transition_stop)
     others = tuple(item for item in mechanism.stops if item.name != stop.name)
-    system, sampler = _touching(mechanism, stop)
+    system = system_at(mechanism, 0.0, mechanism.cylinder.angle_at_touch_rad)
+    sampler = Sampler(system, stop)
     closed = mechanism.phase(mechanism.initial_phase).closed
     rate, rounded = _approach_rate(system, closed, stop.index, stop.name)
     _check_opening(mechanism, others, sampler)
     weights, room = _nominal(mechanism, sampler, rate)
     gap_max = _pressed(mechanism, room) if gap_max is None else gap_max
-    arcs, why = _turn(mechanism) if turn or travel_rad is None else ([], "")
+    arcs, why = _turn(mechanism, stop, turn) if turn or travel_rad is None else ([], "")
     if travel_rad is None:
         opening = next((arc.end for arc in arcs if arc.after.name != stop.name), _USUAL)
         travel_rad = min(opening, _LONGEST)
@@ -141,7 +142,7 @@ def build(
         charts=stacked([chart], [0], levers(mechanism)),
         tolerance=tolerance,
         samples=samples,
-        arrival=_arrival(mechanism, arcs, why, tolerance)
+        arrival=_arrival(system, chart, arcs, why, tolerance)
         if turn
         else Arrival(why="the rest of the turn was not sampled"),
     )
@@ -169,13 +170,6 @@ def _check_arguments(
     flag("turn", turn, where=_MODEL)
 
 
-def _touching(mechanism: Mechanism, stop: Stop) -> tuple[System, Sampler]:
-    """The system whose shaft turns at 1 rad/s from the touch, and the functions of (u, x)."""
-    shaft = ShaftMotion(mechanism, 1.0, mechanism.cylinder.angle_at_touch_rad)
-    system = System(mechanism, shaft)
-    return system, Sampler(system, stop)
-
-
 def _check_opening(mechanism: Mechanism, others: tuple[Stop, ...], sampler: Sampler) -> None:
     """Refuse a closed stop that the rebound of the transition stop does not open."""
     closed = mechanism.phase(mechanism.initial_phase).closed
@@ -200,27 +194,36 @@ def _pressed(mechanism: Mechanism, gap_max: float) -> float:
     return gap_max
 
 
-def _turn(mechanism: Mechanism) -> tuple[list[ContactArc], str]:
-    """Stretches of a turn from the touch on, as far as it can be followed, and why no further."""
+def _turn(mechanism: Mechanism, stop: Stop, whole: bool) -> tuple[list[ContactArc], str]:
+    """Stretches of a turn from the touch on, as far as it can be followed, and why no further.
+
+    Args:
+        whole: Whether more than those up to the opening of the stop is asked for.
+    """
     arcs: list[ContactArc] = []
     walk = ContactContinuation(mechanism, mechanism.cylinder.angle_at_touch_rad)
-    stop, home = mechanism.stop(mechanism.transition_stop), np.zeros(len(mechanism.joints))
     try:
-        arcs.extend(walk.around(stop, home))
+        for arc in walk.around(stop, np.zeros(len(mechanism.joints))):
+            arcs.append(arc)
+            if not whole and arc.after.name != stop.name:
+                break
     except SimulationError as error:
         return arcs, error.message
     return arcs, ""
 
 
-def _arrival(mechanism: Mechanism, arcs: list[ContactArc], why: str, tolerance: float) -> Arrival:
+def _arrival(
+    system: System, chart: Chart, arcs: list[ContactArc], why: str, tolerance: float
+) -> Arrival:
     """Sample the turn around the touch: its clamping stop up to the opening, then the waiting one.
 
     Args:
+        chart: The domain of the transition, which serves where it ends at the opening.
         arcs: The stretches that were found.
         why: Why there are no more.
     """
-    angle = mechanism.cylinder.angle_at_touch_rad
-    if not comes_back(system_at(mechanism, 0.0, angle)):
+    mechanism = system.mechanism
+    if not comes_back(system):
         return Arrival(why="the drives do not come back with the cylinder", asked=False)
     (name,) = mechanism.phase(mechanism.initial_phase).closed
     if why:
@@ -230,11 +233,14 @@ def _arrival(mechanism: Mechanism, arcs: list[ContactArc], why: str, tolerance: 
         return Arrival(why=f"stop {name!r} does not come back to its place within a turn")
     if stops != [mechanism.transition_stop, name]:
         return Arrival(why=f"stops are closed in another order, or drives bend: {', '.join(stops)}")
-    around = [ChartSampler(mechanism, arc, angle) for arc in arcs]
-    after = [1, 0]
+    angle, after = mechanism.cylinder.angle_at_touch_rad, [1, 0]
+    first = chart if chart.domain.travel == arcs[0].end else None
     rough = max(tolerance, ARRIVAL_TABLES)
     try:
-        charts = charts_of(mechanism, around, after, rough, of_gaps=TRIMMED_SHARE * rough)
+        around = [ChartSampler(mechanism, arc, angle) for arc in arcs]
+        charts = charts_of(
+            mechanism, around, after, rough, of_gaps=TRIMMED_SHARE * rough, first=first
+        )
     except NipperError as error:
         return Arrival(why=error.message)
     return Arrival(charts=stacked(charts, after, levers(mechanism)))

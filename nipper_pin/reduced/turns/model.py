@@ -204,7 +204,7 @@ def _chains(
 
 def charts_of(
     mechanism: Mechanism, around: list[ChartSampler], after: list[int], tolerance: float, *,
-    gap_scale: float = 1.0, of_gaps: float = GAP_SHARE,
+    gap_scale: float = 1.0, of_gaps: float = GAP_SHARE, first: Chart | None = None,
 ) -> list[Chart]:  # fmt: skip
     """Sample the tables around the arcs of a turn.
 
@@ -212,17 +212,17 @@ def charts_of(
         after: Number of the arc that follows each.
         gap_scale: Factor on the gaps that the tables cover.
         of_gaps: Relative accuracy of the gaps of other stops.
+        first: Tables around the first arc, where they are known.
 
     Raises:
         ConvergenceError: The functions are not smooth enough.
         InputError: Nothing tells how far a stop opens.
         SimulationError: A point cannot be reached.
     """
-    gaps_and_rates = _reach(mechanism, around, after)
-    return [
-        chart_of(item, gap_scale * gap, w, tolerance, of_gaps)
-        for item, (gap, w) in zip(around, gaps_and_rates, strict=True)
-    ]
+    found = [] if first is None else [around[0].placed(first)]
+    asked = list(zip(around, _reach(mechanism, around, after), strict=True))[len(found) :]
+    found += [chart_of(item, gap_scale * gap, w, tolerance, of_gaps) for item, (gap, w) in asked]
+    return found
 
 
 def _reach(
