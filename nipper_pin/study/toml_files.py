@@ -11,7 +11,7 @@ import msgspec
 
 from ..errors import InputError, ModelError, SimulationError
 from ..mechanism import Mechanism, changed, find_model, load, numbers_of
-from ..mechanism.files import Refusal, first_refusal, may_be_table, need_plain_text, read_toml
+from ..mechanism.files import Refusal, first_refusal, member_of, need_plain_text, read_toml
 from ..mechanism.files.describe import allowed_values
 from ..texts import MOST_TEXT, read_text
 
@@ -49,7 +49,7 @@ def read_table(file: Path, kind: type[TableT]) -> TableT:
     try:
         return msgspec.convert(document, kind)
     except msgspec.ValidationError as error:
-        refusal = first_refusal(document, kind) or Refusal((), document, kind, text=str(error))
+        refusal = first_refusal(document, kind, str(error))
         key = refusal.key or "document"
         found = f" = {refusal.value!r}" if isinstance(refusal.value, str | int | float) else ""
         message = f"{file.name}: {key}{found} cannot be used: {_reason(refusal)}"
@@ -63,7 +63,7 @@ def _reason(refusal: Refusal) -> str:
         return f"unknown key `{refusal.unknown}`; known here: {known}"
     if refusal.missing is not None:
         return f"the key `{refusal.missing}` is missing"
-    if isinstance(refusal.value, list) and may_be_table(refusal.kind):
+    if isinstance(refusal.value, list) and member_of(refusal.kind, {}):
         whole = refusal.path == ("parameters",)
         form = "[parameters.NAME] with" if whole else "a table with"
         return f"no list; write {form} low and high"

@@ -1,6 +1,6 @@
 """The files of a model: URDF, TOML and CSV, read, checked and written."""
 
-from .describe import Refusal, first_refusal, may_be_table
+from .describe import Refusal, first_refusal, member_of
 from .description import Positive, Restitution
 from .toml_text import need_plain_text, read_toml, toml
 from .urdf import parse_xml
@@ -14,7 +14,7 @@ __all__ = [
     "check_corners",
     "check_size",
     "first_refusal",
-    "may_be_table",
+    "member_of",
     "mesh_path",
     "need_plain_text",
     "numbers",

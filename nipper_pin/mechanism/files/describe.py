@@ -61,25 +61,28 @@ class Refusal:
         return "".join(steps).removeprefix(".")
 
 
-def first_refusal(value: object, kind: Any, path: tuple[Step, ...] = ()) -> Refusal | None:
-    """The first place where a value does not fit a type, in the order of the file.
+def first_refusal(value: Any, kind: Any, text: str, path: tuple[Step, ...] = ()) -> Refusal:
+    """The first place, in the order of the file, where a value does not fit a type.
 
     Args:
-        value: Plain data of a TOML document.
-        kind: A type hint that :func:`msgspec.convert` can use.
+        value: Plain data of a TOML document, which :func:`msgspec.convert` has refused.
+        kind: The type hint by which it has.
+        text: What it says of the value.
         path: Keys and places that led to the value.
-
-    Returns:
-        The place; None if the value fits.
     """
     inner = member_of(kind, value)
-    if is_table(inner) and isinstance(value, Mapping):
-        return _in_table(value, inner, path)
     for step, item, hint in _items(value, inner):
-        found = first_refusal(item, hint, (*path, step))
-        if found is not None:
-            return found
-    return _whole(value, kind, path)
+        if hint is None:
+            return Refusal(path, value, inner, unknown=str(step))
+        try:
+            msgspec.convert(item, hint)
+        except msgspec.ValidationError as error:
+            return first_refusal(item, hint, str(error), (*path, step))
+    if not is_table(inner):
+        return Refusal(path, value, kind, text=text)
+    required = [field.name for field in msgspec.structs.fields(inner) if field.required]
+    missing = next((name for name in required if name not in value), None)
+    return Refusal(path, value, inner, missing=missing, text=text)
 
 
 def is_table(kind: Any) -> bool:
@@ -87,69 +90,36 @@ def is_table(kind: Any) -> bool:
     return isinstance(kind, type) and issubclass(kind, msgspec.Struct)
 
 
-def may_be_table(kind: Any) -> bool:
-    """Whether a type, or one of a union, is a table of any kind."""
-    members = (kind, *typing.get_args(kind)) if _is_union(kind) else (kind,)
-    return any(is_table(item) or typing.get_origin(item) is dict for item in members)
-
-
 def member_of(kind: Any, value: object) -> Any:
-    """The type of a union that a value belongs to; the type itself if none does.
+    """The type of a table or list, or that of a union, which a table or list belongs to.
 
-    Args:
-        value: Plain data; a table belongs to the only table of the union.
+    Returns:
+        None if there is none, and of values that are neither.
     """
-    if typing.get_origin(kind) is Annotated and isinstance(value, Mapping | list):
+    if typing.get_origin(kind) is Annotated:
         kind = typing.get_args(kind)[0]
-    if not _is_union(kind):
-        return kind
-    members = typing.get_args(kind)
-    tables = [item for item in members if is_table(item)]
-    if isinstance(value, list):
-        return next((item for item in members if typing.get_origin(item) is tuple), kind)
-    return tables[0] if isinstance(value, Mapping) and len(tables) == 1 else kind
-
-
-def _in_table(value: Mapping[Any, object], kind: Any, path: tuple[Step, ...]) -> Refusal | None:
-    hints = typing.get_type_hints(kind, include_extras=True)
-    for key, item in value.items():
-        if key == kind.__struct_config__.tag_field:
-            continue
-        if key not in hints:
-            return Refusal(path, value, kind, unknown=key)
-        found = first_refusal(item, hints[key], (*path, key))
-        if found is not None:
-            return found
-    for field in msgspec.structs.fields(kind):
-        if field.required and field.name not in value:
-            return Refusal(path, value, kind, missing=field.name)
-    return _whole(value, kind, path)
-
-
-def _items(value: object, kind: Any) -> Iterator[tuple[Step, object, Any]]:
-    """Members of a list or of a table of names, with their types."""
-    hints = typing.get_args(kind)
-    origin = typing.get_origin(kind)
-    if isinstance(value, Mapping) and origin is dict:
-        yield from ((str(name), item, hints[1]) for name, item in value.items())
-    elif isinstance(value, list) and origin is tuple:
-        if hints[-1] is Ellipsis:
-            yield from ((place, item, hints[0]) for place, item in enumerate(value))
-        elif len(hints) == len(value):
-            yield from zip(range(len(value)), value, hints, strict=True)
-
-
-def _whole(value: object, kind: Any, path: tuple[Step, ...]) -> Refusal | None:
-    """Error of a table each of whose values is valid."""
-    try:
-        msgspec.convert(value, kind)
-    except msgspec.ValidationError as error:
-        return Refusal(path, value, kind, text=str(error))
+    union = typing.get_origin(kind) in (typing.Union, types.UnionType)
+    for member in typing.get_args(kind) if union else (kind,):
+        origin = typing.get_origin(member)
+        if isinstance(value, Mapping) and (is_table(member) or origin is dict):
+            return member
+        if isinstance(value, list) and origin is tuple:
+            return member
     return None
 
 
-def _is_union(kind: Any) -> bool:
-    return typing.get_origin(kind) in (typing.Union, types.UnionType)
+def _items(value: Any, kind: Any) -> Iterator[tuple[Step, object, Any]]:
+    """Members of a table or list with their types; None of a key that its table does not have."""
+    hints = typing.get_args(kind)
+    if is_table(kind):
+        tag, known = kind.__struct_config__.tag_field, typing.get_type_hints(kind, None, None, True)
+        yield from ((key, item, known.get(key)) for key, item in value.items() if key != tag)
+    elif typing.get_origin(kind) is dict:
+        yield from ((str(name), item, hints[1]) for name, item in value.items())
+    elif kind is not None and hints[-1] is Ellipsis:
+        yield from ((place, item, hints[0]) for place, item in enumerate(value))
+    elif kind is not None and len(hints) == len(value):
+        yield from zip(range(len(value)), value, hints, strict=True)
 
 
 _SECTIONS: dict[str, Any] = {
@@ -160,7 +130,7 @@ _SECTIONS: dict[str, Any] = {
     "initial": InitialDescription,
 }
 _LAWS: dict[str, Register[Any]] = {"drives": DRIVES, "forces": FORCES}
-_STOP_LAWS: dict[str, Register[Any]] = {"restitution_law": RESTITUTIONS, "adjusted": STOPS}
+_LAWS_OF_STOPS: dict[str, Register[Any]] = {"restitution_law": RESTITUTIONS, "adjusted": STOPS}
 _NOUNS: dict[Any, str] = {
     float: "a number",
     int: "a whole number",
@@ -181,26 +151,17 @@ def describe(data: Mapping[str, object], file: str) -> Description:
     _check_size(data, file)
     refuse_unusable(data, "", file)
     # Errors of single elements are reported before errors of the whole.
-    extended = {section: _entries(data, section, file) for section in _LAWS}
-    for section in _SECTIONS:
-        if section != "stops":
-            _entries(data, section, file)
-    extended["stops"] = _stops(data, file)
-    rest = {key: value for key, value in data.items() if key not in extended}
+    elements = {section: _entries(data, section, file) for section in (*_LAWS, *_SECTIONS)}
+    rest = {key: value for key, value in data.items() if key not in elements}
     whole: Description = converted(rest, Description, "", file)
-    return msgspec.structs.replace(whole, **extended)
+    return msgspec.structs.replace(whole, **elements)
 
 
 def describe_entry(data: Mapping[str, Any], section: str, name: str, file: str) -> Any:
-    """One spring, damper or stop of a document, as :func:`describe` gives it.
-
-    Raises:
-        ModelError: As of :func:`describe`.
-    """
+    """One entry of a section, as :func:`describe` gives it; errors as of that."""
     entry = {section: {name: data[section][name]}}
     refuse_unusable(entry, "", file)
-    found = _stops(entry, file) if section == "stops" else _entries(entry, section, file)
-    return found[name]
+    return _entries(entry, section, file)[name]
 
 
 def _check_size(data: Mapping[str, object], file: str) -> None:
@@ -211,26 +172,6 @@ def _check_size(data: Mapping[str, object], file: str) -> None:
         if isinstance(entries, Mapping | list) and len(entries) > most:
             value = f"{len(entries)} entries"
             raise ModelError(file=file, key=section, value=value, allowed=f"at most {most}")
-
-
-def _stops(data: Mapping[str, object], file: str) -> dict[str, StopDescription]:
-    """Convert the stops, each after the tables in it that have laws."""
-    entries = data.get("stops", {})
-    if not isinstance(entries, Mapping):
-        return _entries(data, "stops", file)
-    plain: dict[str, object] = {}
-    laws: dict[str, dict[str, Any]] = {}
-    for name, entry in entries.items():
-        plain[name] = entry
-        if isinstance(entry, Mapping):
-            laws[name] = {
-                key: _with_law(register, entry[key], f"stops.{name}.{key}", file)
-                for key, register in _STOP_LAWS.items()
-                if key in entry
-            }
-            plain[name] = {key: value for key, value in entry.items() if key not in laws[name]}
-    stops = _entries({"stops": plain}, "stops", file)
-    return {name: msgspec.structs.replace(stop, **laws[name]) for name, stop in stops.items()}
 
 
 def _with_law(register: Register[Any], entry: object, prefix: str, file: str) -> Any:
@@ -253,12 +194,18 @@ def _entries(data: Mapping[str, object], section: str, file: str) -> dict[str, A
     entries = data.get(section, {})
     if not isinstance(entries, Mapping):
         raise ModelError(file=file, key=section, value=entries, allowed="a table of tables")
-    return {
-        name: _with_law(_LAWS[section], entry, f"{section}.{name}", file)
-        if section in _LAWS
-        else converted(entry, _SECTIONS[section], f"{section}.{name}", file)
-        for name, entry in entries.items()
-    }
+    found: dict[str, Any] = {}
+    for name, entry in entries.items():
+        where = f"{section}.{name}"
+        if section in _LAWS:
+            found[name] = _with_law(_LAWS[section], entry, where, file)
+            continue
+        found[name] = converted(entry, _SECTIONS[section], where, file)
+        for key, register in _LAWS_OF_STOPS.items() if section == "stops" else ():
+            if (table := getattr(found[name], key)) is not None:
+                law = {key: _with_law(register, table, f"{where}.{key}", file)}
+                found[name] = msgspec.structs.replace(found[name], **law)
+    return found
 
 
 def kind_of_entry(section: str, entry: Mapping[str, object]) -> Any:
@@ -310,25 +257,19 @@ def refuse_unusable(value: object, path: str, file: str) -> None:
 
 
 def converted(value: object, kind: type[_T] | Any, prefix: str, file: str) -> _T:
-    """Convert one value of a document to a type.
+    """One value of a document as a type that ``msgspec.convert`` knows.
 
     Args:
-        kind: The type, for ``msgspec.convert``.
         prefix: Path of the value; "" for the whole document.
 
     Raises:
         ModelError: It does not fit; names key, value and choice.
     """
     try:
-        converted: _T = msgspec.convert(value, kind)
+        found: _T = msgspec.convert(value, kind)
     except msgspec.ValidationError as error:
-        refusal = first_refusal(value, kind)
-        if refusal is None:
-            raise ModelError(
-                file=file, key=prefix or "the file", value=value, allowed=str(error)
-            ) from error
-        raise _explain(refusal, prefix, file) from None
-    return converted
+        raise _explain(first_refusal(value, kind, str(error)), prefix, file) from None
+    return found
 
 
 def _explain(refusal: Refusal, prefix: str, file: str) -> ModelError:
