@@ -9,8 +9,8 @@ from .cylinder import (
     rad_s_from_rpm,
     within_turn,
 )
-from .drives.law import DriveLaw
 from .elements import Characteristic, Damper, Strut, TabulatedSpring
+from .laws import DriveLaw
 from .load import (
     collision_model,
     from_sources,

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
@@ -17,8 +16,8 @@ from ..terms.shown import counted
 from ..tolerances.mechanics import CURVE_DEPARTURE
 from ..units import MM_PER_M
 from .cylinder import Cylinder
-from .drives.law import DriveLaw, Geared
 from .elements import Damper, Strut, TabulatedSpring
+from .laws import DriveLaw, Geared, JointForce
 from .parts import (
     Closure,
     Coupling,
@@ -31,10 +30,6 @@ from .parts import (
     Stop,
 )
 from .scale import reach, unit_of, units_of
-
-if TYPE_CHECKING:
-    # Few machines have them.
-    from .forces.law import JointForce
 
 
 class Shared:

@@ -9,15 +9,11 @@ joint stands on its stop.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal, SupportsFloat
+from typing import Literal, SupportsFloat
 
 from ..arrays import FloatArray
 from ..errors import ImpactError
-from .drives.law import DriveLaw
-
-if TYPE_CHECKING:
-    # Few machines have them.
-    from .restitution.law import RestitutionLaw
+from .laws import DriveLaw, RestitutionLaw
 
 Simultaneous = Literal["newton", "sequential"]
 """Laws of impacts at several stops that touch."""

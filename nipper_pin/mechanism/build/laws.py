@@ -13,7 +13,7 @@ import numpy as np
 from ...errors import InputError, ModelError
 from ...tolerances.mechanics import DRIVE_REPEATS
 from ..cylinder import Cylinder
-from ..drives import DriveLaw, DriveTable, FollowingTable, OscillatingGuide
+from ..drives import DriveLaw, DriveTable, GearedDrive, OscillatingGuide
 from ..files.description import CylinderDescription, Description
 from ..files.register import DRIVES
 from ..parts import Joint
@@ -95,7 +95,7 @@ def _build(
         return laws[name]
     drive = drives[name]
     where = f"drives.{name}"
-    if isinstance(drive, FollowingTable):
+    if isinstance(drive, GearedDrive):
         hint = "(a joint that follows one without a drive has a <mimic> in the URDF)"
         named("drive", drive.of, drives, f"{file}: {where}.of {hint}")
         if drive.of in (*above, name):

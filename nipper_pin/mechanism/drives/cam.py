@@ -17,8 +17,8 @@ from ...errors import InputError
 from ...tolerances.mechanics import KNOT_ANGLE, TURN_ROUND_OFF
 from ...units import M_PER_MM
 from ..files.description import NotNegative, Positive
-from .law import Evaluation
-from .tables import AnyTable
+from ..files.law_tables import AnyTable
+from ..laws import Evaluation
 
 CamMotion = Literal["cycloidal", "modified_sine", "polynomial_345", "polynomial_4567"]
 

@@ -8,8 +8,8 @@ from typing import ClassVar
 import numpy as np
 
 from ...arrays import FloatArray
-from .law import Evaluation
-from .tables import ShaftTable
+from ..files.law_tables import ShaftTable
+from ..laws import Evaluation
 
 
 @dataclass(frozen=True, kw_only=True)

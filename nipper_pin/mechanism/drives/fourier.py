@@ -9,8 +9,8 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...units import M_PER_MM
-from .law import Evaluation
-from .tables import AnyTable
+from ..files.law_tables import AnyTable
+from ..laws import Evaluation
 
 
 @dataclass(frozen=True, kw_only=True)

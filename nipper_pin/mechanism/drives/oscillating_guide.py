@@ -12,8 +12,8 @@ from ...arrays import FloatArray
 from ...errors import InputError
 from ...units import M_PER_MM, MM_PER_M
 from ..files.description import PlanePoint, Positive
-from .law import Evaluation
-from .tables import ShaftTable
+from ..files.law_tables import ShaftTable
+from ..laws import Evaluation
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,8 +7,8 @@ from typing import ClassVar
 
 from ...units import M_PER_MM
 from ..files.description import Positive
+from ..files.law_tables import SLIDE, DriveTable
 from .constant_speed import ConstantSpeed
-from .tables import SLIDE, DriveTable
 
 
 class ScrewDrive(DriveTable, frozen=True, kw_only=True, tag="screw"):

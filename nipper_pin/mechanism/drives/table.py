@@ -15,9 +15,9 @@ from ...tolerances.mechanics import DRIVE_REPEATS
 from ...units import M_PER_MM
 from ..elements import wrong_rows
 from ..files.description import Name
+from ..files.law_tables import AnyTable
+from ..laws import Evaluation
 from ..scale import written
-from .law import Evaluation
-from .tables import AnyTable
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -14,13 +14,12 @@ from typing import Any, Generic, TypeVar
 
 from ...errors import InputError
 from .description import TomlTable
+from .law_tables import DriveTable, ForceTable, RestitutionTable, StopTable
 
 GROUP = "nipper_pin.extensions"
 """Entry points of installed packages; each names a module that registers laws when imported."""
 
 _MECHANISM = __package__.rpartition(".")[0]
-# Modules of a room that hold no law.
-_COMMON = {"law", "tables"}
 _T = TypeVar("_T", bound=type[TomlTable])
 
 
@@ -30,10 +29,10 @@ class Register(Generic[_T]):
     Args:
         noun: What they describe, for messages.
         room: Folder of the modules beside this one's.
-        base: Name of the class in its ``tables`` that each is derived from.
+        base: The class that each is derived from.
     """
 
-    def __init__(self, noun: str, room: str, base: str) -> None:
+    def __init__(self, noun: str, room: str, base: type[TomlTable]) -> None:
         """Start empty: laws of the package are imported when a model names them."""
         self._noun, self._room, self._base = noun, f"{_MECHANISM}.{room}", base
         self._added: dict[str, type[TomlTable]] = {}
@@ -48,11 +47,10 @@ class Register(Generic[_T]):
             InputError: It is no such table, or its name, or that of its law, belongs to another
                 one.
         """
-        base = getattr(import_module(f"{self._room}.tables"), self._base)
         tag = getattr(getattr(kind, "__struct_config__", None), "tag", None)
-        if not (isinstance(kind, type) and issubclass(kind, base) and isinstance(tag, str)):
+        if not (isinstance(kind, type) and issubclass(kind, self._base) and isinstance(tag, str)):
             message = (
-                f"{kind!r} is no table of a {self._noun}: derive it from {self._base} "
+                f"{kind!r} is no table of a {self._noun}: derive it from {self._base.__name__} "
                 'with frozen=True, kw_only=True and tag="name_of_the_law"'
             )
             raise InputError(message, kind=kind)
@@ -95,8 +93,7 @@ class Register(Generic[_T]):
         return found
 
     def _built_in(self) -> set[str]:
-        modules = pkgutil.iter_modules(import_module(self._room).__path__)
-        return {module.name for module in modules} - _COMMON
+        return {item.name for item in pkgutil.iter_modules(import_module(self._room).__path__)}
 
     def _table(self, name: str) -> type[TomlTable] | None:
         """The table of a law; None if there is none."""
@@ -154,13 +151,13 @@ def _import_extensions() -> None:
             raise InputError(message, extension=point.name) from error
 
 
-DRIVES: Register[Any] = Register("drive law", "drives", "DriveTable")
+DRIVES: Register[Any] = Register("drive law", "drives", DriveTable)
 """Drive laws."""
-FORCES: Register[Any] = Register("force law", "forces", "ForceTable")
+FORCES: Register[Any] = Register("force law", "forces", ForceTable)
 """Force laws."""
-RESTITUTIONS: Register[Any] = Register("restitution law", "restitution", "RestitutionTable")
+RESTITUTIONS: Register[Any] = Register("restitution law", "restitution", RestitutionTable)
 """Restitution laws."""
-STOPS: Register[Any] = Register("law of a stop's place", "stops", "StopTable")
+STOPS: Register[Any] = Register("law of a stop's place", "stops", StopTable)
 """Adjustable stops."""
 register_drive, register_force = DRIVES.add, FORCES.add
 register_restitution, register_stop = RESTITUTIONS.add, STOPS.add

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ..files.description import Damping
-from .tables import SLIDE, ForceTable
+from ..files.law_tables import SLIDE, ForceTable
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,25 +5,10 @@ here, named like the law, or a class in a user's own program that
 `register_restitution` makes known.
 """
 
-from typing import TYPE_CHECKING
-
-from ...first_use import at_first_use
-
-if TYPE_CHECKING:
-    from ..files.register import register_restitution
-    from .falling import Falling, FallingRestitution
-    from .law import RestitutionLaw
-    from .tables import RestitutionTable
-else:
-    # The tables import the parser of model files, which a built mechanism does not need.
-    _PLACES = {
-        ".files.register": ("register_restitution",),
-        "falling": ("Falling", "FallingRestitution"),
-        "law": ("RestitutionLaw",),
-        "tables": ("RestitutionTable",),
-    }
-    __getattr__ = at_first_use(__name__, _PLACES)
-
+from ..files.law_tables import RestitutionTable
+from ..files.register import register_restitution
+from ..laws import RestitutionLaw
+from .falling import Falling, FallingRestitution
 
 __all__ = [
     "Falling",

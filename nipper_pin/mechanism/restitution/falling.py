@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from ..files.description import Positive, Restitution
-from .tables import RestitutionTable
+from ..files.law_tables import RestitutionTable
 
 
 @dataclass(frozen=True, kw_only=True)

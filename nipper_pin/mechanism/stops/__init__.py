@@ -4,7 +4,7 @@ A module has the table of the model file that a place is found from. A new one i
 named like the law, or a class in a user's own program that `register_stop` makes known.
 """
 
+from ..files.law_tables import StopTable
 from ..files.register import register_stop
-from .tables import StopTable
 
 __all__ = ["StopTable", "register_stop"]

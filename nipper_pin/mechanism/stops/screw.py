@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...errors import InputError
 from ...units import M_PER_MM
-from .tables import StopTable
+from ..files.law_tables import StopTable
 
 
 class ScrewStop(StopTable, frozen=True, kw_only=True, tag="screw"):

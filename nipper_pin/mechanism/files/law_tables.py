@@ -1,11 +1,11 @@
-"""Common keys of the tables of drives in a model file."""
+"""Common keys of the tables of a model file that name a law."""
 
 from __future__ import annotations
 
 from typing import ClassVar
 
-from ..files.description import Name, NotNegative, Positive, TomlTable
-from .law import DriveLaw
+from ..laws import DriveLaw, ForceLaw, RestitutionLaw
+from .description import Name, NotNegative, Positive, TomlTable
 
 HINGE, SLIDE = "revolute", "prismatic"
 
@@ -69,19 +69,41 @@ class AnyTable(DriveTable, frozen=True, kw_only=True):
     reflected_mass_kg: Positive | None = None
 
 
-class FollowingTable(ShaftTable, frozen=True, kw_only=True):
-    """Keys of every drive that follows another one.
+class ForceTable(TomlTable, frozen=True, kw_only=True, tag_field="law"):
+    """Keys of every force element.
 
     Attributes:
-        of: Name of the other drive.
+        joint: Joint it acts on.
     """
 
-    of: Name
+    joint: Name
 
-    def build_on(self, other: DriveLaw) -> DriveLaw:
+    acts_on: ClassVar[tuple[str, ...]] = (HINGE, SLIDE)
+    """Kinds of joints that it acts on."""
+
+    def build(self, kind: str) -> ForceLaw:
         """Return the law in SI units.
 
+        Args:
+            kind: Kind of the joint, ``revolute`` or ``prismatic``.
+
         Raises:
-            InputError: The values make no law.
+            InputError: The values make no law; its evidence ``key`` names the key to change.
         """
+        raise NotImplementedError
+
+
+class RestitutionTable(TomlTable, frozen=True, kw_only=True, tag_field="law"):
+    """Restitution that depends on the rate of approach."""
+
+    def build(self, kind: str) -> RestitutionLaw:
+        """Return the law in SI units; argument and errors as of :meth:`ForceTable.build`."""
+        raise NotImplementedError
+
+
+class StopTable(TomlTable, frozen=True, kw_only=True, tag_field="law"):
+    """Coordinate at which a stop is closed, from its adjustment."""
+
+    def place(self, kind: str) -> float:
+        """Return that coordinate [m or rad]; argument and errors as of :meth:`ForceTable.build`."""
         raise NotImplementedError
