@@ -16,7 +16,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from nipper_pin.errors import UnknownNameError
-from nipper_pin.mechanism.files.urdf import edit
+from nipper_pin.mechanism.files import parse_xml
 from nipper_pin.mechanism.mechanism import Mechanism
 
 from .linkages import linkage
@@ -107,17 +107,15 @@ def _spring(rng: Generator) -> Draft:
 
 def _scaled(source: Source, factors: Mapping[str, tuple[float, float]]) -> Source:
     """Scale mass (first factor) and inertia (second one) of links, without their shape."""
-
-    def change(root: ElementTree.Element) -> None:
-        for link in root.iter("link"):
-            if link.get("name") in factors:
-                of_mass, of_inertia = factors[str(link.get("name"))]
-                for tag, factor in (("mass", of_mass), ("inertia", of_inertia)):
-                    for item in link.iter(tag):
-                        for key, value in item.attrib.items():
-                            item.set(key, repr(float(value) * factor))
-
-    urdf = edit(source.urdf, change, f"{source.name}.urdf")
+    root = parse_xml(source.urdf, f"{source.name}.urdf")
+    for link in root.iter("link"):
+        if link.get("name") in factors:
+            of_mass, of_inertia = factors[str(link.get("name"))]
+            for tag, factor in (("mass", of_mass), ("inertia", of_inertia)):
+                for item in link.iter(tag):
+                    for key, value in item.attrib.items():
+                        item.set(key, repr(float(value) * factor))
+    urdf = ElementTree.tostring(root, encoding="unicode")
     return Source(source.name, urdf, source.description, source.folder)
 
 

@@ -71,9 +71,7 @@ def load(model: str | Path = "e62", overrides: Mapping[str, object] | None = Non
     except AssemblyError as error:
         raise found.named(with_advice(error, overrides or {})) from None
     except InputError as error:
-        if found.own_names:
-            raise
-        raise found.named(error) from error
+        raise found.named(error) from None
 
 
 def need_mechanism(value: object, call: str) -> None:
@@ -176,7 +174,8 @@ def collision_model(mechanism: Mechanism) -> tuple[pin.GeometryModel, dict[str, 
     """
     # The URDF is read again here, and a run that looks at no shape needs no parser.
     from .build.tree import collision_geometry
-    from .files.urdf import check_urdf, parse_xml
+    from .files import parse_xml
+    from .files.urdf import check_urdf
 
     file, folder = f"{mechanism.name}.urdf", Path(mechanism.mesh_folder)
     urdf = check_urdf(parse_xml(mechanism.urdf, file), file, folder)

@@ -34,12 +34,6 @@ class ModelFiles:
         """The folder that both lie in, and meshes and tables with them."""
         return self.toml.parent
 
-    @property
-    def own_names(self) -> bool:
-        """True if the files are called like the model, as messages call them."""
-        urdf = f"{self.name}.urdf" if self.urdf is None else self.urdf.name
-        return (urdf, self.toml.name) == (f"{self.name}.urdf", f"{self.name}.toml")
-
     def named(self, error: InputError) -> InputError:
         """The error with the files called by their names."""
         names = {f"{self.name}.toml": self.toml.name}

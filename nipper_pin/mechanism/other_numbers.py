@@ -56,7 +56,7 @@ def numbers_of(mechanism: Mechanism, paths: Iterable[str]) -> tuple[float, ...]:
     for path in paths:
         if path.partition(".")[0] in HEADS:
             layout = layout or layout_of(mechanism)
-            found.append(read_dimension(layout, path, f"{mechanism.name}.urdf"))
+            found.append(read_dimension(layout, path))
         else:
             found.append(number_at(mechanism.description, path, f"{mechanism.name}.toml"))
     return tuple(found)

@@ -176,7 +176,7 @@ def test_placements_that_need_not_be_written(texts: tuple[dict[str, Any], str]) 
     for key, axis in (("xyz", "z"), ("rpy", "p")):
         path = f"urdf.joint.{joint}.origin.{key}.{axis}"
         layout = read_layout(parse_xml(bare, "model.urdf"), document, "model.urdf")
-        assert read_dimension(layout, path, "model.urdf") == 0.0
+        assert read_dimension(layout, path) == 0.0
         _, written = apply_overrides(document, bare, {path: 0.3}, "model.toml", "model.urdf")
         added = set(urdf_numbers(ElementTree.fromstring(written))) - set(urdf_numbers(root))
         assert (path, 0.3) in added
@@ -202,14 +202,14 @@ def test_every_mass_and_dimension(texts: tuple[dict[str, Any], str]) -> None:
     # Pins carry centres of mass along, so links are written by themselves.
     for head in ("links", "points"):
         chosen = [path for path in paths if path.startswith(head)]
-        own = {path: read_dimension(layout, path, "model.urdf") for path in chosen}
+        own = {path: read_dimension(layout, path) for path in chosen}
         wanted = {
             path: 1.01 * value + 1e-3 * (1.0 + i) for i, (path, value) in enumerate(own.items())
         }
         new, written = apply_overrides(document, urdf, wanted, "model.toml", "model.urdf")
         after = read_layout(parse_xml(written, "model.urdf"), new, "model.urdf")
         for path, value in wanted.items():
-            assert read_dimension(after, path, "model.urdf") == pytest.approx(value, rel=1e-12)
+            assert read_dimension(after, path) == pytest.approx(value, rel=1e-12)
 
 
 # A mass on a frame that is fixed beside its link.

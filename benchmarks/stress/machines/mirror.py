@@ -11,7 +11,7 @@ import copy
 from typing import Any
 from xml.etree import ElementTree
 
-from nipper_pin.mechanism.files.urdf import edit
+from nipper_pin.mechanism.files import parse_xml
 
 from .parts import Source
 
@@ -36,7 +36,7 @@ def mirrored(source: Source) -> Source | None:
         return None
     if any("contact" in stop for stop in description.get("stops", {}).values()):
         return None
-    root = ElementTree.fromstring(source.urdf)
+    root = parse_xml(source.urdf, f"{source.name}.urdf")
     turned = {
         joint.get("name", "") for joint in root.iter("joint")
         if joint.get("type") in ("continuous", "revolute")
@@ -65,7 +65,8 @@ def mirrored(source: Source) -> Source | None:
             for key in ("coordinate_deg", "torque_N_m", "coordinate_mm", "force_N"):
                 if key in spring:
                     spring[key] = [-value for value in reversed(spring[key])]
-    urdf = edit(source.urdf, _mirror, f"{source.name}.urdf")
+    _mirror(root)
+    urdf = ElementTree.tostring(root, encoding="unicode")
     return Source(source.name, urdf, description, source.folder)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 import numpy as np
 import pinocchio as pin
@@ -49,9 +49,12 @@ _OF_JOINT = {
 DYNAMICS = "<dynamics> of "
 """Prefix of the name of a damper from the URDF; the name of its joint follows."""
 
+_Entry = SpringDescription | DamperDescription
 _POINTS = ("frame_a", "frame_b")
-_SPRING_OF_POINTS = (*_POINTS, "stiffness_N_per_m", "free_length_mm")
-_DAMPER_OF_POINTS = (*_POINTS, "damping_N_s_per_m")
+_OF_POINTS = {
+    "spring": (*_POINTS, "stiffness_N_per_m", "free_length_mm"),
+    "damper": (*_POINTS, "damping_N_s_per_m"),
+}
 _TABLES = tuple(key for keys in _OF_JOINT.values() for key in keys.table)
 
 
@@ -77,10 +80,9 @@ def build_elements(
         UnknownNameError: A joint or frame does not exist.
         ModelError: Keys do not go together, or the values make no spring or damper.
     """
-    source = _Source(joints, model, file)
+    given: list[tuple[str, _Entry]] = [*description.springs.items(), *description.dampers.items()]
     found = [
-        *(_spring(source, name, item) for name, item in description.springs.items()),
-        *(_damper(source, name, item) for name, item in description.dampers.items()),
+        *(build_element(item, name, joints, model, file) for name, item in given),
         *(
             Damper(name=f"{DYNAMICS}{name}", index=joint.index, damping=urdf.joints[name].damping)
             for name, joint in joints.items()
@@ -93,41 +95,28 @@ def build_elements(
 
 
 def build_element(
-    entry: SpringDescription | DamperDescription,
+    entry: _Entry,
     name: str,
     joints: Mapping[str, Joint],
     model: pin.Model,
     file: str,
 ) -> Spring | TabulatedSpring | Damper | Strut:
     """Build one spring or damper; errors as of :func:`build_elements`."""
-    source = _Source(joints, model, file)
+    where = f"{'springs' if isinstance(entry, SpringDescription) else 'dampers'}.{name}"
+    if entry.frame_a is not None or entry.frame_b is not None:
+        return _strut(name, entry, model, where, file)
+    joint = _joint(entry, joints, where, file)
     if isinstance(entry, SpringDescription):
-        return _spring(source, name, entry)
-    return _damper(source, name, entry)
-
-
-class _Source(NamedTuple):
-    """What elements are built from."""
-
-    joints: Mapping[str, Joint]
-    model: pin.Model
-    file: str
+        return _spring(name, entry, joint, where, file)
+    key = _OF_JOINT[joint.kind].damper
+    _check_keys(entry, ("joint", key), joint, where, file)
+    return Damper(name=name, index=joint.index, damping=getattr(entry, key))
 
 
 def _spring(
-    source: _Source, name: str, spring: SpringDescription
-) -> Spring | TabulatedSpring | Strut:
-    """A linear spring or a table on a joint, or a linear spring between two points."""
-    where, file = f"springs.{name}", source.file
-    if _between_points(spring):
-        _check_keys(spring, _SPRING_OF_POINTS, None, where, file)
-        values = {
-            # The check above excludes None.
-            "stiffness": spring.stiffness_N_per_m or 0.0,
-            "free_length": M_PER_MM * (spring.free_length_mm or 0.0),
-        }
-        return _strut(source, "spring", name, spring, values)
-    joint = _joint(spring, source.joints, where, file)
+    name: str, spring: SpringDescription, joint: Joint, where: str, file: str
+) -> Spring | TabulatedSpring:
+    """A linear spring or a table on a joint."""
     keys = _OF_JOINT[joint.kind]
     if any(getattr(spring, key) for key in _TABLES):
         _check_keys(spring, ("joint", *keys.table), joint, where, file)
@@ -136,26 +125,6 @@ def _spring(
     _check_keys(spring, ("joint", *keys.linear), joint, where, file)
     stiffness, preload = (getattr(spring, key) for key in keys.linear)
     return Spring(name=name, index=joint.index, stiffness=stiffness, preload=keys.scale * preload)
-
-
-def _damper(source: _Source, name: str, damper: DamperDescription) -> Damper | Strut:
-    """A damper on a joint or between two points."""
-    where, file = f"dampers.{name}", source.file
-    if _between_points(damper):
-        _check_keys(damper, _DAMPER_OF_POINTS, None, where, file)
-        values = {"damping": damper.damping_N_s_per_m or 0.0}
-        return _strut(source, "damper", name, damper, values)
-    joint = _joint(damper, source.joints, where, file)
-    key = _OF_JOINT[joint.kind].damper
-    _check_keys(damper, ("joint", key), joint, where, file)
-    return Damper(name=name, index=joint.index, damping=getattr(damper, key))
-
-
-_Entry = SpringDescription | DamperDescription
-
-
-def _between_points(entry: _Entry) -> bool:
-    return entry.frame_a is not None or entry.frame_b is not None
 
 
 def _joint(entry: _Entry, joints: Mapping[str, Joint], where: str, file: str) -> Joint:
@@ -213,17 +182,20 @@ def _characteristic(
     return rows
 
 
-def _strut(
-    source: _Source,
-    kind: Literal["spring", "damper"],
-    name: str,
-    entry: _Entry,
-    values: Mapping[str, float],
-) -> Strut:
+def _strut(name: str, entry: _Entry, model: pin.Model, where: str, file: str) -> Strut:
     """An element between two points that can move and do not coincide at touch."""
-    where, (_, model, file) = f"{kind}s.{name}", source
+    kind: Literal["spring", "damper"] = (
+        "spring" if isinstance(entry, SpringDescription) else "damper"
+    )
+    _check_keys(entry, _OF_POINTS[kind], None, where, file)
     strut = Strut(
-        name=name, kind=kind, frame_a=entry.frame_a or "", frame_b=entry.frame_b or "", **values
+        name=name,
+        kind=kind,
+        frame_a=entry.frame_a or "",
+        frame_b=entry.frame_b or "",
+        stiffness=getattr(entry, "stiffness_N_per_m", 0.0),
+        free_length=M_PER_MM * getattr(entry, "free_length_mm", 0.0),
+        damping=getattr(entry, "damping_N_s_per_m", 0.0),
     )
     links = {frame.name: frame for frame in model.frames if frame.type == pin.FrameType.BODY}
     frames = [
@@ -263,6 +235,6 @@ def build_forces(
         if joint.kind not in table.acts_on:
             allowed = f"{kind} acts on a joint that is {' or '.join(table.acts_on)}"
             raise ModelError(file=file, key=f"{where}.joint", value=table.joint, allowed=allowed)
-        law = built(table.build, joint.kind, table, where, file, kind)
+        law = built(table.build, joint.kind, table, where, file)
         found.append(JointForce(name=name, kind=kind, index=joint.index, law=law))
     return tuple(found)

@@ -14,8 +14,9 @@ from ..drives import DriveLaw
 from ..files.describe import describe
 from ..files.description import Description
 from ..files.toml_text import need_plain_text
-from ..files.urdf import check_urdf, parse_xml
+from ..files.urdf import check_urdf
 from ..files.urdf_parts import Urdf, side_view_text
+from ..files.xml_text import parse_xml
 from ..mechanism import Mechanism
 from ..parallel import together
 from ..parts import Closure, Coupling, Drive, Joint, Phase, Stop

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import TypeVar
 
 from ...errors import InputError, ModelError, UnknownNameError
+from ..files.description import TomlTable
 
 _T = TypeVar("_T")
 
@@ -24,28 +25,20 @@ def named(kind: str, name: str, known: Mapping[str, _T], where: str) -> _T:
     return known[name]
 
 
-def built(
-    build: Callable[[str], _T],
-    kind: str,
-    table: object,
-    where: str,
-    file: str,
-    law: str | None = None,
-) -> _T:
+def built(build: Callable[[str], _T], kind: str, table: TomlTable, where: str, file: str) -> _T:
     """What a table with a law gives on a joint of a kind, in SI units.
 
     Args:
         where: Path of the table.
-        law: Value that is refused where the law does not say which key is wrong.
 
     Raises:
-        ModelError: The values of the table make nothing.
+        ModelError: The values of the table make nothing; names the law if that names no key.
     """
     try:
         return build(kind)
     except InputError as error:
         key = str(error.evidence.get("key", "law"))
-        value = getattr(table, key, law)
+        value = getattr(table, key, table.__struct_config__.tag)
         raise ModelError(
             file=file, key=f"{where}.{key}", value=value, allowed=error.message
         ) from error

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from ...errors import meant
-from .read import Drawn, Tree, grown, read
-from .urdf_text import LINE, ends_of, frame_name, urdf_text
+from .read import Tree, grown, read
+from .urdf_text import LINE, frame_name, urdf_text
 
 # Of a model's file, in the order in which they are written.
 _SECTIONS = ("drives", "springs", "dampers", "forces", "initial", "stops")
@@ -27,11 +27,11 @@ def document(tree: Tree) -> dict[str, Any]:
     """The TOML document of a drawing as plain data.
 
     Raises:
-        ModelError: A stop that is named does not exist, or the ends of a spring are none.
+        ModelError: A stop that is named does not exist, or nothing can move.
     """
     drawn = tree.drawn
     table, model = drawn.table, drawn.model
-    given = {section: _with_frames(drawn, section) for section in _SECTIONS}
+    given = {section: _with_frames(tree, section) for section in _SECTIONS}
     stops, springs = given.pop("stops"), given["springs"]
     struck = table.transition_stop or next(iter(stops), "")
     for key, names in (("closed", table.closed), ("transition_stop", (struck,) if struck else ())):
@@ -79,21 +79,20 @@ def document(tree: Tree) -> dict[str, Any]:
     return {key: value for key, value in found.items() if value or key == "gravity_m_s2"}
 
 
-def _with_frames(drawn: Drawn, section: str) -> dict[str, Any]:
+def _with_frames(tree: Tree, section: str) -> dict[str, Any]:
     """Entries of a section, the ends of springs and dampers as frames."""
+    drawn, found = tree.drawn, {}
     entries = drawn.model.get(section, {})
     if not isinstance(entries, Mapping):
         drawn.refuse(section, entries, "a table of tables")
-    found = {}
     for name, entry in entries.items():
         if not isinstance(entry, Mapping):
             drawn.refuse(f"{section}.{name}", entry, "a table")
-        found[name] = entry
-        if "ends" in entry:
-            ends = ends_of(drawn, entry["ends"], f"{section}.{name}.ends")
-            frames = [frame_name(*end) for end in ends]
-            rest = {key: value for key, value in entry.items() if key != "ends"}
-            found[name] = {**dict(zip(("frame_a", "frame_b"), frames, strict=True)), **rest}
+        found[name] = dict(entry)
+        if ends := tree.ends.get(f"{section}.{name}"):
+            first, second = (frame_name(*end) for end in ends)
+            found[name] = {"frame_a": first, "frame_b": second, **entry}
+            del found[name]["ends"]
     return found
 
 

@@ -246,12 +246,14 @@ class Tree:
         carried: Joints that carry a body, by their names, the frame's first.
         cut: Pins and slots that close loops, by their names.
         origins: Place of the frame of each link [mm].
+        ends: Link and point of both ends of springs and dampers between points, by their paths.
     """
 
     drawn: Drawn
     carried: dict[str, JointTable]
     cut: dict[str, JointTable]
     origins: dict[str, Place]
+    ends: dict[str, list[tuple[str, str]]]
 
 
 def grown(drawn: Drawn) -> Tree:
@@ -284,4 +286,23 @@ def grown(drawn: Drawn) -> Tree:
         if joint.slide and name in cut:
             allowed = "a slide that carries its child: only pins and slots close loops"
             drawn.refuse(f"joints[{number}].slide", name, allowed)
-    return Tree(drawn, carried, cut, origins)
+    return Tree(drawn, carried, cut, origins, _ends(drawn))
+
+
+def _ends(drawn: Drawn) -> dict[str, list[tuple[str, str]]]:
+    found = {}
+    for section in ("springs", "dampers"):
+        entries = drawn.model.get(section)
+        for name, entry in entries.items() if isinstance(entries, Mapping) else ():
+            if not (isinstance(entry, Mapping) and "ends" in entry):
+                continue
+            key, ends = f"{section}.{name}.ends", entry["ends"]
+            words = [str(end).split() for end in ends] if isinstance(ends, list | tuple) else []
+            if [len(item) for item in words] != [2, 2]:
+                allowed = 'two texts of a link and a point, as in ["jaw E", "frame O"]'
+                drawn.refuse(key, ends, allowed)
+            for link, point in words:
+                drawn.link(link, key)
+                drawn.place(point, key)
+            found[f"{section}.{name}"] = [(link, point) for link, point in words]
+    return found

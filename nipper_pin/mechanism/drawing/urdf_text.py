@@ -5,7 +5,7 @@ What is only seen is bars between points, blocks, and the ground under fixed pin
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from itertools import pairwise
 from math import atan2, pi, radians, tau
 from xml.sax.saxutils import quoteattr
@@ -14,7 +14,7 @@ from ...units import M_PER_MM
 from .layout import FRAME, JointTable
 from .mass import mass_of
 from .points import Place, direction, distance, place, vector
-from .read import Drawn, Tree
+from .read import Tree
 
 LINE = "{}_line"
 """Name of the frame of a slot, by the slot's name."""
@@ -25,34 +25,8 @@ def frame_name(link: str, point: str) -> str:
     return f"{link}_{point.replace('/', '_')}"
 
 
-def ends_of(drawn: Drawn, ends: object, key: str) -> list[tuple[str, str]]:
-    """Link and point of both ends of a spring or damper between points.
-
-    Raises:
-        ModelError: They are no two texts of a link and a point each.
-    """
-    words = [str(end).split() for end in ends] if isinstance(ends, list | tuple) else []
-    if [len(item) for item in words] != [2, 2]:
-        drawn.refuse(key, ends, 'two texts of a link and a point, as in ["jaw E", "frame O"]')
-    for link, point in words:
-        drawn.link(link, key)
-        drawn.place(point, key)
-    return [(link, point) for link, point in words]
-
-
-def _ties(drawn: Drawn) -> list[tuple[str, str]]:
-    """Links and points of the springs and dampers between points."""
-    found: list[tuple[str, str]] = []
-    for section in ("springs", "dampers"):
-        entries = drawn.model.get(section)
-        for name, entry in entries.items() if isinstance(entries, Mapping) else ():
-            if isinstance(entry, Mapping) and "ends" in entry:
-                found += ends_of(drawn, entry["ends"], f"{section}.{name}.ends")
-    return found
-
-
 def urdf_text(tree: Tree) -> str:
-    """The URDF of a drawing; errors as of :func:`ends_of`."""
+    """The URDF of a drawing."""
     drawn = tree.drawn
     lines = [
         '<?xml version="1.0"?>',
@@ -74,7 +48,7 @@ def urdf_text(tree: Tree) -> str:
         for link in (cut.child,) if cut.slot else (cut.parent, cut.child):
             name = frame_name(link, cut.point)
             frames[name] = _frame(tree, name, link, cut.point)
-    for link, point in _ties(drawn):
+    for link, point in (end for ends in tree.ends.values() for end in ends):
         frames[frame_name(link, point)] = _frame(tree, frame_name(link, point), link, point)
     return "\n".join([*lines, *frames.values(), "</robot>", ""])
 

@@ -26,9 +26,9 @@ from ...arrays import FloatArray
 from ...errors import AssemblyError, ModelError, UnknownNameError
 from ...tolerances.mechanics import ASSEMBLY_TOLERANCE_M, IN_PLANE_RAD, ROUNDED_SHARE
 from ...units import M_PER_MM, MM_PER_M
-from ..files.urdf_values import numbers, origin, rotation_from_rpy
+from ..files.urdf_values import origin, rotation_from_rpy
 from ..scale import written
-from .paths import find_value, steps_of
+from .paths import UrdfValue, find_value, steps_of
 from .points import Layout, move_points, read_layout, write_origin
 
 HEADS = ("points", "links", "urdf")
@@ -79,26 +79,27 @@ def change_dimensions(
     found = read_layout(root, document, file)
     open_before = found.gaps(document)
     if points:
-        changed = move_points(found, document, _places(found, points), file)
+        changed = move_points(found, document, _places(found, points))
     for path, value in values.items():
         if steps_of(path)[0] == "urdf":
             find_value(root, path).write(value, path, file)
     if len(links) < len(values):
         found = read_layout(root, document, file)
-        _check_closed(open_before, found, document, file)
+        _check_closed(open_before, found, document)
     for link, new in links.items():
-        _change_link(found, link, new, file)
+        _change_link(found, link, new)
     return changed
 
 
 def _check_closed(
-    before: Mapping[str, FloatArray], found: Layout, document: Mapping[str, Any], file: str
+    before: Mapping[str, FloatArray], found: Layout, document: Mapping[str, Any]
 ) -> None:
     """Refuse changes that open a closure by so little that it would be closed as if by rounding.
 
     What a change opens by more is refused where the mechanism is built.
     """
-    size = sum(float(np.linalg.norm(origin(joint, "", file)[0])) for joint in found.order) or 1.0
+    origins = (origin(joint, "", found.file)[0] for joint in found.order)
+    size = sum(float(np.linalg.norm(xyz)) for xyz in origins) or 1.0
     within_m, seen_m = ASSEMBLY_TOLERANCE_M * written(size), _SEEN * ROUNDED_SHARE * size
     for name, gap in found.gaps(document).items():
         opened, was = float(np.linalg.norm(gap)), float(np.linalg.norm(before[name]))
@@ -106,7 +107,7 @@ def _check_closed(
             x, z = MM_PER_M * gap
             ends = document["closures"][name]
             raise AssemblyError(
-                file=file,
+                file=found.file,
                 key=f"closures.{name}",
                 value=f"a gap of {MM_PER_M * opened:.6g} mm (x {x:.6g}, z {z:.6g}) from "
                 f"{ends['frame_a']} to {ends['frame_b']}",
@@ -115,7 +116,7 @@ def _check_closed(
             )
 
 
-def read_dimension(found: Layout, path: str, file: str) -> float:
+def read_dimension(found: Layout, path: str) -> float:
     """Read a number of a URDF.
 
     Args:
@@ -127,7 +128,7 @@ def read_dimension(found: Layout, path: str, file: str) -> float:
     """
     head = steps_of(path)[0]
     if head == "urdf":
-        return find_value(found.root, path).read(path, file)
+        return find_value(found.root, path).read(path, found.file)
     if head == "points":
         name, key = _split(path, (*_CARTESIAN, *_POLAR), "coordinate")
         if key in _POLAR:
@@ -136,13 +137,13 @@ def read_dimension(found: Layout, path: str, file: str) -> float:
     name, key = _split(path, _LINK, "value of a link")
     inertial = found.inertial(name, path)
     if key in _COM:
-        xyz, _ = origin(inertial, path, file)
+        xyz, _ = origin(inertial, path, found.file)
         world = found.place[name] + found.turn[name] @ xyz
         return float(MM_PER_M * world[_COM[key]])
     if key == _GYRATION:
-        mass, inertia = (_number(found, name, item, path, file) for item in _MASS)
+        mass, inertia = (_inertia(found, name, item, path).read(path, found.file) for item in _MASS)
         return MM_PER_M * math.sqrt(inertia / mass)
-    return _number(found, name, key, path, file)
+    return _inertia(found, name, key, path).read(path, found.file)
 
 
 def _split(path: str, known: Sequence[str], kind: str) -> tuple[str, str]:
@@ -197,57 +198,46 @@ def _polar(found: Layout, name: str) -> tuple[float, float]:
     return math.hypot(x - hinge_x, z - hinge_z), angle
 
 
-def _change_link(found: Layout, link: str, new: Mapping[str, float], file: str) -> None:
+def _change_link(found: Layout, link: str, new: Mapping[str, float]) -> None:
     """Write mass, inertia and centre of mass of a link."""
     inertial = found.inertial(link, f"links.{link}.{next(iter(new))}")
     if _GYRATION in new and "inertia_kg_m2" in new:
         allowed = f"one of {_GYRATION} and inertia_kg_m2"
         value = new[_GYRATION]
-        raise ModelError(file=file, key=f"links.{link}", value=value, allowed=allowed)
+        raise ModelError(file=found.file, key=f"links.{link}", value=value, allowed=allowed)
     if set(_COM) & set(new):
-        xyz, _ = origin(inertial, f"link {link} inertial", file)
+        xyz, _ = origin(inertial, f"link {link} inertial", found.file)
         world = found.place[link] + found.turn[link] @ xyz
         for key, axis in _COM.items():
             world[axis] = M_PER_MM * new[key] if key in new else world[axis]
         write_origin(inertial, found.turn[link].T @ (world - found.place[link]), None)
     for key in _MASS:
         if key in new:
-            _write_number(found, link, key, new[key], f"links.{link}.{key}", file)
+            path = f"links.{link}.{key}"
+            _inertia(found, link, key, path).write(new[key], path, found.file)
     if _GYRATION in new:
         path = f"links.{link}.{_GYRATION}"
-        mass = _number(found, link, "mass_kg", path, file)
+        mass = _inertia(found, link, "mass_kg", path).read(path, found.file)
         inertia = mass * (M_PER_MM * new[_GYRATION]) ** 2
-        _write_number(found, link, "inertia_kg_m2", inertia, path, file)
+        _inertia(found, link, "inertia_kg_m2", path).write(inertia, path, found.file)
 
 
-def _number(found: Layout, link: str, key: str, path: str, file: str) -> float:
-    """Read mass or inertia."""
-    element, attribute = _place_of(found, link, key, path, file)
-    return float(numbers(element, attribute, 1, None, path, file)[0])
-
-
-def _write_number(found: Layout, link: str, key: str, value: float, path: str, file: str) -> None:
-    """Write mass or inertia."""
-    element, attribute = _place_of(found, link, key, path, file)
-    element.set(attribute, repr(float(value)))
-
-
-def _place_of(
-    found: Layout, link: str, key: str, path: str, file: str
-) -> tuple[ElementTree.Element, str]:
-    """Element and attribute that hold mass or inertia of a link."""
+def _inertia(found: Layout, link: str, key: str, path: str) -> UrdfValue:
+    """Where mass or inertia of a link stand."""
     inertial = found.inertial(link, path)
     tag = "mass" if key == "mass_kg" else "inertia"
     element = inertial.find(tag)
     if element is None:
-        raise ModelError(file=file, key=path, value=None, allowed=f"the link has no <{tag}>")
+        allowed = f"the link has no <{tag}>"
+        raise ModelError(file=found.file, key=path, value=None, allowed=allowed)
     if tag == "mass":
-        return element, "value"
-    _, rpy = origin(inertial, path, file)
+        return UrdfValue(element, "value", None)
+    _, rpy = origin(inertial, path, found.file)
     # The axis across the plane in those of the inertia, which may be turned in the plane.
     across = np.abs((found.turn[link] @ rotation_from_rpy(rpy))[1])
     place = int(np.argmax(across))
     if across[place] < math.cos(IN_PLANE_RAD):
         allowed = "an inertia whose axes are in the plane or across it; urdf. paths change others"
-        raise ModelError(file=file, key=path, value=rpy.tolist(), allowed=allowed)
-    return element, _ALONG[place]
+        raise ModelError(file=found.file, key=path, value=rpy.tolist(), allowed=allowed)
+    element.attrib.setdefault(_ALONG[place], "0")
+    return UrdfValue(element, _ALONG[place], None)

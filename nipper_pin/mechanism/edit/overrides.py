@@ -11,7 +11,7 @@ from ...errors import ModelError, UnknownNameError
 from ...units import DEG_PER_TURN
 from ..files.csv_tables import inline_tables
 from ..files.describe import describe
-from ..files.urdf import parse_xml
+from ..files.xml_text import parse_xml
 from .dimensions import HEADS, change_dimensions
 from .paths import UNWRITTEN, in_unit_of, number_at, number_from, replace_value, steps_of
 

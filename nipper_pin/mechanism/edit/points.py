@@ -32,7 +32,7 @@ from ...errors import ModelError, UnknownNameError
 from ...tolerances.mechanics import COINCIDENT_M
 from ...units import M_PER_MM, MM_PER_M
 from ..files.urdf_parts import JointAxis, nearest_plane, upright
-from ..files.urdf_values import numbers, origin, rotation_from_rpy
+from ..files.urdf_values import finite, origin, rotation_from_rpy
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,6 +40,7 @@ class Layout:
     """Places of links and points at touch, in the world of the side view.
 
     Attributes:
+        file: Name of the URDF, for messages.
         order: Joint elements, parents before children.
         place: World place of every link frame [m], shape (3,) each.
         turn: World rotation of every link frame, shape (3, 3) each.
@@ -49,6 +50,7 @@ class Layout:
     """
 
     root: ElementTree.Element
+    file: str
     order: tuple[ElementTree.Element, ...]
     place: dict[str, FloatArray]
     turn: dict[str, FloatArray]
@@ -175,6 +177,7 @@ def read_layout(root: ElementTree.Element, document: Mapping[str, object], file:
         turn = {link: plane.axes @ rotation for link, rotation in turn.items()}
     return Layout(
         root=root,
+        file=file,
         order=tuple(order),
         place=place,
         turn=turn,
@@ -192,7 +195,7 @@ def _axes(
         name, kind, axis = element_name(joint), joint.get("type"), joint.find("axis")
         local = np.array([1.0, 0.0, 0.0])
         if axis is not None:
-            local = numbers(axis, "xyz", 3, "1 0 0", f"joint {name} axis", file)
+            local = np.array(finite(axis, "xyz", 3, "1 0 0", f"joint {name} axis", file))
         length = np.linalg.norm(local)
         if kind != "fixed" and length > 0.0:
             direction = turn[end(joint, "child")] @ local / length
@@ -242,7 +245,6 @@ def move_points(
     found: Layout,
     document: Mapping[str, object],
     places_mm: Mapping[str, tuple[float, float]],
-    file: str,
 ) -> dict[str, object]:
     """Move points of a model.
 
@@ -258,7 +260,7 @@ def move_points(
         UnknownNameError: There is no such point.
         ModelError: Two places are given for one pin.
     """
-    shifts = _shifts(found, places_mm, file)
+    shifts = _shifts(found, places_mm)
     if not shifts:
         return dict(document)
     pins = _pins(found)
@@ -277,18 +279,16 @@ def move_points(
             axis = joint.find("axis")
             if axis is not None:
                 key = f"joint {element_name(joint)} axis"
-                old = numbers(axis, "xyz", 3, "1 0 0", key, file)
+                old = finite(axis, "xyz", 3, "1 0 0", key, found.file)
                 new = found.turn[child].T @ swings[parent].turn @ found.turn[child] @ old
                 axis.set("xyz", text_of(new))
         write_origin(joint, found.turn[parent].T @ (place[child] - place[parent]), None)
     for link in found.root.findall("link"):
-        _carry(link, found, place, swings.get(element_name(link)), file)
+        _carry(link, found, place, swings.get(element_name(link)))
     return _with_guides(document, found, place)
 
 
-def _shifts(
-    found: Layout, places_mm: Mapping[str, tuple[float, float]], file: str
-) -> dict[str, FloatArray]:
+def _shifts(found: Layout, places_mm: Mapping[str, tuple[float, float]]) -> dict[str, FloatArray]:
     """Displacement [m] of every link frame that stands in a moved point."""
     shifts: dict[str, FloatArray] = {}
     asked: dict[str, FloatArray] = {}
@@ -303,8 +303,9 @@ def _shifts(
                 np.abs(shifts.get(link, shift) - shift), np.abs(asked.get(link, place) - place)
             )
             if apart.max() > COINCIDENT_M:
-                allowed = f"one place for the points {', '.join(found.meeting[point])}: one pin"
-                raise ModelError(file=file, key=f"points.{point}", value=[x, z], allowed=allowed)
+                key, names = f"points.{point}", ", ".join(found.meeting[point])
+                allowed = f"one place for the points {names}: one pin"
+                raise ModelError(file=found.file, key=key, value=[x, z], allowed=allowed)
             shifts[link], asked[link] = shift, place
     return {link: shift for link, shift in shifts.items() if shift.any()}
 
@@ -372,7 +373,6 @@ def _carry(
     found: Layout,
     place: Mapping[str, FloatArray],
     swing: _Swing | None,
-    file: str,
 ) -> None:
     """Write where mass and shapes of a link stand in its moved frame."""
     name = element_name(link)
@@ -381,7 +381,7 @@ def _carry(
         return
     for part in _PARTS:
         for element in link.findall(part):
-            xyz, rpy = origin(element, f"link {name} {part}", file)
+            xyz, rpy = origin(element, f"link {name} {part}", found.file)
             world = found.place[name] + turn @ xyz
             angles = None
             if swing is not None:

@@ -3,9 +3,9 @@
 from .describe import Refusal, first_refusal, member_of
 from .description import Positive, Restitution
 from .toml_text import need_plain_text, read_toml, toml
-from .urdf import parse_xml
 from .urdf_shapes import check_corners, check_size, mesh_path, path_inside
-from .urdf_values import numbers, origin, rotation_from_rpy
+from .urdf_values import finite, origin, rotation_from_rpy
+from .xml_text import parse_xml
 
 __all__ = [
     "Positive",
@@ -13,11 +13,11 @@ __all__ = [
     "Restitution",
     "check_corners",
     "check_size",
+    "finite",
     "first_refusal",
     "member_of",
     "mesh_path",
     "need_plain_text",
-    "numbers",
     "origin",
     "parse_xml",
     "path_inside",

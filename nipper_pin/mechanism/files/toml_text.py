@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import re
 from collections.abc import Mapping
 from numbers import Real
@@ -14,14 +13,7 @@ from ...errors import ModelError
 
 
 def plain(data: Any) -> Any:
-    """The same data, its numbers and arrays being those of Python.
-
-    Args:
-        data: Dataclasses, tables, lists, texts and numbers of any kind, in one another.
-    """
-    if dataclasses.is_dataclass(data) and not isinstance(data, type):
-        fields = {item.name: getattr(data, item.name) for item in dataclasses.fields(data)}
-        return type(data)(**{name: plain(value) for name, value in fields.items()})
+    """The same tables and lists, their numbers and arrays being those of Python."""
     if isinstance(data, np.generic) or (isinstance(data, np.ndarray) and not data.ndim):
         return data.item()
     if isinstance(data, np.ndarray):

@@ -13,9 +13,7 @@ from ...errors import ModelError, UnknownNameError
 from .toml_text import NAMES, is_name
 from .urdf_parts import Mimic, Plane, Urdf, UrdfJoint, UrdfLink, in_side_view
 from .urdf_shapes import check_colours, read_shapes
-from .urdf_values import check_limits, finite, numbers, placement, read_damping, read_inertial
-from .xml_text import edit as edit
-from .xml_text import parse_xml as parse_xml
+from .urdf_values import check_limits, finite, placement, read_damping, read_inertial
 
 # Parsers of URDF call themselves for each joint in a row.
 _DEEPEST = 500
@@ -130,17 +128,16 @@ def _read_axis(
     element: ElementTree.Element, kind: str, key: str, file: str
 ) -> tuple[tuple[float, float, float], object]:
     """Axis of a joint, of any length, and how the file has it; zero of a fixed joint."""
-    axis = element.find("axis")
-    if axis is None and kind != "fixed":
-        return (1.0, 0.0, 0.0), "none, which means 1 0 0"
-    value = np.zeros(3) if axis is None else numbers(axis, "xyz", 3, "1 0 0", f"{key} axis", file)
+    axis, value = element.find("axis"), [1.0, 0.0, 0.0]
+    if axis is not None:
+        value = finite(axis, "xyz", 3, "1 0 0", f"{key} axis", file)
     if kind == "fixed":
         return (0.0, 0.0, 0.0), None
-    if not value.any():
+    if not any(value):
         allowed = "an axis has a direction"
-        raise ModelError(file=file, key=f"{key} axis", value=value.tolist(), allowed=allowed)
-    x, y, z = value.tolist()
-    return (x, y, z), value.tolist()
+        raise ModelError(file=file, key=f"{key} axis", value=value, allowed=allowed)
+    x, y, z = value
+    return (x, y, z), "none, which means 1 0 0" if axis is None else value
 
 
 def _read_mimic(element: ElementTree.Element, key: str, file: str) -> Mimic | None:

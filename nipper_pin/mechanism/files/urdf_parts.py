@@ -66,58 +66,36 @@ class Plane:
         return float(self.axes[2, 2])
 
 
-def find_plane(axes: Sequence[JointAxis], file: str) -> Plane:
-    """Find the plane that all joints move in.
-
-    Raises:
-        ModelError: There is none; names the joint that leaves the plane of most others.
-    """
-    normal, off = _nearest(axes)
-    if off.max() > IN_PLANE_RAD:
-        raise _spatial(axes, off, normal, file)
-    return Plane(_side_view(normal), float(off.max()))
-
-
 def nearest_plane(axes: Sequence[JointAxis]) -> Plane:
     """The plane that most joints move in."""
-    normal, off = _nearest(axes)
-    return Plane(_side_view(normal), float(off.max()))
-
-
-def _nearest(axes: Sequence[JointAxis]) -> tuple[FloatArray, FloatArray]:
-    """Direction across the plane that most joints move in, and the angle by which each misses it.
-
-    Angles [rad] have shape (joints,), or (1,) without any joint.
-    """
     if not axes:
-        return _Y, np.zeros(1)
-    directions = np.array([item.axis for item in axes])
-    turns = np.array([item.turns for item in axes])
-    best, least = (_Y, np.zeros(1)), len(axes) + 1
-    for candidate in _candidates(directions, turns):
-        off = _off(directions, turns, candidate)
-        outside = int(np.count_nonzero(off > IN_PLANE_RAD))
+        return Plane(np.eye(3))
+    normal, least = _Y, len(axes) + 1
+    for candidate in _candidates(axes):
+        outside = int(np.count_nonzero(_off(axes, candidate) > IN_PLANE_RAD))
         if outside < least:
-            best, least = (candidate, off), outside
+            normal, least = candidate, outside
         if not outside:
             break
-    return best
+    return Plane(_side_view(normal), float(_off(axes, normal).max()))
 
 
-def _off(directions: FloatArray, turns: FloatArray, normal: FloatArray) -> FloatArray:
-    """Angle by which each axis misses the plane [rad]."""
+def _off(axes: Sequence[JointAxis], normal: FloatArray) -> FloatArray:
+    """Angle by which each axis misses the plane across a direction [rad], shape (joints,)."""
+    directions = np.array([item.axis for item in axes])
+    turns = np.array([item.turns for item in axes])
     along = directions @ normal
     across = np.linalg.norm(directions - along[:, None] * normal, axis=1)
     angles: FloatArray = np.arcsin(np.clip(np.where(turns, across, np.abs(along)), 0.0, 1.0))
     return angles
 
 
-def _candidates(directions: FloatArray, turns: FloatArray) -> list[FloatArray]:
+def _candidates(axes: Sequence[JointAxis]) -> list[FloatArray]:
     """Directions that may be across the plane, the likeliest first."""
     found: list[FloatArray] = []
-    hinges = directions[turns]
+    hinges = np.array([item.axis for item in axes if item.turns])
     if not len(hinges):
-        slides = directions
+        slides = [item.axis for item in axes]
         # One direction of sliding: the upright plane through it, or x-z.
         across = [np.cross(slides[0], other) for other in (*slides[1:], _UP)]
         hinges = np.array([_Y, *(item for item in across if np.linalg.norm(item) > IN_PLANE_RAD)])
@@ -150,10 +128,10 @@ def _side_view(normal: FloatArray) -> FloatArray:
     return np.array([sense * right, sense * normal, up]) + 0.0
 
 
-def _spatial(
-    axes: Sequence[JointAxis], off: FloatArray, normal: FloatArray, file: str
-) -> ModelError:
+def _spatial(axes: Sequence[JointAxis], plane: Plane, file: str) -> ModelError:
     """The error of a machine that is not planar."""
+    normal = plane.axes[1]
+    off = _off(axes, normal)
     item = axes[int(np.argmax(off > IN_PLANE_RAD))]
     inside = [other.joint for other, angle in zip(axes, off, strict=True) if angle <= IN_PLANE_RAD]
     others = ", ".join(inside[:3]) + (f" and {len(inside) - 3} more" if len(inside) > 3 else "")
@@ -279,7 +257,10 @@ def in_side_view(urdf: Urdf, file: str) -> Urdf:
     world = {urdf.root: np.eye(3)}
     for joint in joints:
         world[joint.child] = world[joint.parent] @ joint.placement.rotation
-    plane = find_plane(_axes(urdf, world), file)
+    axes = _axes(urdf, world)
+    plane = nearest_plane(axes)
+    if plane.off_rad > IN_PLANE_RAD:
+        raise _spatial(axes, plane, file)
     if plane.turned:
         world = {link: plane.axes @ rotation for link, rotation in world.items()}
     # Frames here in the frames of the file; the others stay.

@@ -21,18 +21,6 @@ _INFINITE = re.compile(r"[+-]?inf(?:inity)?", re.IGNORECASE)
 _HALF_TURNS = {("rad", "pi"), ("rad", "-pi")}
 
 
-def numbers(
-    element: ElementTree.Element,
-    attribute: str,
-    count: int,
-    default: str | None,
-    key: str,
-    file: str,
-) -> FloatArray:
-    """Read an attribute of finite numbers."""
-    return np.array(finite(element, attribute, count, default, key, file))
-
-
 def finite(
     element: ElementTree.Element,
     attribute: str,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import codecs
 import re
-from collections.abc import Callable
 from typing import NoReturn
 from xml.etree import ElementTree
 
@@ -113,14 +112,3 @@ def _call_it_xacro(value: str, file: str) -> NoReturn:
         "'xacro MODEL.urdf.xacro -o MODEL.urdf'"
     )
     raise ModelError(file=file, key="xacro", value=value, allowed=allowed)
-
-
-def edit(text: str, change: Callable[[ElementTree.Element], None], file: str) -> str:
-    """Apply a change to URDF text, comments kept.
-
-    Args:
-        change: Called with the ``robot`` element.
-    """
-    root = parse_xml(text, file)
-    change(root)
-    return ElementTree.tostring(root, encoding="unicode")

@@ -9,9 +9,8 @@ from xml.etree import ElementTree
 
 from ...errors import NipperError
 from ...hybrid import Solution
-from ...mechanism import Mechanism
-from ...mechanism.edit import Layout, read_dimension, read_layout
-from ...mechanism.files import parse_xml
+from ...mechanism import Mechanism, layout_of
+from ...mechanism.edit import Layout, read_dimension
 from ...tolerances.study import SAME_DIMENSION
 
 # Texts about a model, and settings of a run that change none of its numbers.
@@ -90,7 +89,7 @@ def _dimensions(a: Mechanism, b: Mechanism) -> Iterator[Change]:
     """Points and masses of links that both machines have, each pin once."""
     if a.urdf == b.urdf:
         return
-    one, other = _layout(a), _layout(b)
+    one, other = layout_of(a), layout_of(b)
     pins = [name for name in one.points if name == one.meeting[name][0]]
     paths = [f"points.{name}.{key}" for name in pins if name in other.points for key in _POINT]
     paths += [f"links.{name}.{key}" for name in a.links if name in b.links for key in _LINK]
@@ -104,14 +103,9 @@ def _dimensions(a: Mechanism, b: Mechanism) -> Iterator[Change]:
         yield Change("shapes of the links", "as in its URDF", "as in its URDF")
 
 
-def _layout(mechanism: Mechanism) -> Layout:
-    file = f"{mechanism.name}.urdf"
-    return read_layout(parse_xml(mechanism.urdf, file), mechanism.description, file)
-
-
 def _number(layout: Layout, path: str) -> float | None:
     try:
-        return read_dimension(layout, path, path)
+        return read_dimension(layout, path)
     except NipperError:
         # A link without a mass has none of these numbers.
         return None

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from ...arrays import FloatArray
 from ...mechanism import Mechanism, joint_placements, own_frame
 from ...mechanism.drives import OscillatingGuide
-from ...mechanism.files import mesh_path, numbers, origin, parse_xml, path_inside, rotation_from_rpy
+from ...mechanism.files import finite, mesh_path, origin, parse_xml, path_inside, rotation_from_rpy
 from .colours import link_colour
 from .meshes import mesh_of
 
@@ -137,9 +137,9 @@ def _shapes(
             if not (folder / path_inside(filename, key, file)).is_file():
                 continue
             path = mesh_path(filename, folder, key, file)
-            scale = numbers(shape, "scale", 3, "1 1 1", f"{key} scale", file)
+            scale = np.array(finite(shape, "scale", 3, "1 1 1", f"{key} scale", file))
         elif shape.tag == "box":
-            sizes = numbers(shape, "size", 3, None, key, file)
+            sizes = np.array(finite(shape, "size", 3, None, key, file))
         else:
             attributes = ("radius", "length") if shape.tag == "cylinder" else ("radius",)
             sizes = np.array([float(shape.get(item, "nan")) for item in attributes])
