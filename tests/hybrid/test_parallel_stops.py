@@ -214,3 +214,33 @@ def test_cranks_of_a_parallelogram_close_together_wherever_that_is(at_deg: int) 
     places = {f"stops.{name}.at_deg": float(at_deg) for name in ("s1", "s2")}
     mechanism = nip.load(Path(__file__).parents[1] / "strangers/par_two_stops", places)
     assert [stop.leader for stop in mechanism.stops] == ["", "s1"]
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
+def test_stops_of_slides_close_together_whatever_the_size_of_the_machine(size: float) -> None:
+    """A rod whose ends slide along x and z turns from 45 to 60 deg: dz/dx = -cot(60 deg) there.
+
+    A stop that is met a millionth of the rod later closes alone.
+    """
+    start, end = math.radians(45.0), math.radians(60.0)
+    parts = [
+        link("x", 1.0, size**2),
+        link("z", 1.0, size**2),
+        link("rod", 1.0, size**2),
+        slide("x", "frame", "x", (1.0, 0.0), (size * math.cos(start), 0.0)),
+        slide("z", "frame", "z", (0.0, 1.0), (0.0, size * math.sin(start))),
+        hinge("rod", "x", "rod"),
+        frame("tip", "rod", (-size * math.cos(start), size * math.sin(start))),
+    ]
+    x, z = (1e3 * size * (at(end) - at(start)) for at in (math.cos, math.sin))
+    for late, leader in ((0.0, "x"), (1e-3 * size, "")):
+        stops = {
+            "x": {"joint": "x", "at_mm": x, "restitution": 0.3},
+            "z": {"joint": "z", "at_mm": z + late, "side": "upper", "restitution": 0.3},
+        }
+        mechanism = machine(
+            parts, 1, stops=stops, closures={"pin": {"frame_a": "tip", "frame_b": "z"}}
+        )
+        assert [stop.leader for stop in mechanism.stops] == ["", leader]
+        ratio = 1.0 / math.tan(end) if leader else 1.0
+        assert mechanism.stop("z").ratio == pytest.approx(ratio, rel=1e-12)
