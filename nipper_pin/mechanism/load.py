@@ -64,14 +64,12 @@ def load(model: str | Path = "e62", overrides: Mapping[str, object] | None = Non
             from .edit.overrides import apply_overrides, by_path, with_tables
 
             data, others = with_tables(data, by_path(overrides, data, toml_file), folder, toml_file)
-            data, urdf = apply_overrides(data, urdf, others, toml_file, urdf_file)
+            data, urdf = apply_overrides(data, urdf, others, name)
         else:
             data = inline_tables(data, folder, toml_file)
         return build_mechanism(name, urdf, data, folder)
-    except AssemblyError as error:
-        raise found.named(with_advice(error, overrides or {})) from None
     except InputError as error:
-        raise found.named(error) from None
+        raise found.named(with_advice(error, overrides or {})) from None
 
 
 def need_mechanism(value: object, call: str) -> None:
@@ -152,10 +150,10 @@ def _alike(one: object, other: object) -> bool:
     return type(one).__eq__ is object.__eq__ or bool(one == other)
 
 
-def with_advice(error: AssemblyError, overrides: Mapping[str, object]) -> AssemblyError:
+def with_advice(error: InputError, overrides: Mapping[str, object]) -> InputError:
     """Say how a dimension is changed without opening a pin, if one of the overrides may have."""
     raw = [path for path in overrides if path.startswith("urdf.joint.")]
-    if not raw:
+    if not (raw and isinstance(error, AssemblyError)):
         return error
     advice = (
         f"{', '.join(raw)} moves one side of a pin only: points.<hinge or frame>.x_mm, z_mm, "

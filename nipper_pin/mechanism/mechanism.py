@@ -133,8 +133,7 @@ class Mechanism:
         from .edit import apply_overrides
 
         masses = {f"links.{link}.mass_kg": mass for link, mass in self.masses.items()}
-        files = f"{self.name}.toml", f"{self.name}.urdf"
-        return apply_overrides(self.description, self.urdf_as_read, masses, *files)[1]
+        return apply_overrides(self.description, self.urdf_as_read, masses, self.name)[1]
 
     @cached_property
     def shared(self) -> Shared:

@@ -93,8 +93,7 @@ def changed(mechanism: Mechanism, values: Mapping[str, object]) -> Mechanism:
     from .edit.overrides import apply_overrides, by_path
 
     name, data = mechanism.name, mechanism.description
-    toml_file, urdf_file = f"{name}.toml", f"{name}.urdf"
-    paths = by_path(values, data, toml_file)
+    paths = by_path(values, data, f"{name}.toml")
     masses = _masses(mechanism, paths)
     others = {path: value for path, value in paths.items() if path not in masses}
     entries = _entries_of_forces(mechanism, others)
@@ -102,7 +101,7 @@ def changed(mechanism: Mechanism, values: Mapping[str, object]) -> Mechanism:
         made = _with_forces(mechanism, others, entries)
         return _with_masses(made, dict(masses.values())) if masses else made
     try:
-        document, urdf = apply_overrides(data, mechanism.urdf, paths, toml_file, urdf_file)
+        document, urdf = apply_overrides(data, mechanism.urdf, paths, name)
         return from_sources(name, urdf, document, mechanism.mesh_folder)
     except AssemblyError as error:
         raise with_advice(error, paths) from None

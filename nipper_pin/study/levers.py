@@ -265,9 +265,9 @@ def every_path(mechanism: Mechanism) -> tuple[str, ...]:
     driven = {mechanism.joints[drive.index].name for drive in mechanism.drives}
     for name, pin in layout.meeting.items():
         # A closure is one pin with two names; the second one is used.
-        if (len(pin) > 1 and name != pin[-1]) or layout.carried_by(name) is None:
+        if (len(pin) > 1 and name != pin[-1]) or name not in layout.carried_by:
             continue
-        crank = len(pin) > 1 and layout.carried_by(name) in driven
+        crank = len(pin) > 1 and layout.carried_by[name] in driven
         axes = ("radius_mm", "angle_deg") if crank else ("x_mm", "z_mm")
         paths.extend(f"points.{name}.{axis}" for axis in axes)
     return (*paths, *(f"links.{link}.mass_kg" for link in mechanism.inertias))

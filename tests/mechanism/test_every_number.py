@@ -133,10 +133,10 @@ def test_every_number_of_document_and_urdf(texts: tuple[dict[str, Any], str]) ->
     assert len(drawn) > 10
     assert all(number_at(document, path, "model.toml") == found[path] for path in found)
     wanted, moved = own_values(found), own_values(drawn)
-    new, same = apply_overrides(document, urdf, wanted, "model.toml", "model.urdf")
+    new, same = apply_overrides(document, urdf, wanted, "model")
     assert (dict(document_numbers(new)), same) == (wanted, urdf)
     assert dict(document_numbers(document)) == found
-    new, written = apply_overrides(document, urdf, moved, "model.toml", "model.urdf")
+    new, written = apply_overrides(document, urdf, moved, "model")
     assert dict(urdf_numbers(ElementTree.fromstring(written))) == moved
     assert new == document
 
@@ -157,7 +157,7 @@ def test_every_number_that_need_not_be_written(texts: tuple[dict[str, Any], str]
     paths = unwritten_numbers(document)
     assert all(number_at(document, path, "model.toml") == 0.0 for path in paths)
     wanted = {path: 0.5 + place for place, path in enumerate(sorted(paths))}
-    written, _ = apply_overrides(document, urdf, wanted, "model.toml", "model.urdf")
+    written, _ = apply_overrides(document, urdf, wanted, "model")
     before = dict(document_numbers(document))
     assert dict(document_numbers(written)) == {**before, **wanted}
     # They are what the description reads, not keys that it would refuse.
@@ -177,7 +177,7 @@ def test_placements_that_need_not_be_written(texts: tuple[dict[str, Any], str]) 
         path = f"urdf.joint.{joint}.origin.{key}.{axis}"
         layout = read_layout(parse_xml(bare, "model.urdf"), document, "model.urdf")
         assert read_dimension(layout, path) == 0.0
-        _, written = apply_overrides(document, bare, {path: 0.3}, "model.toml", "model.urdf")
+        _, written = apply_overrides(document, bare, {path: 0.3}, "model")
         added = set(urdf_numbers(ElementTree.fromstring(written))) - set(urdf_numbers(root))
         assert (path, 0.3) in added
         assert all(value == 0.0 for other, value in added if other != path)
@@ -206,7 +206,7 @@ def test_every_mass_and_dimension(texts: tuple[dict[str, Any], str]) -> None:
         wanted = {
             path: 1.01 * value + 1e-3 * (1.0 + i) for i, (path, value) in enumerate(own.items())
         }
-        new, written = apply_overrides(document, urdf, wanted, "model.toml", "model.urdf")
+        new, written = apply_overrides(document, urdf, wanted, "model")
         after = read_layout(parse_xml(written, "model.urdf"), new, "model.urdf")
         for path, value in wanted.items():
             assert read_dimension(after, path) == pytest.approx(value, rel=1e-12)

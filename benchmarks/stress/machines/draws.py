@@ -45,9 +45,7 @@ def restitution(rng: Generator) -> float:
 def changed(values: Mapping[str, object], source: Source | None = None) -> Source:
     """A model, by default the E62-class one, with other numbers."""
     base = source or e62()
-    data, urdf = apply_overrides(
-        base.description, base.urdf, values, f"{base.name}.toml", f"{base.name}.urdf"
-    )
+    data, urdf = apply_overrides(base.description, base.urdf, values, base.name)
     return Source(base.name, urdf, data, base.folder)
 
 

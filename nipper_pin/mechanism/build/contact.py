@@ -26,18 +26,17 @@ _IN_PLANE = np.array([1.0, 0.0, 1.0])
 _MOST_PAIRS = 100
 
 
-def find_contact(contact: ContactDescription, stop: Stop, joint_name: str, tree: Tree) -> Contact:
+def find_contact(contact: ContactDescription, stop: Stop, tree: Tree) -> Contact:
     """Find the contact of the two bodies of a stop where it is closed, all other coordinates zero.
 
-    Args:
-        joint_name: Its joint, which moves the upper body and not the lower one.
+    Its joint moves the upper body and not the lower one.
 
     Raises:
         UnknownNameError: A body does not exist.
         ModelError: The bodies do not touch at that coordinate, opening does not part them, or one
             is neither body of the joint.
     """
-    joint, key = tree.urdf.joints[joint_name], f"stops.{stop.name}.contact"
+    joint, key = tree.urdf.joints[tree.joints[stop.index].name], f"stops.{stop.name}.contact"
     lower = _body(contact.lower, joint, tree, f"{key}.lower", moved=False)
     upper = _body(contact.upper, joint, tree, f"{key}.upper", moved=True)
     if len(lower) * len(upper) > _MOST_PAIRS:

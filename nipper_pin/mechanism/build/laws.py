@@ -76,46 +76,35 @@ def build_laws(
         ModelError: A law cannot be built from its values.
         UnknownNameError: A geared drive names a drive that does not exist.
     """
-    laws: dict[str, DriveLaw] = {}
-    for name in drives:
-        _build(name, drives, laws, (), joints, file)
+    geared = {name: drive for name, drive in drives.items() if isinstance(drive, GearedDrive)}
+    own = [name for name in drives if name not in geared]
+    laws = {name: _law(name, drives[name], joints, file) for name in own}
+    hint = "(a joint that follows one without a drive has a <mimic> in the URDF)"
+    for name, drive in geared.items():
+        named("drive", drive.of, drives, f"{file}: drives.{name}.of {hint}")
+    while waiting := {name: drive for name, drive in geared.items() if name not in laws}:
+        ready = {name: drive for name, drive in waiting.items() if drive.of in laws}
+        if not ready:
+            name, drive = waiting.popitem()
+            allowed = "a chain of gears must start at a drive that is not geared"
+            raise ModelError(file=file, key=f"drives.{name}.of", value=drive.of, allowed=allowed)
+        laws |= {name: drive.build_on(laws[drive.of]) for name, drive in ready.items()}
     return {name: laws[name] for name in drives}
 
 
-def _build(
-    name: str,
-    drives: Mapping[str, DriveTable],
-    laws: dict[str, DriveLaw],
-    above: tuple[str, ...],
-    joints: Mapping[str, Joint],
-    file: str,
-) -> DriveLaw:
-    """Build one law, after the laws that it is geared to."""
-    if name in laws:
-        return laws[name]
-    drive = drives[name]
-    where = f"drives.{name}"
-    if isinstance(drive, GearedDrive):
-        hint = "(a joint that follows one without a drive has a <mimic> in the URDF)"
-        named("drive", drive.of, drives, f"{file}: {where}.of {hint}")
-        if drive.of in (*above, name):
-            allowed = "a chain of gears must start at a drive that is not geared"
-            raise ModelError(file=file, key=f"{where}.of", value=drive.of, allowed=allowed)
-        law = _build(drive.of, drives, laws, (*above, name), joints, file)
-        laws[name] = drive.build_on(law)
-        return laws[name]
+def _law(name: str, drive: DriveTable, joints: Mapping[str, Joint], file: str) -> DriveLaw:
+    """The law of a drive that follows no other one."""
     try:
         law = drive.build()
     except InputError as error:
         key, value = drive.culprit()
         raise ModelError(
-            file=file, key=f"{where}.{key}", value=value, allowed=error.message
+            file=file, key=f"drives.{name}.{key}", value=value, allowed=error.message
         ) from error
     joint = joints.get(drive.joint)
     if isinstance(law, OscillatingGuide) and joint is not None and joint.sense < 0.0:
         # Its angle is one of the drawing; other laws give the coordinate itself.
         law = replace(law, sense=-1.0)
-    laws[name] = law
     return law
 
 

@@ -52,24 +52,22 @@ def build_stops(
 
 def _stop(name: str, stop: StopDescription, joint: Joint, tree: Tree) -> Stop:
     """One stop, with the contact of its bodies."""
-    sense = 1.0 if stop.side == "lower" else -1.0
-    place = _stop_place(name, stop, joint, tree.file)
+    law, table = None, stop.restitution_law
+    if table is not None:
+        where = f"stops.{name}.restitution_law"
+        law = built(table.build, joint.kind, table, where, tree.file)
     found = Stop(
         name=name,
         index=joint.index,
         restitution=stop.restitution,
         contact=None,
-        sense=sense,
-        at=place,
+        sense=1.0 if stop.side == "lower" else -1.0,
+        at=_stop_place(name, stop, joint, tree.file),
+        law=law,
     )
-    if stop.contact is not None:
-        found = replace(found, contact=find_contact(stop.contact, found, stop.joint, tree))
-    table = stop.restitution_law
-    if table is not None:
-        where = f"stops.{name}.restitution_law"
-        law = built(table.build, joint.kind, table, where, tree.file)
-        found = replace(found, law=law)
-    return found
+    if stop.contact is None:
+        return found
+    return replace(found, contact=find_contact(stop.contact, found, tree))
 
 
 def _check_transition(description: Description, file: str) -> None:

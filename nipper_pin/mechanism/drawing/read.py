@@ -69,10 +69,6 @@ class Drawn:
         if name not in links:
             self.refuse(key, name, f"{meant(name, links)}one of {', '.join(links)}")
 
-    def middle(self, shape: ShapeTable) -> Place:
-        """Where a shape is."""
-        return place(self.points, shape.at) if isinstance(shape.at, str) else shape.at
-
     def refuse(self, key: str, value: object, allowed: str) -> NoReturn:
         """Refuse a value."""
         raise ModelError(file=self.file, key=key, value=value, allowed=allowed)

@@ -82,8 +82,8 @@ def _shapes(tree: Tree, link: str) -> list[str]:
             rpy = f"0 {-radians(shape.angle_deg) + 0.0!r} 0"
             along, across = (M_PER_MM * edge for edge in shape.box_mm)
             solid = f'<box size="{along!r} {depth!r} {across!r}"/>'
-        at = _offset(tree, link, tree.drawn.middle(shape))
-        inner = f'<origin xyz="{at}" rpy="{rpy}"/><geometry>{solid}</geometry>'
+        at = place(tree.drawn.points, shape.at) if isinstance(shape.at, str) else shape.at
+        inner = f'<origin xyz="{_offset(tree, link, at)}" rpy="{rpy}"/><geometry>{solid}</geometry>'
         found += [f'    <{kind} name="{name}">{inner}</{kind}>' for kind in ("visual", "collision")]
     return found
 

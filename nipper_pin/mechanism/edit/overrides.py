@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 from ...errors import ModelError, UnknownNameError
@@ -74,13 +75,9 @@ def with_tables(
 
 
 def apply_overrides(
-    data: Mapping[str, object],
-    urdf: str,
-    overrides: Mapping[str, object],
-    file: str,
-    urdf_file: str,
+    data: Mapping[str, object], urdf: str, overrides: Mapping[str, object], name: str
 ) -> tuple[dict[str, object], str]:
-    """Apply overrides to a model's two texts.
+    """Apply overrides to the two texts of a model of that name.
 
     Args:
         data: The TOML document, its tables written out.
@@ -96,12 +93,12 @@ def apply_overrides(
         UnknownNameError: A path leads nowhere.
         ModelError: A value cannot be used, or paths contradict one another.
     """
+    file, urdf_file = f"{name}.toml", f"{name}.urdf"
     changed = copy.deepcopy(dict(data))
     dimensions: dict[str, float] = {}
-    written: list[str] = []
     for path, value in overrides.items():
         steps = steps_of(path)
-        if steps[:1] and steps[0] in HEADS:
+        if steps and steps[0] in HEADS:
             dimensions[path] = number = number_from(value, path, urdf_file)
             # Also false for NaN.
             if not abs(number) <= LARGEST:
@@ -109,8 +106,7 @@ def apply_overrides(
                 raise ModelError(file=urdf_file, key=path, value=value, allowed=allowed)
         else:
             replace_value(changed, path, value, file)
-            written.append(path)
-    _close_turns(changed, written, file)
+    _close_turns(changed, overrides, file)
     if dimensions:
         # Points follow closures, guides and contacts, so the document is checked first.
         describe(changed, file)
@@ -120,30 +116,20 @@ def apply_overrides(
     return changed, urdf
 
 
-def _close_turns(document: dict[str, object], written: Iterable[str], file: str) -> None:
+def _close_turns(document: dict[str, Any], written: Iterable[str], file: str) -> None:
     """Change the other end of a drive table too: its first and last row are equal, a turn apart."""
     ends = {tuple(steps_of(path)): path for path in written}
     for steps, path in ends.items():
         if len(steps) != 4 or steps[0] != "drives":
             continue
         _, drive, column, place = steps
-        rows = _rows_of_table(document, drive, column)
-        sign = {"[0]": 1.0, f"[{rows - 1}]": -1.0}.get(place) if rows > 1 else None
-        if sign is None:
+        table = document["drives"][drive]
+        if table.get("law") != "table":
             continue
-        other = f"[{rows - 1}]" if sign > 0.0 else "[0]"
-        if ("drives", drive, column, other) in ends:
+        last = f"[{len(table[column]) - 1}]"
+        other = {"[0]": last, last: "[0]"}.get(place)
+        if other is None or (*steps[:3], other) in ends:
             continue
-        apart = sign * DEG_PER_TURN if column == "cylinder_angle_deg" else 0.0
-        value = number_at(document, path, file) + apart
+        turn = DEG_PER_TURN if column == "cylinder_angle_deg" else 0.0
+        value = number_at(document, path, file) + (turn if place == "[0]" else -turn)
         replace_value(document, f"drives.{drive}.{column}{other}", value, file)
-
-
-def _rows_of_table(document: Mapping[str, object], drive: str, column: str) -> int:
-    """Rows of a drive table; 0 for other laws and other lists."""
-    drives = document.get("drives")
-    entry = drives.get(drive) if isinstance(drives, Mapping) else None
-    if not isinstance(entry, Mapping) or entry.get("law") != "table":
-        return 0
-    rows = entry.get(column)
-    return len(rows) if isinstance(rows, list | tuple) else 0

@@ -168,14 +168,10 @@ def number_at(document: Mapping[str, object], path: str, file: str) -> float:
     """
     path, factor = in_unit_of(document, path)
     steps, where = steps_of(path), f"path {path}"
-    holder = _holder(document, steps, path, where)
-    value = _unwritten(holder, steps).get(steps[-1])
-    if value is None:
-        found = _item(holder, steps, where)
-        if isinstance(found, bool) or not isinstance(found, int | float):
-            raise ModelError(file=file, key=path, value=found, allowed="the path of one number")
-        value = float(found)
-    return value / factor
+    value = _value(_holder(document, steps, path, where), steps, where)
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise ModelError(file=file, key=path, value=value, allowed="the path of one number")
+    return float(value) / factor
 
 
 def in_unit_of(document: object, path: str) -> tuple[str, float]:
@@ -209,11 +205,7 @@ def replace_value(document: dict[str, object], path: str, value: object, file: s
         starts = document.setdefault("initial", {})
         starts[steps[1]] = {}  # type: ignore[index]
     holder: Any = _holder(document, steps, path, where)
-    old: object = _unwritten(holder, steps).get(steps[-1])
-    if old is None and len(steps) == 1:
-        old = {**UNWRITTEN, **document}.get(path)
-    if old is None:
-        old = _item(holder, steps, where)
+    old = UNWRITTEN.get(path) or _value(holder, steps, where)
     if isinstance(old, dict):
         known = (f"{path}.{key}" for key in old)
         raise UnknownNameError(kind="value", name=path, known=known, where=where)
@@ -277,6 +269,12 @@ def _item(holder: object, steps: Sequence[str], where: str) -> object:
         known = [f"[0] to [{len(holder) - 1}]"] if holder else []
         raise UnknownNameError(kind="place", name=step, known=known, where=where)
     raise UnknownNameError(kind="key", name=step, known=(), where=where)
+
+
+def _value(holder: object, steps: Sequence[str], where: str) -> object:
+    """What the last step of a path leads to, be it written or not."""
+    value = _unwritten(holder, steps).get(steps[-1])
+    return _item(holder, steps, where) if value is None else value
 
 
 def _unwritten(holder: object, steps: Sequence[str]) -> dict[str, float]:

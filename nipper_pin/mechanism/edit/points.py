@@ -21,6 +21,7 @@ import copy
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 from xml.etree import ElementTree
 
@@ -89,16 +90,13 @@ class Layout:
             found[name] = gap[[0, 2]]
         return found
 
-    def carried_by(self, name: str) -> str | None:
-        """Hinge on which the link hangs that carries a point; None on the frame or a slide.
-
-        Raises:
-            UnknownNameError: There is no such point.
-        """
-        self.point_mm(name)
-        joint = next(item for item in self.order if end(item, "child") == self.points[name])
+    @cached_property
+    def carried_by(self) -> dict[str, str]:
+        """Hinge on which the link hangs that carries a point; none on the frame or a slide."""
         hinges = {link: point for point, link in self.points.items()}
-        return hinges.get(end(joint, "parent"))
+        above = {end(joint, "child"): end(joint, "parent") for joint in self.order}
+        found = {point: hinges.get(above[link]) for point, link in self.points.items()}
+        return {point: hinge for point, hinge in found.items() if hinge is not None}
 
     def hinge_below(self, name: str) -> str:
         """Hinge on which the link hangs that carries a point.
@@ -106,14 +104,13 @@ class Layout:
         Raises:
             UnknownNameError: There is no such point, or its link hangs on no hinge.
         """
-        hinge = self.carried_by(name)
-        if hinge is None:
-            known = (point for point in self.points if self.carried_by(point) is not None)
-            where = f"points.{name}: polar coordinates"
+        self.point_mm(name)
+        if name not in self.carried_by:
+            known, where = self.carried_by, f"points.{name}: polar coordinates"
             raise UnknownNameError(
                 kind="point on a hinged link", name=name, known=known, where=where
             )
-        return hinge
+        return self.carried_by[name]
 
     def inertial(self, link: str, path: str) -> ElementTree.Element:
         """Mass and inertia of a link.

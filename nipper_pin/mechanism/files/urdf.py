@@ -34,12 +34,10 @@ def check_urdf(root: ElementTree.Element, file: str, mesh_folder: Path) -> Urdf:
         ModelError: A value cannot belong to a planar mechanism.
         UnknownNameError: A joint names a link that does not exist.
     """
-    elements = {_name(item, file): item for item in _unique(root.findall("link"), file)}
+    elements = _by_name(root.findall("link"), file)
     _check_count(len(elements), _MOST_LINKS, "links", file)
-    joints = {}
-    for item in _unique(root.findall("joint"), file):
-        joint = _read_joint(item, elements, file)
-        joints[joint.name] = joint
+    named = _by_name(root.findall("joint"), file)
+    joints = {name: _read_joint(name, item, elements, file) for name, item in named.items()}
     top = _check_tree(elements, joints, file)
     count = sum(joint.kind != "fixed" for joint in joints.values())
     _check_count(count, _MOST_MOVING, "joints that move", file)
@@ -68,33 +66,23 @@ def _check_count(count: int, most: int, what: str, file: str) -> None:
         raise ModelError(file=file, key=what, value=count, allowed=f"at most {most}")
 
 
-def _name(element: ElementTree.Element, file: str) -> str:
-    """Name of an element."""
-    name = element.get("name")
-    if name is None or not is_name(name):
-        raise ModelError(file=file, key=f"<{element.tag}> name", value=name, allowed=NAMES)
-    return name
-
-
-def _unique(elements: list[ElementTree.Element], file: str) -> list[ElementTree.Element]:
-    """Refuse two elements of one name."""
-    seen: set[str] = set()
+def _by_name(elements: list[ElementTree.Element], file: str) -> dict[str, ElementTree.Element]:
+    """Elements by their names, each of which has one of its own."""
+    found: dict[str, ElementTree.Element] = {}
     for element in elements:
-        name = _name(element, file)
-        if name in seen:
-            raise ModelError(
-                file=file,
-                key=f"<{element.tag}> name",
-                value=name,
-                allowed=f"each {element.tag} needs a name of its own",
-            )
-        seen.add(name)
-    return elements
+        name, allowed = element.get("name"), NAMES
+        if name in found:
+            allowed = f"each {element.tag} needs a name of its own"
+        if name is None or name in found or not is_name(name):
+            raise ModelError(file=file, key=f"<{element.tag}> name", value=name, allowed=allowed)
+        found[name] = element
+    return found
 
 
-def _read_joint(element: ElementTree.Element, links: Iterable[str], file: str) -> UrdfJoint:
+def _read_joint(
+    name: str, element: ElementTree.Element, links: Iterable[str], file: str
+) -> UrdfJoint:
     """Read type, links, placement and axis of a joint."""
-    name = _name(element, file)
     key = f"joint {name}"
     kind = element.get("type", "")
     if kind not in _KINDS:

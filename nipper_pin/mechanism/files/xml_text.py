@@ -68,8 +68,9 @@ def parse_xml(text: str, file: str) -> ElementTree.Element:
             file=file, key="root element", value=root.tag, allowed="a URDF starts with <robot>"
         )
     _check_depth(root, file)
-    if space:
-        _leave_namespace(root, space + "}")
+    for element in root.iter() if space else ():
+        if isinstance(element.tag, str):
+            element.tag = element.tag.removeprefix(space + "}")
     _refuse_xacro(root, file)
     return root
 
@@ -83,13 +84,6 @@ def _check_depth(root: ElementTree.Element, file: str) -> None:
         if depth > _DEEPEST:
             allowed = f"at most {_DEEPEST} elements in one another"
             raise ModelError(file=file, key="XML", value=f"more than {_DEEPEST}", allowed=allowed)
-
-
-def _leave_namespace(root: ElementTree.Element, space: str) -> None:
-    """Take the namespace of the robot from all its elements, in place."""
-    for element in root.iter():
-        if isinstance(element.tag, str):
-            element.tag = element.tag.removeprefix(space)
 
 
 def _refuse_xacro(root: ElementTree.Element, file: str) -> None:
