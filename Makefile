@@ -20,6 +20,10 @@ VIEW := $(VENV)/.installed-view
 DEV := $(VENV)/.installed-dev
 SITE := $(VENV)/.installed-docs
 SIMULATE := $(BIN)/nipper-pin simulate e62 --speed 650
+# What is compiled is kept, whatever the user's other programs do: or each worker compiles all tests
+# on each run, and every command that a test starts the whole package.
+unexport PYTHONDONTWRITEBYTECODE
+
 # hatchling builds the package; it comes from the lock like everything else, so pip need not make
 # a second environment of unlocked packages to build in.
 PIP_INSTALL := $(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt
