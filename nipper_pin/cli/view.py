@@ -40,7 +40,7 @@ def _run(options: argparse.Namespace) -> None:
     need_suffix("--html", options.html, ".html")
     need_suffix("--gif", options.gif, ".gif")
     files = [Path(file) for file in (options.html, options.gif) if file is not None]
-    served = not files
+    served, port = not files, show.PORT if options.port is None else options.port
     show.need_libraries(*files)
     from ..view.console import ending, unbroken_console
     from ..view.scene import Look
@@ -51,6 +51,11 @@ def _run(options: argparse.Namespace) -> None:
     if not served:
         refuse_beside(options, "--html and --gif, which serve nothing", "--port", "--no-browser")
     look = Look(slow=options.slow, exaggerate=options.exaggerate)
+    if served:
+        from ..view.local import listening
+
+        # A port that cannot be used is told before anything is computed.
+        listening(port).close()
     solution = _solution(options)
     need_sound(solution)
     free = write_document(lambda: record(solution), options.json)
@@ -61,7 +66,6 @@ def _run(options: argparse.Namespace) -> None:
     if served:
         from ..view.scene.server import serve
 
-        port = show.PORT if options.port is None else options.port
         serve(show.shown_page(solution, look), port, browser=not options.no_browser)
 
 

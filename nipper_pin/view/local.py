@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import socket
 import sys
 import webbrowser
 from urllib.parse import urlsplit
@@ -35,6 +37,24 @@ def is_local(host: str | None, origin: str | None, port: int) -> bool:
         return True
     parts = urlsplit(origin)
     return parts.scheme == "http" and parts.netloc == host and not parts.path
+
+
+def listening(port: int) -> socket.socket:
+    """A socket that listens at a port of this machine; 0 for any that is free.
+
+    Raises:
+        InputError: The port cannot be used.
+    """
+    place = socket.socket()
+    try:
+        if os.name == "posix":
+            place.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        place.bind((HOST, port))
+        place.listen()
+    except (OSError, OverflowError) as error:
+        place.close()
+        raise refused_port(port, error) from error
+    return place
 
 
 def refused_port(port: int, error: Exception) -> InputError:

@@ -25,6 +25,7 @@ from tornado.httpclient import HTTPRequest
 from tornado.websocket import WebSocketClientConnection, websocket_connect
 
 from nipper_pin.cli import main
+from nipper_pin.mechanism.gallery import GALLERY
 from nipper_pin.view.local import is_local
 
 # What a browser asks a server that it connects to.
@@ -122,15 +123,18 @@ def test_a_page_and_its_server(
 
 
 @pytest.mark.parametrize("port", ["70000", "-1", "taken"])
-@pytest.mark.parametrize("command", ["view", "live"])
+@pytest.mark.parametrize(
+    "command", ["view", "view --solution none.npz", "live", f"live {GALLERY['sieve']}"]
+)
 def test_a_port_that_cannot_be_used_is_one_sentence(
     command: str, port: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    """Before anything is computed, which a missing run and a machine without transition show."""
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
         place = str(taken.getsockname()[1]) if port == "taken" else port
-        assert main([command, "--no-browser", "--port", place]) == 2
+        assert main([*command.split(), "--no-browser", "--port", place]) == 2
     out, err = capsys.readouterr()
     assert (out, err.count("\n")) == ("", 1)
     assert f"port {place} cannot be used" in err

@@ -10,7 +10,6 @@ from __future__ import annotations
 import asyncio
 import json
 import logging
-import os
 import signal
 import socket
 import sys
@@ -22,7 +21,7 @@ from tornado.web import Application, RequestHandler
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
 from ...mechanism import Mechanism
-from ..local import HEADERS, HOST, announce, is_local, refused_port
+from ..local import HEADERS, announce, is_local, listening
 from .page import shown_live
 from .session import Session, Shown
 
@@ -42,27 +41,15 @@ def serve_live(mechanism: Mechanism, speed_rpm: float, port: int, *, browser: bo
     Raises:
         InputError: The port cannot be used, or the mechanism has no transition.
     """
-    shown, page = shown_live(mechanism, speed_rpm)
-    place = _listening(port)
-    # Who asks for what is nobody's concern; errors of the program itself are written.
-    for name in ("tornado.access", "tornado.general"):
-        logging.getLogger(name).addHandler(logging.NullHandler())
-    asyncio.run(_serve(shown, page.encode(), place, browser=browser))
+    # A port that cannot be used is told before anything is computed.
+    with listening(port) as place:
+        shown, page = shown_live(mechanism, speed_rpm)
+        # Who asks for what is nobody's concern; errors of the program itself are written.
+        for name in ("tornado.access", "tornado.general"):
+            logging.getLogger(name).addHandler(logging.NullHandler())
+        place.setblocking(False)
+        asyncio.run(_serve(shown, page.encode(), place, browser=browser))
     sys.stdout.write("\n")
-
-
-def _listening(port: int) -> socket.socket:
-    place = socket.socket()
-    try:
-        if os.name == "posix":
-            place.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        place.bind((HOST, port))
-        place.listen()
-    except (OSError, OverflowError) as error:
-        place.close()
-        raise refused_port(port, error) from error
-    place.setblocking(False)
-    return place
 
 
 async def _serve(shown: Shown, page: bytes, place: socket.socket, *, browser: bool) -> None:
