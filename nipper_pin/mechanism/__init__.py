@@ -11,13 +11,7 @@ from .cylinder import (
 )
 from .elements import Characteristic, Damper, Strut, TabulatedSpring
 from .laws import DriveLaw
-from .load import (
-    collision_model,
-    from_sources,
-    load,
-    need_as_written,
-    need_mechanism,
-)
+from .load import collision_model, from_sources, load, need_as_written, need_mechanism
 from .mechanism import Mechanism, Shared
 from .model_files import find_model, known_models, model_folder
 from .other_numbers import changed, layout_of, number_of, numbers_of, retuned

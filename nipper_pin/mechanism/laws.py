@@ -16,7 +16,6 @@ class DriveLaw(Protocol):
     @property
     def knots_rad(self) -> tuple[float, ...]:
         """Cylinder angles of one turn at which a higher derivative jumps [rad]; mostly none."""
-        ...
 
     def evaluate(self, psi: FloatArray) -> Evaluation:
         """Evaluate the law.
@@ -28,7 +27,6 @@ class DriveLaw(Protocol):
             Coordinate [rad or m], first [.../rad] and second derivative [.../rad^2] by psi, each of
             the shape of psi.
         """
-        ...
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,7 +62,6 @@ class ForceLaw(Protocol):
     @property
     def knots(self) -> tuple[float, ...]:
         """Coordinates at which a derivative of the force jumps [m or rad]; mostly none."""
-        ...
 
     def force(self, x: FloatArray, rate: FloatArray) -> FloatArray:
         """Force against the coordinate [N or N m].
@@ -76,15 +73,12 @@ class ForceLaw(Protocol):
         Returns:
             Shape (N,).
         """
-        ...
 
     def energy(self, x: FloatArray) -> FloatArray:
         """Energy stored [J], shape (N,); arguments as :meth:`force`."""
-        ...
 
     def heat(self, x: FloatArray, rate: FloatArray) -> FloatArray:
         """Power that becomes heat [W], shape (N,); arguments as :meth:`force`."""
-        ...
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -117,8 +111,6 @@ class RestitutionLaw(Protocol):
             e_0: That of a vanishing rate.
             rate: Rate of approach, at least zero [m/s or rad/s].
         """
-        ...
 
     def slope(self, e_0: float, rate: float) -> float:
         """Return its derivative by the rate [s/m or s/rad]; arguments as :meth:`coefficient`."""
-        ...

@@ -18,17 +18,7 @@ from ..units import MM_PER_M
 from .cylinder import Cylinder
 from .elements import Damper, Strut, TabulatedSpring
 from .laws import DriveLaw, Geared, JointForce
-from .parts import (
-    Closure,
-    Coupling,
-    Drive,
-    Joint,
-    Phase,
-    Simultaneous,
-    Spring,
-    Start,
-    Stop,
-)
+from .parts import Closure, Coupling, Drive, Joint, Phase, Simultaneous, Spring, Start, Stop
 from .scale import reach, unit_of, units_of
 
 

@@ -25,11 +25,7 @@ OF_SHAFT = {"revolute": "reflected_inertia_kg_m2", "prismatic": "reflected_mass_
 
 
 def check_drive(name: str, drive: DriveTable, joint: Joint, file: str) -> None:
-    """Refuse a law that cannot move a joint of this kind, or has the keys of the other kind.
-
-    Raises:
-        ModelError: It does not fit the joint.
-    """
+    """Refuse a law that cannot move a joint of this kind, or has the keys of the other kind."""
     where = f"drives.{name}"
     if joint.kind not in drive.moves:
         raise ModelError(

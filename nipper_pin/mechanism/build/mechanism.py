@@ -28,12 +28,7 @@ from .placements import joint_placements
 from .references import named
 from .stops import build_starts, build_stops
 from .touch_checks import check_assembly, held_by
-from .tree import (
-    Tree,
-    build_model,
-    collision_geometry,
-    tree_joints,
-)
+from .tree import Tree, build_model, collision_geometry, tree_joints
 
 _ELASTIC = ("shaft_frequency_hz", "shaft_damping_ratio")
 
@@ -45,10 +40,6 @@ def build_mechanism(
 
     Args:
         data: The TOML document, overrides applied and tables written out.
-
-    Raises:
-        UnknownNameError: A name in the data does not exist.
-        ModelError: A value in the data cannot be used.
     """
     file = f"{name}.toml"
     need_plain_text(name, file, "name of the model")

@@ -16,9 +16,6 @@ def named(kind: str, name: str, known: Mapping[str, _T], where: str) -> _T:
 
     Args:
         kind: What it should be, such as "joint".
-
-    Raises:
-        UnknownNameError: There is none.
     """
     if name not in known:
         raise UnknownNameError(kind=kind, name=name, known=known, where=where)

@@ -14,11 +14,7 @@ _SECTIONS = ("drives", "springs", "dampers", "forces", "initial", "stops")
 
 
 def drawn_sources(tables: Mapping[str, Any], name: str) -> tuple[str, dict[str, Any]]:
-    """The URDF and the TOML document of a drawing, as plain data.
-
-    Raises:
-        ModelError: A value cannot be used, or the drawing does not hang together.
-    """
+    """The URDF and the TOML document of a drawing, as plain data."""
     tree = grown(read(tables, name))
     return urdf_text(tree), document(tree)
 

@@ -53,11 +53,7 @@ class Drawn:
     model: Mapping[str, Any]
 
     def place(self, name: str, key: str) -> Place:
-        """A point that a key names.
-
-        Raises:
-            ModelError: There is no such point.
-        """
+        """A point that a key names."""
         try:
             return place(self.points, name)
         except InputError as error:
@@ -75,11 +71,7 @@ class Drawn:
 
 
 def read(document: Mapping[str, Any], name: str) -> Drawn:
-    """Read the document of a drawing.
-
-    Raises:
-        ModelError: A value in it cannot be used.
-    """
+    """Read the document of a drawing."""
     file = f"{name}.toml"
     top = {*_OWN, *Description.__struct_fields__}
     document = in_known_units(document, file, top, _table_of)
@@ -156,11 +148,7 @@ def _check_kind(joint: JointTable, key: str, file: str) -> None:
 
 
 def check_parts(drawn: Drawn) -> None:
-    """Refuse parts at points, and on bodies, that there are not, and bodies without a mass.
-
-    Raises:
-        ModelError: Names the first of them.
-    """
+    """Refuse parts at points, and on bodies, that there are not, and bodies without a mass."""
     for key, name in _named_points(drawn.table):
         drawn.place(name, key)
     for name, body in drawn.table.bodies.items():

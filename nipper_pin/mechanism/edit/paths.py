@@ -57,11 +57,7 @@ class UrdfValue:
     place: int | None
 
     def read(self, path: str, file: str) -> float:
-        """Read the number.
-
-        Raises:
-            ModelError: There is no number.
-        """
+        """Read the number."""
         text = self._parts()[self.place or 0]
         try:
             return read_number(text)
@@ -71,11 +67,7 @@ class UrdfValue:
             ) from None
 
     def write(self, value: float, path: str, file: str) -> None:
-        """Write the number; the others of its attribute stay.
-
-        Raises:
-            ModelError: There was no number.
-        """
+        """Write the number; the others of its attribute stay."""
         self.read(path, file)
         parts = self._parts()
         parts[self.place or 0] = repr(float(value))
@@ -218,9 +210,6 @@ def number_from(value: object, path: str, file: str) -> float:
 
     Args:
         value: A number, or a string that holds one, with a unit of its own or without.
-
-    Raises:
-        ModelError: It is none.
     """
     if isinstance(value, bool) or not isinstance(value, numbers.Real | str):
         raise ModelError(file=file, key=path, value=value, allowed="a number")

@@ -239,9 +239,7 @@ class _Swing:
 
 
 def move_points(
-    found: Layout,
-    document: Mapping[str, object],
-    places_mm: Mapping[str, tuple[float, float]],
+    found: Layout, document: Mapping[str, object], places_mm: Mapping[str, tuple[float, float]]
 ) -> dict[str, object]:
     """Move points of a model.
 
@@ -366,10 +364,7 @@ def _keep_contacts(
 
 
 def _carry(
-    link: ElementTree.Element,
-    found: Layout,
-    place: Mapping[str, FloatArray],
-    swing: _Swing | None,
+    link: ElementTree.Element, found: Layout, place: Mapping[str, FloatArray], swing: _Swing | None
 ) -> None:
     """Write where mass and shapes of a link stand in its moved frame."""
     name = element_name(link)

@@ -143,11 +143,7 @@ _T = TypeVar("_T")
 
 
 def describe(data: Mapping[str, object], file: str) -> Description:
-    """Convert plain TOML data to the typed description.
-
-    Raises:
-        ModelError: A key is unknown or missing, or a value cannot be used.
-    """
+    """Convert plain TOML data to the typed description."""
     _check_size(data, file)
     refuse_unusable(data, "", file)
     # Errors of single elements are reported before errors of the whole.

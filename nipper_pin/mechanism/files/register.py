@@ -70,8 +70,7 @@ class Register(Generic[_T]):
 
     def tables(self) -> dict[str, Any]:
         """Return the tables of all laws by name."""
-        found = {name: self._table(name) for name in self.names()}
-        return {name: table for name, table in found.items() if table is not None}
+        return {name: self._table(name) for name in self.names()}
 
     def kind(self, wanted: object) -> Any:
         """Return the type of an entry, for reading a model file.

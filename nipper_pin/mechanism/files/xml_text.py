@@ -11,7 +11,7 @@ from ...errors import ModelError
 from ...texts import MOST_TEXT
 
 _DECLARED = re.compile(rb"""\s*<\?xml[^>]*?\sencoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
-_WORDS = re.compile(r"""(\s*<\?xml[^>]*?)\sencoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
+_WORDS = re.compile(r"""(\A\s*<\?xml[^>]*?)\sencoding\s*=\s*["'][A-Za-z0-9._-]+["']""")
 _MARKS = (
     (codecs.BOM_UTF8, "utf-8-sig"),
     (codecs.BOM_UTF16_LE, "utf-16"),
@@ -36,11 +36,8 @@ def encoding_of(content: bytes) -> str:
 
 
 def as_unicode(text: str) -> str:
-    """XML text without the encoding it declares, unless that is UTF-8: it is written in that."""
-    declared = _WORDS.match(text)
-    if declared is None or declared[2].lower() == "utf-8":
-        return text
-    return declared[1] + text[declared.end() :]
+    """XML text without the encoding it declares: it is written in UTF-8."""
+    return _WORDS.sub(r"\1", text, 1)
 
 
 def parse_xml(text: str, file: str) -> ElementTree.Element:
