@@ -14,6 +14,8 @@ from nipper_pin.reduced.kernels import kernel, layout, panel, turn_charts
 from nipper_pin.reduced.kernels.layout import Case, Cases, Charts, Settings, Work
 from nipper_pin.reduced.model import Arrival
 
+# Bounces of the waiting stop that are followed on the way to the touch.
+_BOUNCES = 64
 # Places of functions in x'' = F0 w^2 + F1 w x' + F2 x'^2 + Fg g + k (F4 p + F5).
 BY_SPEED, BY_BOTH, BY_RATE, WEIGHT, UNIT, MOVED = range(6)
 
@@ -113,16 +115,20 @@ def solve(
     """
     n = len(cases.speed)
     table = np.empty((n, most + layout.BESIDE, layout.COLUMNS))
-    rest, told = np.full((n, layout.REST_COLUMNS), np.nan), np.full((n, 3), layout.GOES_ON)
+    rest, told = np.full((n, 1, layout.REST_COLUMNS), np.nan), np.full((n, 3), layout.GOES_ON)
     if before is not None:
         rest, told = before[1:]
     if before is None or premise == layout.NOT_ASKED:
         told[:, 2] = premise
-    found = table, rest, told
-    kernel.run_transitions(
-        panel.grids(), tuple(charts), tuple(cases), tuple(settings), ask, angle, *found
+    job = layout.Job(int(layout.TRANSITIONS), most, touch=angle[0], sense=angle[1])
+    events = table
+    if ask:
+        job = layout.Job(int(layout.ARRIVALS), _BOUNCES)
+        events = np.empty((1, 2 * _BOUNCES, layout.COLUMNS))
+    kernel.run(
+        panel.grids(), tuple(charts), tuple(cases), tuple(settings), tuple(job), events, told, rest
     )
-    return found
+    return table, rest, told
 
 
 def one_of(charts: Charts, place: int) -> Charts:

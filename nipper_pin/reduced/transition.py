@@ -17,6 +17,7 @@ from ..given import LARGEST, column, number
 from ..units import S_PER_MIN
 from .inputs import check_run, of_all_cases, one_row, speed_of, speeds_of, spring_rows
 from .kernels.layout import (
+    ARRIVALS,
     BESIDE,
     COLUMNS,
     GOES_ON,
@@ -25,14 +26,20 @@ from .kernels.layout import (
     OWN,
     REST_COLUMNS,
     RESTS,
+    TRANSITIONS,
     UNKNOWN,
     Cases,
+    Job,
     Settings,
 )
 from .model import ReducedModel
 from .results import REASONS, ReducedTransition, Status, TransitionBatch
 
-_AT_REST = int(Status.AT_REST)
+_AT_REST, _TRANSITIONS, _ARRIVALS = int(Status.AT_REST), int(TRANSITIONS), int(ARRIVALS)
+# What the job of a transition has between its collisions and the touch.
+_NO_TURNS = Job(0, 0)[2:-2]
+# Bounces of the waiting stop that are followed on the way to the touch.
+_MOST_BOUNCES = 64
 # Collisions that nearly all transitions have less of.
 _USUAL = 32
 _ENGINE = "the reduced engine"
@@ -93,7 +100,7 @@ def transition(
             break
     if status != _AT_REST:
         raise _refusal(model, Status(status), count, speed_rpm, max_collisions)
-    duration, error, share, bound = found.rest[0, :4].tolist()
+    duration, error, share, bound = found.rest[0, 0, :4].tolist()
     rows = found.table[0, :count].T.copy()
     return ReducedTransition(model.name, count, duration, error, share, bound, rows, tell)
 
@@ -136,7 +143,7 @@ def transitions(
     found, tell = _solved(model, cases, rest_rate, tolerance, assumed, max_collisions)
     status, counts, _ = found.told.T.copy()
     rows = found.table[:, :max_collisions].swapaxes(1, 2)
-    return TransitionBatch(model.name, status, counts, found.rest[:, :RESTS], rows, tell)
+    return TransitionBatch(model.name, status, counts, found.rest[:, 0, :RESTS], rows, tell)
 
 
 class _Found(NamedTuple):
@@ -144,7 +151,7 @@ class _Found(NamedTuple):
 
     Attributes:
         table: Collisions, shape (n, most + BESIDE, COLUMNS).
-        rest: Shape (n, REST_COLUMNS).
+        rest: Shape (n, 1, REST_COLUMNS).
         told: Status, collisions, and whether they arrive in their initial phase, shape (n, 3).
     """
 
@@ -154,24 +161,28 @@ class _Found(NamedTuple):
 
 
 @cache
-def _kernel() -> tuple[Callable[..., None], FloatArray]:
+def kernel() -> tuple[Callable[..., None], FloatArray]:
     """The compiled function and its grids; numba is loaded here."""
     require("study", "numba", what=_ENGINE)
-    from .kernels.kernel import run_transitions
+    from .kernels.kernel import run
     from .kernels.panel import grids
 
-    return run_transitions, grids()
+    return run, grids()
 
 
 def _run(model: ReducedModel, cases: Cases, settings: Settings, ask: bool, found: _Found) -> None:
     """Solve cases, or find their premise where it is not known yet."""
-    run_transitions, grids = _kernel()
-    charts = model.arrival.charts if ask else model.charts
-    if charts is None:
-        found.told[:, 2] = UNKNOWN
-        return
-    angle = model.touch_angle_rad, float(model.sense)
-    run_transitions(grids, (*charts,), (*cases,), (*settings,), ask, angle, *found)
+    run, grids = kernel()
+    charts, events = model.charts, found.table
+    task, most = _TRANSITIONS, events.shape[1] - BESIDE
+    if ask:
+        if model.arrival.charts is None:
+            found.told[:, 2] = UNKNOWN
+            return
+        charts, events = model.arrival.charts, np.empty((1, 2 * _MOST_BOUNCES, COLUMNS))
+        task, most = _ARRIVALS, _MOST_BOUNCES
+    job = task, most, *_NO_TURNS, model.touch_angle_rad, float(model.sense)
+    run(grids, (*charts,), (*cases,), (*settings,), job, events, found.told, found.rest)
 
 
 def _solved(
@@ -182,7 +193,7 @@ def _solved(
     n, settings = len(cases.speed), Settings(float(rest_rate or 0.0), float(tolerance))
     told = np.empty((n, 3), dtype=np.int64)
     told[:] = GOES_ON, 0, HOLDS if assumed else NOT_ASKED
-    found = _Found(np.empty((n, most + BESIDE, COLUMNS)), np.empty((n, REST_COLUMNS)), told)
+    found = _Found(np.empty((n, most + BESIDE, COLUMNS)), np.empty((n, 1, REST_COLUMNS)), told)
     if not assumed:
         _run(model, cases, settings, True, found)
     _run(model, cases, settings, False, found)

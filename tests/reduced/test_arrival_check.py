@@ -63,7 +63,7 @@ def arrival(
     cases = Cases(np.array([SPEED]), np.array([[0.3, e]]), none, none, np.ones(1))
     settings = Settings(rest_rate, tolerance)
     _, rest, told = solve(turn, cases, settings, 0, ask=True, premise=layout.NOT_ASKED)
-    return int(told[0, 2]), *rest[0, layout.OVER :]
+    return int(told[0, 2]), *rest[0, 0, layout.OVER :]
 
 
 @pytest.mark.parametrize(

@@ -19,8 +19,7 @@ from numba.core import config
 from nipper_pin import Mechanism, turn_table
 from nipper_pin.reduced import ReducedModel, transitions
 from nipper_pin.reduced.kernels import compiled as compiling
-from nipper_pin.reduced.kernels.kernel import run_transitions
-from nipper_pin.reduced.kernels.turn_quantities import run_turns
+from nipper_pin.reduced.kernels.kernel import run
 
 SOURCE = """
 import numpy as np
@@ -186,15 +185,12 @@ def test_other_columns_of_a_table_compile_nothing(model: ReducedModel, e62: Mech
         {"speed_rpm": held, "restitution": held / 2000.0},
         {"speed_rpm": 650.0, "restitution": np.linspace(0.1, 0.3, 6)[::3]},
     ]
-    for kernel, run in (
-        (run_transitions, lambda given: transitions(model, **given).premise),
-        (run_turns, lambda given: turn_table(e62, engine="reduced", turns=1, **given)),
-    ):
-        run(cases[0])
-        before = len(kernel.signatures)
-        for given in cases[1:]:
-            run(given)
-        assert len(kernel.signatures) == before
+    transitions(model, **cases[0])
+    before = len(run.signatures)
+    for given in cases:
+        assert transitions(model, **given).premise.all()
+        turn_table(e62, engine="reduced", turns=1, **given)
+    assert len(run.signatures) == before
 
 
 def test_compiled_functions_divide_by_zero_as_numpy_does(tmp_path: Path) -> None:

@@ -96,7 +96,7 @@ def run(
         known = HOLDS if asked else NOT_ASKED
         premise = solve(turn, cases, settings, 0, ask=True, premise=known, before=found)[2][0, 2]
     assert np.isnan(table[0, count:]).all()
-    return status, rest[0, :RESTS], premise, table[0, :count].T
+    return status, rest[0, 0, :RESTS], premise, table[0, :count].T
 
 
 def expected(count: int) -> dict[int, Any]:

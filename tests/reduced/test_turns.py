@@ -249,11 +249,10 @@ def test_a_run_ends_before_its_table_of_events_is_full(e62: Mechanism) -> None:
     run, told = module.run_of("turns", 1, None, 1e-10, 64), np.zeros((1, 4), dtype=np.int64)
     cases = module.one_case(model, 650.0, None, None, None)
     for most in range(1, 26):
-        beside = np.full((most + 4, layout.COLUMNS), 7.0)
-        records = run.records()._replace(events=beside[:most])
-        module.follow(run, model, cases, records, told, np.empty((1, 0, 0)))
+        beside = np.full((1, most + 4, layout.COLUMNS), 7.0)
+        module.follow(run, model, cases, beside[:, :most], told, np.empty((1, 0, 0)))
         assert told[0, 3] <= most
-        assert (beside[most:] == 7.0).all()
+        assert (beside[:, most:] == 7.0).all()
         assert told[0, 0] == (
             TurnStatus.TOO_MANY_COLLISIONS if most < 23 else TurnStatus.FOLLOWED
         )  # fmt: skip

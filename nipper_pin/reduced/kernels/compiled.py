@@ -110,7 +110,7 @@ def _kept(function: Callable[..., object]) -> _KeptCode | None:
 def _tell_that_nothing_is_kept() -> None:
     warnings.warn(
         "no folder can be written for the machine code of the reduced engine, so each process "
-        "compiles it anew, which takes some ten seconds; set NUMBA_CACHE_DIR to a folder of yours",
+        "compiles it anew, which takes some twenty seconds; set NUMBA_CACHE_DIR to a folder of yours",
         RuntimeWarning,
         stacklevel=2,
     )
@@ -118,7 +118,7 @@ def _tell_that_nothing_is_kept() -> None:
 
 @cache
 def _tell_that_it_takes_time() -> None:
-    sys.stderr.write("compiling the reduced engine, once on this machine: some ten seconds\n")
+    sys.stderr.write("compiling the reduced engine, once on this machine: some twenty seconds\n")
 
 
 @cache

@@ -1,4 +1,4 @@
-"""Transitions of many cases, compiled: how machines arrive, their collisions and rests."""
+"""What is asked of many cases, compiled: transitions, how machines arrive at them, and turns."""
 
 from __future__ import annotations
 
@@ -17,17 +17,16 @@ from ...tolerances.reduced import (
 )
 from . import layout as rows
 from .compiled import compiled, part
-from .layout import Case, Cases, Charts, Motion, Plain, Records, Settings, Work
+from .layout import Case, Cases, Charts, Job, Motion, Plain, Records, Settings, Work
 from .release import released
 from .turn import FLYING, STRIKING, follow
-from .turn_charts import case_of, press, scratch
+from .turn_charts import case_of, press, records_in, scratch
+from .turn_quantities import turns_of
 
 # Charts of the rest of a turn: of the clamping stop up to its opening, of the waiting one from
 # there to the touch.
 _CLAMPING, _WAITING = rows.numbered(2)
 _ONE_TURN: int = rows.numbered(1, 1)[0]
-# Bounces of the waiting stop that are followed.
-_MOST_BOUNCES = 64
 
 
 @part
@@ -78,12 +77,11 @@ def _clamps(turn: Charts, work: Work, one: Case, rest: float) -> bool:
 
 
 @part
-def _write(events: FloatArray, count: int, angle: tuple[float, float]) -> None:
+def _write(events: FloatArray, count: int, job: Job) -> None:
     """Tell times from the first collision, angles, and the rebound of a stop that has none."""
-    touch, sense = angle
     for n in range(count, -1, -1):
         events[n, rows.TIME] -= events[0, rows.TIME]
-        events[n, rows.ANGLE] = touch + sense * events[n, rows.TRAVEL]
+        events[n, rows.ANGLE] = job.touch + job.sense * events[n, rows.TRAVEL]
     last = events[count - 1]
     if last[rows.SEPARATION] <= 0.0:
         last[rows.AMPLITUDE] = last[rows.AMPLITUDE_ERROR] = 0.0
@@ -110,7 +108,7 @@ def summary(events: FloatArray, status: int, count: int, rest: FloatArray) -> No
 
 @part
 def _transition(grids: FloatArray, charts: Charts, work: Work, one: Case, settings: Settings,
-                angle: tuple[float, float], records: Records, rest: FloatArray,
+                job: Job, records: Records, rest: FloatArray,
                 told: NDArray[np.int64]) -> None:  # fmt: skip
     """One transition: from the touch, from the flight over it, or from what is not known."""
     events, most = records.events, len(records.events) - rows.BESIDE
@@ -130,7 +128,7 @@ def _transition(grids: FloatArray, charts: Charts, work: Work, one: Case, settin
             status, count = rows.AT_REST, count - 1
             rest[rows.RESTS] = events[count, rows.TRAVEL]
         count = min(count, most)
-        _write(events, count, angle)
+        _write(events, count, job)
     told[0], told[1] = status, count
     summary(events, status, count, rest[: rows.RESTS])
     events[count:] = np.nan
@@ -155,42 +153,45 @@ def _premise(grids: FloatArray, turn: Charts, work: Work, one: Case, settings: S
 
 
 @compiled
-def run_transitions(grids: FloatArray, charts: Plain, cases: Plain, settings: Plain, ask: bool,
-                    angle: tuple[float, float], table: FloatArray, rest: FloatArray,
-                    told: NDArray[np.int64]) -> None:  # fmt: skip
-    """Transitions of a batch, or how machines arrive at the touch.
+def run(grids: FloatArray, charts: Plain, cases: Plain, settings: Plain, job: Plain,
+        events: FloatArray, told: NDArray[np.int64], found: FloatArray) -> None:  # fmt: skip
+    """Do for each case of a batch what is asked.
+
+    One function for all, since what they have in common takes seconds to compile.
 
     Args:
-        charts: The domain of the reduced model; those of the rest of the turn where it is asked
-            for.
-        ask: Whether to find the premise, where it is NOT_ASKED, and the state at the touch. Where
-            transitions are known it becomes UNKNOWN for one that does not rest up to the opening.
-        angle: Angle psi of the touch, and sign of its rate.
-        table: Written: collisions, shape (n, most + BESIDE, COLUMNS), NaN beyond the last of a
-            case.
-        rest: Written, shape (n, REST_COLUMNS).
-        told: Written: status (GOES_ON before), number of collisions, and premise: HOLDS, where
-            transitions begin at the touch, FAILS, where they begin from the state over it, or
-            UNKNOWN; shape (n, 3).
+        charts: Of transitions the domain of the reduced model, of arrivals those of the rest of
+            the turn, of turns those of the machine.
+        job: As of :class:`~.layout.Job`.
+        events: Written: of each transition, shape (n, most + BESIDE, COLUMNS), NaN beyond the last
+            collision; of all others scratch, which then has the last case, shape (1, most,
+            COLUMNS).
+        told: Written. Of transitions and arrivals status (GOES_ON before), number of collisions,
+            and premise: HOLDS, where transitions begin at the touch, FAILS, where they begin from
+            the state over it, or UNKNOWN; shape (n, 3). Arrivals find it where it is NOT_ASKED;
+            where transitions are known it becomes UNKNOWN for one that does not rest up to the
+            opening. Of turns status, turns, after how many the last repeats, and events, shape
+            (n, 4).
+        found: Written: shape (n, 1, REST_COLUMNS); or quantities of turns, the last one first, NaN
+            before the first one, shape (n, last, quantities).
     """
-    at, given, shared = Charts(*charts), Cases(*cases), Settings(*settings)
-    most = table.shape[1] - rows.BESIDE
-    work = scratch(at, _MOST_BOUNCES if ask else most, 0)
-    holds, ends = np.empty((2, rows.HOLD_COLUMNS)), np.empty((2, rows.END_COLUMNS))
-    counts = np.zeros(rows.COUNTS, dtype=np.int64)
-    bounces = Records(np.empty((2 * _MOST_BOUNCES, rows.COLUMNS)), holds, ends, counts)
+    machine, given, shared, asked = Charts(*charts), Cases(*cases), Settings(*settings), Job(*job)
+    work, room = scratch(machine, asked.bounces, 0), records_in(events[0], asked.turns)
     for i in range(len(given.speed)):
-        records = bounces if ask else Records(table[i], holds, ends, counts)
-        _one(grids, at, work, given, i, shared, ask, angle, rest[i], told[i], records)
+        own = events[min(i, len(events) - 1)]
+        records = Records(own, room.holds, room.ends, room.counts)
+        _one(grids, machine, work, given, i, shared, asked, records, told[i], found[i])
 
 
 @part
 def _one(grids: FloatArray, charts: Charts, work: Work, cases: Cases, i: int, settings: Settings,
-         ask: bool, angle: tuple[float, float], rest: FloatArray, told: NDArray[np.int64],
-         records: Records) -> None:  # fmt: skip
+         job: Job, records: Records, told: NDArray[np.int64], found: FloatArray,
+         ) -> None:  # fmt: skip
     """One of the cases."""
     one = case_of(cases, i)
-    if ask:
-        _premise(grids, charts, work, one, settings, rest, told, records)
+    if job.task == rows.TRANSITIONS:
+        _transition(grids, charts, work, one, settings, job, records, found[0], told)
+    elif job.task == rows.ARRIVALS:
+        _premise(grids, charts, work, one, settings, found[0], told, records)
     else:
-        _transition(grids, charts, work, one, settings, angle, records, rest, told)
+        turns_of(grids, charts, work, one, settings, job, records, told, found)

@@ -51,6 +51,8 @@ def numbered(count: int, first: int = 0) -> Any:
 
 
 ZERO: int = numbered(1)[0]
+# What is asked of the cases of a call.
+TRANSITIONS, ARRIVALS, TURNS = numbered(3)
 # Status of a case; GOES_ON while it is followed.
 (
     GOES_ON, AT_REST, LEFT_TRAVEL, LEFT_GAP, OTHER_STOP, NOT_PRESSED, TOO_MANY, UNRESOLVED, UNTOLD,
@@ -70,7 +72,8 @@ RESTS, OVER = 4, 5
 REST_COLUMNS = 9
 # Rooms for events of a transition beyond its collisions: a rest, and a collision too many.
 BESIDE = 2
-# Columns of the stretches on which the clamping stop is closed.
+# Stretches of a turn on which the clamping stop is closed, and their columns.
+STRETCHES_OF_TURN = 64
 HOLD_TURN, HOLD_CHART, HOLD_BEGIN, HOLD_END, ENDED_BY, HOLD_BEGIN_ERROR, HOLD_END_ERROR = range(7)
 HOLD_COLUMNS = 7
 # Quantities of a turn; travels are counted from its start. For each stop a few more follow.
@@ -196,6 +199,31 @@ class Settings(NamedTuple):
     rest_rate: float
     tolerance: float
     rough: bool = False
+
+
+class Job(NamedTuple):
+    """What is asked of them.
+
+    Attributes:
+        task: TRANSITIONS, ARRIVALS at the touch, or TURNS.
+        bounces: Largest number of collisions of a series.
+        turns: Largest number of turns; fewer are followed where they repeat.
+        begin: Where turns start: chart, gap, its rate by time and by the cylinder, and whether its
+            stop is closed.
+        clamp: Place of the clamping stop among the stops.
+        level: Force above which it clamps [N].
+        touch: Angle psi of the touch [rad].
+        sense: Sign of its rate.
+    """
+
+    task: int
+    bounces: int
+    turns: int = 0
+    begin: tuple[int, float, float, float, bool] = (0, 0.0, 0.0, 0.0, False)
+    clamp: int = 0
+    level: float = 0.0
+    touch: float = 0.0
+    sense: float = 1.0
 
 
 class Motion(NamedTuple):

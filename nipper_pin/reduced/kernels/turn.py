@@ -55,11 +55,12 @@ def follow(grids: FloatArray, charts: Charts, work: Work, one: Case, settings: S
     work.memory[rows.LAST] = work.memory[rows.REST_CHART] = -1.0
     closed = float(at.chart) if phase == RESTING else -1.0
     mark(records.ends, rows.ZERO, (closed, np.inf), at)
-    status, bounced = rows.GOES_ON, False
+    status, before = rows.GOES_ON, phase
     while status == rows.GOES_ON:
         if _no_room(work, records):
             return rows.TOO_MANY, rows.ZERO
         press(charts, work, at.chart, one)
+        now = phase
         if phase == RESTING:
             status, phase, at = _rest(charts, work, one, clamp, records, at)
         elif phase == STRIKING:
@@ -68,15 +69,15 @@ def follow(grids: FloatArray, charts: Charts, work: Work, one: Case, settings: S
             phase, at = STRUCK, strike(charts, work, one, records, at)
         elif phase == STRUCK:
             status, phase, at = _bounce(charts, work, one, settings, turns == 0, records, at)
-            bounced = phase == FLYING
         elif phase == FLYING:
+            bounced = before == STRUCK
             status, phase, at = _fly(grids, charts, work, one, settings, bounced, records, at)
-            bounced = False
         elif turns == 0:
             return rows.LEFT_TRAVEL, rows.ZERO
         else:
             closed = phase == ENDED_CLOSED
             status, phase, at = _take_over(charts, work, one, closed, turns, records, at)
+        before = now
     again = repeats(charts, records.ends, records.counts[rows.TURNS])
     return status, again if status == rows.AT_REST else rows.ZERO
 

@@ -8,7 +8,7 @@ from ...arrays import FloatArray
 from . import layout as rows
 from .compiled import compiled, part
 from .flight_errors import sizes_of
-from .layout import Case, Cases, Charts, Work
+from .layout import Case, Cases, Charts, Records, Work
 from .panel import Source, cell_at
 
 
@@ -29,6 +29,16 @@ def scratch(charts: Charts, most: int, panels: int) -> Work:
         np.empty(count, dtype=np.bool_), np.empty((count, cells), dtype=np.bool_),
         np.empty((finest + 1, size)), np.zeros((rows.SCRATCH_ROWS * (1 + panels), finest + 2)),
         np.empty((3, most)), np.empty(rows.MEMORY),
+    )  # fmt: skip
+
+
+@compiled
+def records_in(events: FloatArray, turns: int) -> Records:
+    """Room for what turns do, with that for their events; what is not written is never touched."""
+    count = max(turns, 1)
+    return Records(
+        events, np.empty((count * rows.STRETCHES_OF_TURN, rows.HOLD_COLUMNS)),
+        np.empty((count + 1, rows.END_COLUMNS)), np.zeros(rows.COUNTS, dtype=np.int64),
     )  # fmt: skip
 
 

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from ...arrays import FloatArray
 from ...tolerances.mechanics import EPS
 from . import layout as rows
-from .compiled import compiled, part
+from .compiled import part
 from .flight_errors import drift, size
-from .layout import Cases, Charts, Motion, Plain, Records, Settings, Work
+from .layout import Case, Charts, Job, Motion, Records, Settings, Work
 from .panel import along
 from .turn import FLYING, RESTING, STRUCK, follow
-from .turn_charts import case_of, chart_at, scratch
+from .turn_charts import chart_at
 
 # Places of a cell between which a force has at most one extreme.
 _PLACES = 16
@@ -344,41 +344,19 @@ def begun(begin: tuple[int, float, float, float, bool], speed: float) -> tuple[i
     return phase, Motion(c, 0.0, 0.0, x, slow + fast * speed, 0.0, 0.0, 0.0)
 
 
-@compiled
-def run_turns(grids: FloatArray, charts: Plain, cases: Plain, settings: Plain, most: int,
-              turns: int, begin: tuple[int, float, float, float, bool], clamp: int, level: float,
-              records: Plain, told: NDArray[np.int64], found: FloatArray) -> None:  # fmt: skip
-    """Quantities of the last turns of many cases.
-
-    Args:
-        turns: Largest number of turns; fewer are followed where they repeat.
-        begin: As of ``begun``.
-        clamp: Place of the clamping stop.
-        level: Force above which it clamps [N].
-        records: Scratch; of a single case what it did.
-        told: Written: status, turns, after how many the last repeats, and events, shape (n, 4).
-        found: Written, shape (n, last, quantities): the last turn first; NaN before the first one.
-    """
-    machine, given, shared = Charts(*charts), Cases(*cases), Settings(*settings)
-    done, work = Records(*records), scratch(machine, most, 0)
-    for i in range(len(given.speed)):
-        _turns(
-            grids, machine, work, given, i, shared, turns, begin, clamp, level, done, told[i],
-            found[i],
-        )  # fmt: skip
-
-
 @part
-def _turns(grids: FloatArray, charts: Charts, work: Work, cases: Cases, i: int, settings: Settings,
-           turns: int, begin: tuple[int, float, float, float, bool], clamp: int, level: float,
-           records: Records, told: NDArray[np.int64], found: FloatArray) -> None:  # fmt: skip
-    """Quantities of one of the cases."""
-    one = case_of(cases, i)
-    phase, at = begun(begin, one.speed)
-    status, again = follow(grids, charts, work, one, settings, turns, phase, at, clamp, records)
+def turns_of(grids: FloatArray, charts: Charts, work: Work, one: Case, settings: Settings, job: Job,
+             records: Records, told: NDArray[np.int64], found: FloatArray) -> None:  # fmt: skip
+    """Follow the turns of a case, and write the quantities of the last ones."""
+    phase, at = begun(job.begin, one.speed)
+    status, again = follow(
+        grids, charts, work, one, settings, job.turns, phase, at, job.clamp, records
+    )
     done = records.counts[rows.TURNS]
     told[0], told[1], told[2], told[3] = status, done, again, records.counts[rows.EVENTS]
     found[:] = np.nan
     for j in range(min(len(found), done) if status == rows.AT_REST else 0):
         limits = settings.rest_rate == 0.0
-        summed(charts, work, records, done - 1 - j, clamp, level, one.speed, limits, found[j])
+        summed(
+            charts, work, records, done - 1 - j, job.clamp, job.level, one.speed, limits, found[j]
+        )

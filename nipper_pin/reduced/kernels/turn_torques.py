@@ -12,11 +12,11 @@ from . import layout as rows
 from .compiled import compiled, part
 from .flight import kept
 from .flight_errors import size
-from .layout import Case, Cases, Charts, Records, Settings, Work
+from .layout import Case, Cases, Charts, Job, Records, Settings, Work
 from .panel import along, chebyshev, contract, position, rate_at, reach
 from .repeats import begin_at
 from .turn import FLYING, RESTING, follow
-from .turn_charts import case_of, press, scratch, source_of
+from .turn_charts import case_of, press, records_in, scratch, source_of
 from .turn_quantities import begun
 
 # Places of a panel by its nodes, and of a rest by cells of its chart.
@@ -188,26 +188,28 @@ def largest_torques(charts: Charts, work: Work, torques: Charts, mixed: Work, on
 
 @compiled
 def run_torques(grids: FloatArray, charts: Charts, torques: Charts, cases: Cases,
-                settings: Settings, most: int, panels: int, turns: int,
-                begin: tuple[int, float, float, float, bool], clamp: int, records: Records,
-                again: Records, told: NDArray[np.int64], found: FloatArray) -> None:  # fmt: skip
-    """Largest torques of the last turns of many cases; arguments as of ``run_turns``.
+                settings: Settings, job: Job, panels: int, events: FloatArray,
+                told: NDArray[np.int64], found: FloatArray) -> None:  # fmt: skip
+    """Largest torques of the last turns of many cases.
 
     The turns are followed once more, and the last of them again with their motion kept.
 
     Args:
         panels: Panels of the motion of a turn that are kept.
+        events: Scratch, shape (most, COLUMNS).
         told: Written: the status, shape (n,).
         found: Written, shape (n, last, 2, drives): largest torques and bounds on their errors, the
             last turn first; NaN before the first one.
     """
     found[:] = np.nan
-    work, keeping = scratch(charts, most, 0), scratch(charts, most, panels)
+    work, keeping = scratch(charts, job.bounces, 0), scratch(charts, job.bounces, panels)
     mixed = scratch(torques, 0, 0)
+    # Of the first run only the ends of turns are read later on.
+    records, again = records_in(events, job.turns), records_in(events, 1)
     for i in range(len(cases.speed)):
         told[i] = _torques(
-            grids, charts, torques, work, keeping, mixed, cases, i, settings, turns, begin, clamp,
-            records, again, found[i],
+            grids, charts, torques, work, keeping, mixed, cases, i, settings, job, records, again,
+            found[i],
         )  # fmt: skip
         if told[i] != rows.AT_REST:
             found[i] = np.nan
@@ -215,14 +217,13 @@ def run_torques(grids: FloatArray, charts: Charts, torques: Charts, cases: Cases
 
 @part
 def _torques(grids: FloatArray, charts: Charts, torques: Charts, work: Work, keeping: Work,
-             mixed: Work, cases: Cases, i: int, settings: Settings, turns: int,
-             begin: tuple[int, float, float, float, bool], clamp: int, records: Records,
+             mixed: Work, cases: Cases, i: int, settings: Settings, job: Job, records: Records,
              again: Records, found: FloatArray) -> int:  # fmt: skip
     """Largest torques of one of the cases; its status."""
     one = case_of(cases, i)
-    start = begun(begin, one.speed)
+    start = begun(job.begin, one.speed)
     status, _ = follow(
-        grids, charts, work, one, settings, turns, start[0], start[1], clamp, records
+        grids, charts, work, one, settings, job.turns, start[0], start[1], job.clamp, records
     )
     done = records.counts[rows.TURNS]
     for j in range(min(len(found), done) if status == rows.AT_REST else 0):
@@ -235,7 +236,7 @@ def _torques(grids: FloatArray, charts: Charts, torques: Charts, work: Work, kee
         keeping.nodes[rows.KEPT, 0] = 0.0
         # A literal 1 would be a type of its own, for which all of it is compiled once more.
         status, _ = follow(
-            grids, charts, keeping, one, settings, min(turns, 1), phase, at, clamp, again
+            grids, charts, keeping, one, settings, min(job.turns, 1), phase, at, job.clamp, again
         )
         if status != rows.AT_REST:
             return status

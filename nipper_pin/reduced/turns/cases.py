@@ -15,22 +15,12 @@ from ...errors import InputError, UnknownNameError
 from ...given import LARGEST, column, number, whole
 from ...units import S_PER_MIN
 from ..inputs import check_run, of_all_cases, one_row, speed_of, speeds_of, spring_rows
-from ..kernels.layout import (
-    COLUMNS,
-    COUNTS,
-    END_COLUMNS,
-    HOLD_COLUMNS,
-    Cases,
-    Records,
-    Settings,
-)
+from ..kernels.layout import COLUMNS, TURNS, Cases, Job, Settings
 from .model import TurnModel
 
 # Events of a turn that there is room for beyond its collisions.
 BESIDE = 64
 _MOST_TURNS = 10_000
-# Stretches of a turn on which a stop is closed.
-_STRETCHES = 64
 # Rooms for events, which take 128 bytes each.
 _MOST_EVENTS = 4_000_000
 # Numbers of a batch; they and a copy of them take 400 MB.
@@ -52,15 +42,13 @@ class Run:
     most: int
     least_force: float
 
-    def records(self, turns: int | None = None) -> Records:
+    def events(self) -> FloatArray:
         """Room for what turns do; memory that no event is written to is never touched."""
-        count = self.turns if turns is None else turns
-        return Records(
-            np.empty((count * (self.most + BESIDE), COLUMNS)),
-            np.empty((count * _STRETCHES, HOLD_COLUMNS)),
-            np.empty((count + 1, END_COLUMNS)),
-            np.zeros(COUNTS, dtype=np.int64),
-        )
+        return np.empty((1, self.turns * (self.most + BESIDE), COLUMNS))
+
+    def of(self, model: TurnModel) -> Job:
+        """What is asked of the turns of a model."""
+        return Job(int(TURNS), self.most, self.turns, model.begin, model.clamp, self.least_force)
 
 
 def run_of(key: str, turns: int, rest_rate: float | None, tolerance: float, most: int,

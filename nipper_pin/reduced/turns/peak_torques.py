@@ -207,6 +207,6 @@ def _follow(
     torques = torque_model(mechanism, model.start_index, gap_scale).charts
     panels = _PANELS * (run.most + BESIDE)
     run_torques(
-        grids(), model.charts, torques, cases, run.settings, run.most, panels, run.turns,
-        model.begin, model.clamp, run.records(), run.records(1), told[:, 0], found,
+        grids(), model.charts, torques, cases, run.settings, run.of(model), panels,
+        run.events()[0], told[:, 0], found,
     )  # fmt: skip

@@ -210,10 +210,10 @@ def turn_quantities(
     n = len(cases.speed)
     told = np.zeros((n, 4), dtype=np.int64)
     columns = rows.TURN_NUMBERS + rows.PER_STOP * len(model.stops)
-    found, records = room_for(n, last, columns), settings.records()
+    found, events = room_for(n, last, columns), settings.events()
 
     def run(model: TurnModel, _gap_scale: float, cases: Cases, *written: Any) -> None:
-        follow(settings, model, cases, records, *written)
+        follow(settings, model, cases, events, *written)
 
     widening(mechanism, start_index, cases, told, found, run)
     status, followed, again, _ = told.T.copy()

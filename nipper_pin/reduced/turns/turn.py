@@ -9,11 +9,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...arrays import FloatArray
 from ...errors import SimulationError
-from ...extras import require
 from ...given import number
 from ...made_once import made_once
 from ...mechanism import Mechanism
-from ..kernels.layout import LEFT_GAP, Cases, Records
+from ..kernels.layout import LEFT_GAP, Cases
+from ..transition import kernel
 from .cases import Run, one_case, run_of
 from .model import START_INDEX, TurnModel, build_turns
 from .results import TURN_REASONS, ReducedTurns, TurnStatus
@@ -86,9 +86,8 @@ def turns(
         if model is None:
             break
         cases = one_case(model, speed_rpm, restitution, stiffness, preload)
-        records = run.records()
-        records.events.fill(np.nan)
-        follow(run, model, cases, records, told, nothing)
+        events = run.events()
+        follow(run, model, cases, events, told, nothing)
         if told[0, 0] != LEFT_GAP:
             break
     status, done, again, count = told[0].tolist()
@@ -98,19 +97,14 @@ def turns(
         message = f"{mechanism.name} at {speed_rpm:g} r/min: {reason}; use the direct engine"
         raise SimulationError(message, status=name, speed_rpm=speed_rpm)
     stops = tuple(stop.name for stop in mechanism.stops)
-    return ReducedTurns(mechanism.name, stops, done, again, records.events[:count].copy())
+    return ReducedTurns(mechanism.name, stops, done, again, events[0, :count].copy())
 
 
 def follow(
-    run: Run, model: TurnModel, cases: Cases, records: Records, told: NDArray[np.int64],
+    run: Run, model: TurnModel, cases: Cases, events: FloatArray, told: NDArray[np.int64],
     found: FloatArray,
 ) -> None:  # fmt: skip
-    """Follow turns of cases on one model, as ``run_turns`` does."""
-    require("study", "numba", what="the reduced engine")
-    from ..kernels.panel import grids
-    from ..kernels.turn_quantities import run_turns
-
-    run_turns(
-        grids(), (*model.charts,), (*cases,), (*run.settings,), run.most, run.turns, model.begin,
-        model.clamp, run.least_force, (*records,), told, found,
-    )  # fmt: skip
+    """Follow turns of cases on one model."""
+    solve, grids = kernel()
+    job = (*run.of(model),)
+    solve(grids, (*model.charts,), (*cases,), (*run.settings,), job, events, told, found)
