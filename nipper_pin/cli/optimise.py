@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 
-from ..errors import SimulationError, one_line
+from ..errors import SimulationError
 from ..extras import require
 from ..view.progress import progress
 from .arguments import (
@@ -75,7 +74,6 @@ def _run(options: argparse.Namespace) -> None:
         from ..view.console import Terminal
         from ..view.studies.optimise_report import print_optimum
 
-        sys.stdout.write("".join(f"{one_line(str(folder / path.name))}\n" for path in written))
-        print_optimum(optimum, Terminal())
+        print_optimum(optimum, Terminal(), [str(folder / path.name) for path in written])
     if optimum.contradiction:
         raise SimulationError(optimum.contradiction, folder=str(folder))

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import argparse
-import sys
 
-from ..errors import one_line
 from ..extras import require
 from .arguments import add_value
 
@@ -25,6 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _run(options: argparse.Namespace) -> None:
     require("study", "matplotlib", "pyarrow", what="a plot of a sweep")
+    from ..view.console import ending, unbroken_console
     from ..view.studies.sweep_plots import plot_sweep
 
     written = plot_sweep(
@@ -35,5 +34,4 @@ def _run(options: argparse.Namespace) -> None:
         kind=options.format,
         target=options.out,
     )
-    for path in written:
-        sys.stdout.write(f"{one_line(str(path))}\n")
+    ending(unbroken_console(), written=map(str, written))

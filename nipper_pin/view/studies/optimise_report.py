@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from rich.console import Console
 
 from ...study.optimise.design import Design
@@ -20,8 +22,8 @@ _ENGINES = {
 }
 
 
-def print_optimum(optimum: Optimum, console: Console) -> None:
-    """Print what was found and what holds it back."""
+def print_optimum(optimum: Optimum, console: Console, written: Sequence[str] = ()) -> None:
+    """Print what was found and what holds it back, and the files that were written."""
     problem = optimum.problem
     say(console, problem.title, style="bold")
     say(console, _found(optimum))
@@ -45,7 +47,7 @@ def print_optimum(optimum: Optimum, console: Console) -> None:
         _front(optimum.front, optimum, console)
     headline(console, f"Found: {_found(optimum)}")
     say(console, CAUTION)
-    ending(console, optimum.command if optimum.control.values else "")
+    ending(console, optimum.command if optimum.control.values else "", written)
 
 
 def _aim(aim: Aim, problem: Problem) -> str:
