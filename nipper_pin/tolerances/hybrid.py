@@ -33,9 +33,6 @@ are round-off."""
 SHALLOW_DIP = 0.25
 """[1] By the higher side of a dip: a bottom above, as a parabola has it, is above zero. A choice:
 of a resolved function the parabola errs by less."""
-SOONEST_SHARE = 0.999
-"""[1] By the least time in which a gap may close: the share before which it surely does not. A
-choice: what is missing to one is far above the round-off of that time."""
 GAP_ROUND_OFF = 1e-13
 """[1] By the unit of its coordinate: gap that counts as zero where closures determine it. It is 450
 eps."""

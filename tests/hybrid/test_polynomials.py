@@ -8,8 +8,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from nipper_pin.chebyshev import Series, decayed, evaluate, nodes, tail
-from nipper_pin.hybrid.event_location.guards import may_vanish
+from nipper_pin.chebyshev import Series, decayed, nodes, tail
 from nipper_pin.hybrid.event_location.roots import first_descent, polish
 
 ORDERS = [3, 4, 5, 8, 12, 16]
@@ -198,14 +197,3 @@ def test_a_dip_is_followed_to_its_bottom(depth: float, skew: float) -> None:
     assert bracket is not None
     assert function(bracket[0]) > 0.0 >= function(bracket[1])
     assert abs(bracket[1] - centre) <= 2.0 * np.sqrt(depth)
-
-
-def test_no_force_vanishes_that_may_not() -> None:
-    """Against 4000 places of forces that are far above zero, just above it, or below."""
-    rng = np.random.default_rng(0)
-    for _ in range(20):
-        forces = rng.normal(0.0, 1.0, (13, 12)) + rng.choice([0.0, 2.0, 30.0], 12)
-        lowest = evaluate(forces, np.linspace(0.0, 1.0, 4001), 0).min(axis=0)
-        possible = may_vanish(forces)
-        assert possible[lowest <= 0.0].all()
-        assert not possible.all()

@@ -1,20 +1,13 @@
-"""Triggers: where a gap closes or a contact force vanishes on a panel.
-
-A Chebyshev series is nowhere lower than its constant term less the sizes of all others. So an
-acceleration has a least value, and a gap of which place and rate at the start are known has a least
-time to close, which costs a hundredth of its root. Where one gap closes, no other one counts that
-takes longer at least.
-"""
+"""Triggers: where a gap closes or a contact force vanishes on a panel."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection
 from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...arrays import FloatArray, product
 from ...chebyshev import Series, interpolant, nodes
@@ -29,7 +22,6 @@ from ...tolerances.hybrid import (
     RISING_FORCE,
     SIMULTANEOUS,
     SMALLEST,
-    SOONEST_SHARE,
 )
 from ...tolerances.mechanics import EPS
 from ..motion.panel import Panel, one_state_at, stop_forces_at
@@ -68,27 +60,21 @@ def triggers(
         forces: Forces of the closed stops at its nodes, shape (N, closed).
         watched: Names of the stops that count; all if there are none.
     """
-    found, instant = [], SIMULTANEOUS * system.shaft.period
-    flying = [stop for stop in phase.open if watched is None or stop.name in watched]
-    latest = panel.t + panel.h
-    for soonest, stop in by_soonest(system, panel, flying):
-        if soonest > latest:
-            break
-        t = _gap_root(system, phase, panel, stop)
-        if t is not None:
-            latest = min(latest, t + instant)
-            found.append(Trigger(t, stop.name, closes=True))
-    vanishing = may_vanish(forces).tolist()
+    found = []
+    for stop in phase.open:
+        if watched is None or stop.name in watched:
+            t = _gap_root(system, phase, panel, stop)
+            if t is not None:
+                found.append(Trigger(t, stop.name, closes=True))
     for column, stop in enumerate(phase.shut):
-        if (watched is not None and stop.name not in watched) or not vanishing[column]:
-            continue
-        t = _force_root(system, phase, panel, forces[:, column], column)
-        if t is not None and not _is_nothing(system, panel, stop, forces[:, column]):
-            found.append(Trigger(t, stop.name, closes=False))
+        if watched is None or stop.name in watched:
+            t = _force_root(system, phase, panel, forces[:, column], column)
+            if t is not None and not _is_nothing(system, panel, stop, forces[:, column]):
+                found.append(Trigger(t, stop.name, closes=False))
     if not found:
         return ()
     earliest = min(trigger.t for trigger in found)
-    limit = earliest + instant
+    limit = earliest + SIMULTANEOUS * system.shaft.period
     return tuple(
         trigger if trigger.t == earliest else trigger._replace(t=earliest)
         for trigger in sorted(found, key=lambda item: item.stop)
@@ -289,48 +275,3 @@ def _polished(
     left, right = (panel.t + panel.h * sigma for sigma in bracket)
     near = panel.t + panel.h * polish(series.value_and_slope, *bracket)
     return polish(exact, left, right, min(max(near, left), right))
-
-
-# So few are looked at as they are, sooner than their bounds are found.
-_FEW = 3
-
-
-def by_soonest(system: System, panel: Panel, stops: Sequence[Stop]) -> list[tuple[float, Stop]]:
-    """Stops in the order of the times at which their gaps may close on a panel at the soonest.
-
-    Returns:
-        Times [s] and stops; the start of the panel where nothing tells more.
-    """
-    if len(stops) <= _FEW or not panel.integrated:
-        return [(panel.t, stop) for stop in stops]
-    index, sense = [stop.index for stop in stops], np.array([stop.sense for stop in stops])
-    gap = sense * (panel.q[0, index] - np.array([stop.at for stop in stops]))
-    rate, least = sense * panel.v[0, index], _least(sense * panel.a[:, index])
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        root = np.sqrt(rate**2 - 2.0 * least * gap)
-        # Either form of the first root where it loses no digits; no root is none that is real.
-        away = np.where(least < 0.0, (rate + root) / -least, np.inf)
-        after = np.where(rate > 0.0, away, 2.0 * gap / (root - rate))
-    after[np.isnan(after)] = np.inf
-    # What has hardly opened has a root of its own kind.
-    after[gap <= GAP_ROUND_OFF * system.body.units[index]] = 0.0
-    times = (panel.t + SOONEST_SHARE * after).tolist()
-    order = np.argsort(times, kind="stable").tolist()
-    return [(times[place], stops[place]) for place in order]
-
-
-def may_vanish(forces: FloatArray) -> NDArray[np.bool_]:
-    """Whether forces may fall through zero on a panel, shape (K,).
-
-    Args:
-        forces: Forces of the closed stops at its nodes, shape (N, K).
-    """
-    if forces.shape[1] <= _FEW:
-        return np.ones(forces.shape[1], dtype=np.bool_)
-    return np.asarray(_least(forces) <= (1.0 - SOONEST_SHARE) * np.abs(forces).max(axis=0))
-
-
-def _least(values: FloatArray) -> FloatArray:
-    """What no column of node values falls below between the nodes, from (N, K), shape (K,)."""
-    constant, *others = nodes(len(values)).integrals[0] @ values
-    return np.asarray(constant - np.abs(others).sum(axis=0))
