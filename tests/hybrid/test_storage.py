@@ -229,14 +229,9 @@ def test_a_case_may_be_edited(case_file: Path) -> None:
             nip.load_case(case_file)
 
 
-@pytest.mark.parametrize(
-    ("number", "other"), [(99, ""), (2, r", which nipper-pin 0\.1\.0 of 2026-11-23 reads")]
-)
-def test_another_format_is_refused_by_number(
-    number: int, other: str, stored: Path, case_file: Path
-) -> None:
-    """The message names both formats, and the version that read the other one."""
-    words = f"format {number}{other}, and this version reads format 3; simulate the case again"
+@pytest.mark.parametrize("number", [99, 2])
+def test_another_format_is_refused_by_number(number: int, stored: Path, case_file: Path) -> None:
+    words = f"format {number}, and this version reads format 3; simulate the case again"
     for path, read in ((stored, nip.load_solution), (case_file, nip.load_case)):
         _edit(path, lambda document: document.update(format=number))
         with pytest.raises(nip.InputError, match=words):
@@ -260,23 +255,23 @@ def test_an_archive_that_would_grow_too_large_is_refused(tmp_path: Path) -> None
     assert path.stat().st_size < 2**21
     tracemalloc.start()
     try:
-        with pytest.raises(nip.InputError, match=r"1\.07e\+09 bytes; at most 4\.03e\+08 are read"):
+        with pytest.raises(nip.InputError, match=r"1\.07e\+09 bytes.* at most 4\.03e\+08"):
             nip.load_solution(path)
         assert tracemalloc.get_traced_memory()[1] < 2**24
     finally:
         tracemalloc.stop()
 
 
-@pytest.mark.parametrize("length", [10**15, 1])
+@pytest.mark.parametrize("length", [10**15, 10**4, 1])
 def test_an_array_is_as_long_as_it_says(tmp_path: Path, length: int) -> None:
-    """One that says more would be given memory before its content is read."""
+    """One that says more is given no memory that its content does not fill."""
     path = tmp_path / "lying.npz"
     with zipfile.ZipFile(path, "w") as archive, archive.open("events.npy", "w") as member:
         np.lib.format.write_array_header_1_0(
             member, {"descr": "<f8", "fortran_order": False, "shape": (length,)}
         )
         member.write(bytes(80))
-    with pytest.raises(nip.InputError, match=r"events\.npy is not as long as it says"):
+    with pytest.raises(nip.InputError, match=r"events\.npy is (not what|longer than) it says"):
         nip.load_solution(path)
 
 

@@ -36,8 +36,6 @@ from ..result.solution import Solution
 from .archive import mesh_digests, need_own_files, need_readable, read_archive
 
 FORMAT = 3
-# Versions that read other formats.
-_READERS = {2: "nipper-pin 0.1.0 of 2026-11-23"}
 # Arrays by what they belong to, each with its place in the file.
 _Stored = dict[tuple[object, ...], tuple[int, tuple[FloatArray, ...]]]
 # What reading an archive or a document can run into that is not what it should be.
@@ -287,11 +285,9 @@ def _setting(mechanism: Mechanism, case: Case) -> dict[str, Any]:
 def _check_format(text: str, path: str | Path) -> None:
     found = msgspec.json.decode(text, type=AnyFormat).format
     if found != FORMAT:
-        reader = _READERS.get(found) if isinstance(found, int) else None
-        other = f", which {reader} reads" if reader else ""
         message = (
-            f"{path}: this is format {found!r}{other}, and this version reads format {FORMAT}; "
-            "simulate the case again"
+            f"{path}: this is format {found!r}, and this version reads format {FORMAT}; simulate "
+            "the case again"
         )
         raise InputError(message, file=str(path), format=found)
 
