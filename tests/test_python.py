@@ -67,7 +67,7 @@ def test_a_used_solution_pickles_and_is_the_same(solution: nip.Solution) -> None
             run.errors,
             run.phases,
             run.trajectory.reactions(times).contacts["jaw"].tolist(),
-            [impulse.tolist() for impulse in run.drive_impulses],
+            [run.trajectory.impulses(event).contacts for event in run.events],
         )
 
     before = numbers(solution)

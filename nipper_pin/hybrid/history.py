@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from bisect import bisect_right
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
@@ -70,23 +69,10 @@ class Event:
     source: int
 
     def struck(self, mechanism: Mechanism) -> tuple[Stop, ...]:
-        """Stops that a collision strikes: the first one, and all others that close at a rate.
-
-        Args:
-            mechanism: The mechanism.
-        """
+        """Stops that a collision strikes: the first one, and all others that close at a rate."""
         first, *others = (mechanism.stop(name) for name in self.stops)
         open_before = (stop for stop in others if stop.name not in self.closed_before)
         return first, *(stop for stop in open_before if stop.rate(self.v_before) < 0.0)
-
-    def energy_lost_at(self, stop: Stop) -> float:
-        """Kinetic energy that the impulse of one stop takes away [J]; all stops together lose all.
-
-        Args:
-            stop: A stop in contact.
-        """
-        through = stop.rate(self.v_before) + stop.rate(self.v_after)
-        return -0.5 * self.P_N[stop.name] * through
 
 
 def found_after(events: Sequence[Event], rest: Event) -> Event:
@@ -183,10 +169,6 @@ class Segment:
             begin, end = max(panel.t, self.t_start), min(panel.t + panel.h, self.t_end)
             if end > begin:
                 yield panel, begin, end
-
-    def panel_number(self, t: float) -> int:
-        """Return the place of the panel that holds time t [s]."""
-        return max(bisect_right(self.panels, t, key=lambda panel: panel.t) - 1, 0)
 
 
 _Item = TypeVar("_Item", Event, Segment)

@@ -50,20 +50,19 @@ def of_leaders(mechanism: Mechanism, events: tuple[Event, ...]) -> tuple[Event, 
     if led(mechanism) is mechanism:
         return events
     leaders = frozenset(stop.name for stop in led(mechanism).stops)
-    return tuple(_of_leaders(mechanism.stops, leaders, event) for event in events)
-
-
-def _of_leaders(stops: tuple[Stop, ...], leaders: frozenset[str], event: Event) -> Event:
-    return replace(
-        event,
-        stops=tuple(name for name in event.stops if name in leaders),
-        P_N={
-            name: impulse / impulse_shares(stops, name)[name]
-            for name, impulse in event.P_N.items()
-            if name in leaders
-        },
-        closed_before=event.closed_before & leaders,
-        closed_after=event.closed_after & leaders,
+    return tuple(
+        replace(
+            event,
+            stops=tuple(name for name in event.stops if name in leaders),
+            P_N={
+                name: impulse / impulse_shares(mechanism.stops, name)[name]
+                for name, impulse in event.P_N.items()
+                if name in leaders
+            },
+            closed_before=event.closed_before & leaders,
+            closed_after=event.closed_after & leaders,
+        )
+        for event in events
     )
 
 

@@ -115,7 +115,7 @@ def npz(home: Path, data: bytes) -> bool:
 def asked(solution: Solution) -> None:
     repr(solution)
     solution._repr_html_()
-    for question in ("collisions", "phases", "transitions", "drive_impulses", "errors", "energy"):
+    for question in ("collisions", "phases", "transitions", "errors", "energy"):
         getattr(solution, question)
     assert solution.checks is not None
     start, end = solution.trajectory.span

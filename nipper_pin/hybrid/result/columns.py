@@ -31,11 +31,7 @@ IN_MM = {
 
 
 def columns(solution: Simulated, table: str, units: str = "SI") -> dict[str, Column]:
-    """Columns of a table of a run, by names that end with their units.
-
-    Args:
-        table: "collisions", "phases", "links" or "motion".
-        units: "SI", or "mm" for mm and degrees.
+    """Columns of one of the :data:`TABLES` of a run, by names that end with their units.
 
     Raises:
         UnknownNameError: There is no such table, or no such units.
@@ -65,12 +61,7 @@ class _Columns:
         self._in_mm, self.found = in_mm, dict[str, Column]()
 
     def add(self, name: str, values: Column, units: str | Sequence[str] = "") -> None:
-        """Add a column.
-
-        Args:
-            name: Its name in SI units.
-            units: Its SI unit, or that of each row.
-        """
+        """Add a column, by its name in SI units, with its SI unit or that of each row."""
         kinds = [units] if isinstance(units, str) else list(dict.fromkeys(units))
         if self._in_mm and any(kind in IN_MM for kind in kinds):
             factors = [IN_MM[kind][1] for kind in ([units] if isinstance(units, str) else units)]

@@ -91,12 +91,15 @@ def energy_balance(
         motion = trajectory.evaluate(last, left=True)
         q1, v1 = motion.q, motion.v
     peak = max(peak, *_kinetic(system, np.vstack([q0, q1]), np.vstack([v0, v1])))
+    impulse_work = {
+        source: float(
+            drive_impulses(system, event.q, event.delta, event.P_g) @ event.v_before[system.driven]
+        )
+        for source, event in {event.source: event for event in reversed(events)}.items()
+    }
     return EnergyBalance(
         drive_work=work,
-        drive_impulse_work=sum(
-            float(impulse @ event.v_before[system.driven])
-            for event, impulse in zip(events, impulses_of_drives(system, events), strict=True)
-        ),
+        drive_impulse_work=sum(impulse_work[event.source] for event in events),
         gravity_work=_change(-system.body.gravity_energy(q1), -system.body.gravity_energy(q0)),
         spring_change=_change(system.spring_energy(q1), system.spring_energy(q0)),
         kinetic_change=_change(_kinetic(system, q1, v1), _kinetic(system, q0, v0)),
@@ -151,18 +154,6 @@ def _gauss() -> tuple[FloatArray, FloatArray, FloatArray]:
     points, weights = np.polynomial.legendre.leggauss(_GAUSS_POINTS)
     last = np.polynomial.legendre.legvander(points, _GAUSS_POINTS - 1)[:, -2:] * weights[:, None]
     return points, weights, last
-
-
-def impulses_of_drives(system: System, events: Sequence[Event]) -> tuple[FloatArray, ...]:
-    """Impulses of the held drives at every event, shape (drives,) each [N m s].
-
-    Copies of a turn share theirs.
-    """
-    known: dict[int, FloatArray] = {}
-    for event in events:
-        if event.source not in known:
-            known[event.source] = drive_impulses(system, event.q, event.delta, event.P_g)
-    return tuple(known[event.source] for event in events)
 
 
 def _kinetic(system: System, q: FloatArray, v: FloatArray) -> FloatArray:

@@ -17,12 +17,7 @@ from .tables import Collision
 
 
 class ReboundError(NamedTuple):
-    """Estimated errors of a rebound.
-
-    Attributes:
-        amplitude: Of its largest gap [rad or m].
-        time: Of its time [s].
-    """
+    """Estimated errors of a rebound: of its largest gap [rad or m], and of its time [s]."""
 
     amplitude: float
     time: float

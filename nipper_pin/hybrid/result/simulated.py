@@ -12,17 +12,9 @@ from ...mechanism import Mechanism
 from ...mechanism.parallel import led
 from ..case import Case
 from ..error_estimate.event_errors import EventError, event_errors
-from ..history import Event, Outcome, Segment
+from ..history import Event, EventKind, Outcome, Segment
 from ..parallel import errors_for_all, of_leaders
-from .tables import (
-    Collision,
-    PhaseInterval,
-    Rebounds,
-    Transition,
-    collision_table,
-    phase_intervals,
-    transitions,
-)
+from .tables import Collision, PhaseInterval, Rebounds, Transition
 
 if TYPE_CHECKING:
     from .energy_balance import EnergyBalance
@@ -106,22 +98,75 @@ class Simulated:
 
     @cached_property
     def collisions(self) -> tuple[Collision, ...]:
-        """Collisions with their rebounds."""
-        rebounds = Rebounds(self.system, self.segments, self.events, self.case, self.led_system)
-        return collision_table(self.system, self.events, rebounds)
+        """Collisions with their rebounds, in order of time; of stops struck at once in theirs."""
+        system, table = self.system, list[Collision]()
+        rebounds = Rebounds(system, self.segments, self.events, self.case, self.led_system)
+        for event in self.events:
+            if event.kind is not EventKind.COLLISION:
+                continue
+            struck = event.struck(self.mechanism)
+            psi = float(self.shaft.angle(event.t))
+            for stop in struck:
+                approach, separation = stop.rate(event.v_before), stop.rate(event.v_after)
+                lost = event.energy_lost
+                if len(struck) > 1:
+                    # What the impulse of one stop takes away: all stops together lose all.
+                    lost = -0.5 * event.P_N[stop.name] * (approach + separation)
+                table.append(
+                    Collision(
+                        number=len(table) + 1,
+                        stop=stop.name,
+                        t=event.t,
+                        cylinder_angle=psi,
+                        index=self.mechanism.cylinder.index_from_angle(psi),
+                        approach_rate=approach,
+                        separation_rate=separation,
+                        impulse=event.P_N[stop.name] / stop.lever,
+                        energy_lost=lost,
+                        event=event,
+                        rebounds=rebounds,
+                    )
+                )
+        return tuple(table)
 
     @cached_property
     def phases(self) -> tuple[PhaseInterval, ...]:
-        """Phases in order of time."""
-        initial = self.mechanism.phase(self.mechanism.initial_phase).closed
-        t_end = self.segments[-1].t_end if self.segments else 0.0
-        return phase_intervals(self.system, self.events, initial, t_end)
+        """Phases in order of time; one after a series of bounces starts at the time of rest."""
+        mechanism, found = self.mechanism, list[PhaseInterval]()
+
+        def add(closed: frozenset[str], start: float, end: float) -> None:
+            if end > start:
+                phase = mechanism.phase_of(closed)
+                number = None if phase is None else phase.number
+                found.append(PhaseInterval(number, closed, start, end))
+
+        start, closed = 0.0, mechanism.phase(mechanism.initial_phase).closed
+        for event in self.events:
+            if event.closed_after != closed:
+                add(closed, start, event.t)
+                start, closed = event.t, event.closed_after
+        add(closed, start, self.segments[-1].t_end if self.segments else 0.0)
+        return tuple(found)
 
     @cached_property
     def transitions(self) -> tuple[Transition, ...]:
-        """Completed bounce series of the transition stop."""
-        stop = self.mechanism.transition_stop
-        return transitions(self.collisions, self.events, stop)
+        """Completed bounce series of the transition stop, in order of time."""
+        stop, series = self.mechanism.transition_stop, list[Collision]()
+        found = []
+        by_event = {item.event.number: item for item in self.collisions if item.stop == stop}
+        for event in self.events:
+            if event.number in by_event:
+                series.append(by_event[event.number])
+            elif event.kind is EventKind.REST and stop in event.stops and series:
+                duration = event.t - series[0].t
+                share = None
+                if len(series) > 2 and duration > 0.0:
+                    share = (series[2].t - series[0].t) / duration
+                found.append(Transition(series[0].t, duration, len(series), share))
+                series = []
+            elif event.kind is EventKind.RELEASE and stop in event.stops:
+                series = []
+        return tuple(found)
 
     @cached_property
     def premise(self) -> Premise:
@@ -151,13 +196,6 @@ class Simulated:
             bounces_summed_up(mechanism, self.case, self.events),
         )
         return tuple(filter(None, told))
-
-    @cached_property
-    def drive_impulses(self) -> tuple[FloatArray, ...]:
-        """Impulses of the held drives at every event, shape (drives,) each [N m s]."""
-        from .energy_balance import impulses_of_drives
-
-        return impulses_of_drives(self.system, self.events)
 
     @cached_property
     def errors(self) -> tuple[EventError, ...]:

@@ -1,4 +1,4 @@
-"""Collisions of a run with their rebounds, its phases and its transition.
+"""Collisions of a run with their rebounds, phases and transitions: the rows of its tables.
 
 A rebound tells how far a stop opens after a collision, and for how long.
 """
@@ -27,7 +27,7 @@ class Rebounds:
 
     Args:
         case: The case, for motion that a run has left out.
-        led: The system with leaders alone; by default the same.
+        led: The system with leaders alone.
     """
 
     def __init__(
@@ -36,10 +36,10 @@ class Rebounds:
         segments: Sequence[Segment],
         events: Sequence[Event],
         case: Case,
-        led: System | None = None,
+        led: System,
     ) -> None:
         """Store what a rebound is looked up in."""
-        self._system, self._case, self._led = system, case, led or system
+        self._system, self._case, self._led = system, case, led
         self._segments, self._events = segments, events
         self._starts = [segment.t_start for segment in segments]
 
@@ -218,77 +218,3 @@ class Transition:
     duration: float
     collisions: int
     first_two_share: float | None
-
-
-def collision_table(
-    system: System, events: Sequence[Event], rebounds: Rebounds
-) -> tuple[Collision, ...]:
-    """Collisions of a run, in order of time; of stops that are struck at once in their order."""
-    table: list[Collision] = []
-    for event in events:
-        if event.kind is not EventKind.COLLISION:
-            continue
-        struck = event.struck(system.mechanism)
-        psi = float(system.shaft.angle(event.t))
-        for stop in struck:
-            lost = event.energy_lost if len(struck) == 1 else event.energy_lost_at(stop)
-            table.append(
-                Collision(
-                    number=len(table) + 1,
-                    stop=stop.name,
-                    t=event.t,
-                    cylinder_angle=psi,
-                    index=system.mechanism.cylinder.index_from_angle(psi),
-                    approach_rate=stop.rate(event.v_before),
-                    separation_rate=stop.rate(event.v_after),
-                    impulse=event.P_N[stop.name] / stop.lever,
-                    energy_lost=lost,
-                    event=event,
-                    rebounds=rebounds,
-                )
-            )
-    return tuple(table)
-
-
-def phase_intervals(
-    system: System, events: Sequence[Event], initial: frozenset[str], t_end: float
-) -> tuple[PhaseInterval, ...]:
-    """Phases of a run; a phase after a series of bounces starts at the time of rest."""
-    intervals = []
-    start, closed = 0.0, initial
-    for event in events:
-        if event.closed_after == closed:
-            continue
-        if event.t > start:
-            intervals.append(_interval(system, closed, start, event.t))
-        start, closed = event.t, event.closed_after
-    if t_end > start:
-        intervals.append(_interval(system, closed, start, t_end))
-    return tuple(intervals)
-
-
-def transitions(
-    collisions: Sequence[Collision], events: Sequence[Event], stop: str
-) -> tuple[Transition, ...]:
-    """Completed series of bounces of one stop, in order of time."""
-    series: list[Collision] = []
-    found = []
-    by_event = {item.event.number: item for item in collisions if item.stop == stop}
-    for event in events:
-        if event.number in by_event:
-            series.append(by_event[event.number])
-        elif event.kind is EventKind.REST and stop in event.stops and series:
-            duration = event.t - series[0].t
-            share = None
-            if len(series) > 2 and duration > 0.0:
-                share = (series[2].t - series[0].t) / duration
-            found.append(Transition(series[0].t, duration, len(series), share))
-            series = []
-        elif event.kind is EventKind.RELEASE and stop in event.stops:
-            series = []
-    return tuple(found)
-
-
-def _interval(system: System, closed: frozenset[str], start: float, end: float) -> PhaseInterval:
-    phase = system.mechanism.phase_of(closed)
-    return PhaseInterval(None if phase is None else phase.number, closed, start, end)

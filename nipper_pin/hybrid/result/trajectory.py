@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
@@ -246,7 +247,8 @@ class Trajectory:
         places = np.searchsorted(self._starts, times, side="left" if left else "right") - 1
         groups: dict[tuple[int, int], list[int]] = {}
         for row, place in enumerate(np.maximum(places, 0)):
-            panel = self.segments[place].panel_number(float(times[row]))
+            panels, t = self.segments[place].panels, float(times[row])
+            panel = max(bisect_right(panels, t, key=lambda panel: panel.t) - 1, 0)
             groups.setdefault((int(place), panel), []).append(row)
         for (place, panel), rows in groups.items():
             yield self.segments[place], self.segments[place].panels[panel], rows

@@ -42,17 +42,10 @@ class Held:
 def held(
     solution: Solution, stop: str, stretches: list[tuple[float, float]], level: float
 ) -> Held | None:
-    """Read the force of a closed stop.
+    """Read the force of a closed stop, and how long it is above a level; None if it is not closed.
 
     On each panel it is a polynomial to round-off, so its extremes and where it passes a level are
-    roots of polynomials.
-
-    Args:
-        stretches: Begins and ends of the stretches on which it is closed [s].
-        level: Force [N].
-
-    Returns:
-        None if there is no stretch.
+    roots of polynomials. Stretches are begins and ends of the times with the stop closed [s].
     """
     force = partial(_of_stop, solution, stop)
     found = [piece for stretch in stretches for piece in _pieces(solution, force, *stretch)]
@@ -133,30 +126,26 @@ def _pieces(solution: Solution, force: _Force, begin: float, end: float) -> Iter
 
 
 def _resolved(
-    solution: Solution, force: _Force, segment: Segment, panel: Panel, begin: float, end: float
-) -> Iterator[_Piece]:
+    solution: Solution, force: _Force, segment: Segment, panel: Panel, begin: float, end: float,
+    halvings: int = _HALVINGS,
+) -> Iterator[_Piece]:  # fmt: skip
     """A force on a part of a panel, cut in halves until polynomials hold it."""
     system = solution.system
-    phase = system.constraint_set(segment.closed)
+    phase, middle = system.constraint_set(segment.closed), 0.5 * (begin + end)
     # Places within, where no event at an end lets the force jump.
     x = np.cos(np.pi * (np.arange(_PLACES) + 0.5) / _PLACES)
-    left = [(begin, end)]
-    for halving in range(_HALVINGS + 1):
-        rough = []
-        for low, high in left:
-            t = 0.5 * (low + high) + 0.5 * (high - low) * x
-            values = force(segment, forces_at(system, phase, panel, t)[3])
-            if values is None:
-                return
-            coefficients = _array(chebyshev.chebfit(x, values, _PLACES - 1))
-            size = np.abs(coefficients)
-            # The last ones are small where a polynomial holds the force.
-            if halving < _HALVINGS and size[-2:].max() > FORCE_RESOLVED * size.max():
-                middle = 0.5 * (low + high)
-                rough += [(low, middle), (middle, high)]
-            else:
-                yield _Piece(low, high, coefficients)
-        left = rough
+    t = middle + 0.5 * (end - begin) * x
+    values = force(segment, forces_at(system, phase, panel, t)[3])
+    if values is None:
+        return
+    coefficients = _array(chebyshev.chebfit(x, values, _PLACES - 1))
+    size = np.abs(coefficients)
+    # The last ones are small where a polynomial holds the force.
+    if halvings > 0 and size[-2:].max() > FORCE_RESOLVED * size.max():
+        for half in ((begin, middle), (middle, end)):
+            yield from _resolved(solution, force, segment, panel, *half, halvings - 1)
+    else:
+        yield _Piece(begin, end, coefficients)
 
 
 def _array(values: Any) -> FloatArray:

@@ -39,11 +39,7 @@ def of_turn(name: str, mechanism: Mechanism) -> tuple[Quantity[Any], str]:
 
 
 def turn_names(mechanism: Mechanism, *, drives: bool = False) -> tuple[str, ...]:
-    """Names of the quantities of a machine's turn.
-
-    Args:
-        drives: Whether those of its drives are among them.
-    """
+    """Names of the quantities of a machine's turn, those of its drives only if asked for."""
     return (*_named(mechanism), *(_of_drives(mechanism) if drives else ()))
 
 
@@ -53,11 +49,7 @@ def is_of_drive(name: str, mechanism: Mechanism) -> bool:
 
 
 def read_of(turn: Turn, item: Quantity[Any], part: str) -> Turn | StopTurn | DriveTurn:
-    """What a quantity of a turn is read from.
-
-    Args:
-        part: The stop or drive that it is of, as :func:`of_turn` tells; "" for the whole turn.
-    """
+    """What a quantity of a turn is read from, of a part as :func:`of_turn` tells."""
     if not part:
         return turn
     return turn.drive(part) if item in TURN_DRIVE else turn.at(part)

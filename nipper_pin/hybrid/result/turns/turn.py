@@ -96,12 +96,7 @@ class StopTurn:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DriveTurn:
-    """A drive in one turn.
-
-    Attributes:
-        begin: Begin of the turn [s].
-        end: Its end [s].
-    """
+    """A drive in one turn, from its begin to its end [s]."""
 
     solution: Solution
     drive: str
