@@ -39,11 +39,10 @@ _BALLISTIC_MARGIN, _MUCH_TOO_LONG = 1.1, 64.0
 
 
 class Advance(NamedTuple):
-    """Result of :func:`advance`.
+    """What :func:`advance` has found.
 
     Attributes:
-        segment: The motion.
-        triggers: Simultaneous triggers that end it, ordered by stop; empty at the time limit.
+        triggers: Simultaneous triggers that end the motion, by stop; none at the time limit.
         end: State at its end (left limit).
     """
 

@@ -27,15 +27,6 @@ from ..motion.panel import Panel, one_state_at
 Closed = frozenset[str]
 
 
-def after_collision(closed: Closed, rates: dict[str, float]) -> Closed:
-    """Stops that may be closed after a collision: those in contact that do not separate.
-
-    Args:
-        rates: Rate of every stop in contact after the impact, by name.
-    """
-    return frozenset(name for name, rate in rates.items() if rate == 0.0) | (closed - rates.keys())
-
-
 def active_set(
     system: System,
     motion: Driven,
@@ -86,13 +77,9 @@ def active_set(
 def active_set_next(
     system: System, phase: ConstraintSet, panel: Panel, t: float, about: Collection[str]
 ) -> Closed:
-    """Closed stops that are still closed a moment later.
+    """Closed stops that are still closed a moment after a phase, and its last panel, end at t [s].
 
     Where forces vanish together, so do all accelerations: what comes next tells which stops open.
-
-    Args:
-        t: End of the phase, and of its last panel [s].
-        about: As in :func:`active_set`.
     """
     later = t + ACCELERATION_LOOKAHEAD * system.shaft.period
     q, v, jacobian, motion = one_state_at(system, phase, panel, later)
@@ -127,8 +114,7 @@ def touching(
 ) -> list[Stop]:
     """Stops whose gap and rate are zero, but for round-off of machine and motion.
 
-    Args:
-        known: Names of those that are closed, or close.
+    Those that are known to be closed, or to close, are none of them.
     """
     # Few gaps are so small, and only these are worth a look at units.
     far = GAP_ROUND_OFF * max(system.body.reach_m, 1.0)

@@ -119,9 +119,8 @@ class BounceSeries:
             do not show the rates falling, or if nothing presses the stop shut.
         """
         w = self.rates
-        if e_N >= 1.0 or len(w) < 3 or any(near >= far for far, near in pairwise(w)):
-            return inf, inf
-        if self.decelerations[-1] <= 0.0:
+        falling = len(w) >= 3 and all(near < far for far, near in pairwise(w))
+        if e_N >= 1.0 or not falling or self.decelerations[-1] <= 0.0:
             return inf, inf
         # Times are taken from the last collision, where the digits matter.
         last = self.times[-1]

@@ -185,24 +185,14 @@ def _at_start(system: System, segments: Sequence[Segment], first: Event) -> Zono
 
 
 class _State(NamedTuple):
-    """Deviations after an event, or after motion without freedom, which does not depend on them.
-
-    Attributes:
-        deviations: Of the motion, at the time of the event of each source.
-    """
+    """Deviations at the time of an event, or after motion without freedom, and its errors."""
 
     deviations: Zonotope
     error: EventError
 
 
 class _Step(NamedTuple):
-    """An event with what was known before and after it: the same for all copies of a turn.
-
-    Attributes:
-        t: Time of the event [s].
-        before: What was known before it.
-        after: What is known after it.
-    """
+    """An event at t [s], and what was known before and after it: the same for all copies."""
 
     t: float
     before: _State

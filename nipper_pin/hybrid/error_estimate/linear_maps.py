@@ -125,9 +125,7 @@ class PanelMaps:
 def left_out(system: System, rest: Event, remaining: float) -> FloatArray:
     """Deviations (dq, dv) after a rest by what is left out of its series, shape (2 nv,).
 
-    Args:
-        rest: The end of a series of bounces, with its impulse.
-        remaining: Time from the last computed bounce to the rest [s].
+    ``remaining`` is the time from the last computed bounce to the rest [s].
     """
     stop, phase = system.mechanism.stop(rest.stops[0]), system.constraint_set(rest.closed_after)
     e_N, rate = stop.restitution, stop.rate(rest.v_before)

@@ -135,10 +135,7 @@ def sequence_map(
 ) -> tuple[FloatArray, FloatArray]:
     """As :func:`impact_map`, of strikes that follow one another, by differences of the whole.
 
-    Args:
-        v: Velocity before, shape (nv,).
-        contacts: Stops in contact, all of one part of the machine.
-        pushed: Those whose impulses are asked for.
+    Contacts are all of one part of the machine; impulses are those of the ``pushed`` ones.
 
     Raises:
         SingularConfigurationError: The closures do not determine the dependent coordinates.
@@ -203,14 +200,10 @@ class Beside(NamedTuple):
 def still_apart(
     system: System, part: Part, event: Event, segment: Segment | None, found: Zonotope
 ) -> Zonotope:
-    """Add what the gaps of stops that are struck together were at the time of their event.
+    """Add what the gaps of stops that are struck together were to the deviations before an event.
 
-    Within round-off of one time they are closed at that of the earliest.
-
-    Args:
-        event: The event, with the stops of all parts.
-        segment: The motion to it; None if a run begins with it.
-        found: Deviations of the part before it.
+    Within round-off of one time they are closed at that of the earliest. The event is one of all
+    parts, the deviations are of one; a run that begins with it has no segment before.
     """
     struck = event.struck(system.mechanism)
     if len(struck) == 1 or segment is None or segment.t_end <= segment.t_start:
@@ -228,9 +221,8 @@ def beside(
 ) -> tuple[Zonotope, list[Beside]]:
     """Deviations where stops are struck in the event of another one.
 
-    Args:
-        a: Accelerations of the part before it, shape (n,).
-        before: Deviations at the times at which the first stop is struck.
+    ``a`` are accelerations of the part before it, (n,), ``before`` are deviations at the times at
+    which the first stop is struck.
 
     Returns:
         The deviations, of each part when it is struck itself, and the stops.
@@ -255,8 +247,7 @@ def after_all(
 ) -> Zonotope:
     """Deviations after an event, back at the times at which its first stop is struck.
 
-    Args:
-        after: Deviations after the impacts, of each part when it is struck itself.
+    Those that come in are those of each part when it is struck itself.
     """
     if not stops:
         return after

@@ -53,11 +53,7 @@ class Freedoms:
 
     @classmethod
     def of(cls, system: System, columns: Sequence[int]) -> Freedoms:
-        """Coordinates of any parts.
-
-        Args:
-            columns: The coordinates; no held shaft is among them.
-        """
+        """Coordinates of any parts, no held shaft among them."""
         numbers = system.parts[list(columns)].tolist()
         # The number of a part is one of its coordinates.
         found = list(dict.fromkeys(numbers)) or [0]
@@ -105,11 +101,7 @@ class Freedoms:
             yield np.array([own for own in places if len(own) == count])
 
     def steps(self, tangents: FloatArray) -> FloatArray:
-        """Steps of difference quotients along each direction in each part, shape (C, parts).
-
-        Args:
-            tangents: Derivatives of all coordinates along the directions, shape (C, N, nv).
-        """
+        """Steps of difference quotients, (C, parts), by derivatives along each, (C, N, nv)."""
         sizes = self.largest(np.abs(tangents / self.units).max(axis=1, initial=0.0))
         most = np.maximum(sizes, self.largest(self.directions / self.units))
         # Parts of fewer freedoms than others do not move in the last directions.
@@ -136,12 +128,7 @@ class Freedoms:
 
 
 def lifts(jacobian: FloatArray, split: Partition, directions: FloatArray) -> FloatArray:
-    """Derivatives of all coordinates along independent ones, at N states, shape (C, N, nv).
-
-    Args:
-        jacobian: Closure Jacobians G, shape (N, m, nv).
-        directions: How fast independent coordinates move, shape (C, nv).
-    """
+    """Derivatives of all coordinates along independent ones at N states, (C, N, nv), by (C, nv)."""
     shape = len(directions), len(jacobian), jacobian.shape[2]
     units = np.zeros(shape)
     units[:] = directions[:, None]
@@ -152,10 +139,7 @@ def lifts(jacobian: FloatArray, split: Partition, directions: FloatArray) -> Flo
 def tangents(
     system: System, q: Vectors, v: Vectors, split: Partition, along: Freedoms
 ) -> tuple[FloatArray, FloatArray]:
-    """Derivatives of all coordinates and rates along freedoms, at N states.
-
-    Args:
-        along: Independent coordinates that count, moved in C directions.
+    """Derivatives of all coordinates and rates along freedoms in C directions, at N states.
 
     Returns:
         dq/dy = dv/dy' and dv/dy at independent rates held, shapes (C, N, nv).
@@ -203,8 +187,7 @@ def _slopes(
 ) -> tuple[FloatArray, FloatArray]:
     """A and B at the nodes of a panel, of all coordinates: shapes (N, nv, C) [1/s^2, 1/s].
 
-    Args:
-        units: What :func:`tangents` gives there, as does ``turned``.
+    ``units`` and ``turned`` are what :func:`tangents` gives there.
     """
     count, nv, nodes_of = len(units), system.body.nv, panel.order
     x = along.steps(units)
@@ -246,9 +229,7 @@ def _propagated(
 def _variations(places: FloatArray, rates: FloatArray, h: float) -> FloatArray:
     """Accelerations of dy at the nodes for unit dy and dy' at the start, (P, N, f, 2 f).
 
-    Args:
-        places: A of parts with f free coordinates each, shape (P, N, f, f) [1/s^2].
-        rates: B of these, likewise [1/s].
+    They follow from A [1/s^2] and B [1/s] of P parts with f free coordinates each, (P, N, f, f).
     """
     number, count, f = places.shape[:3]
     grid = nodes(count)

@@ -80,18 +80,12 @@ class Zonotope:
     def departed(self, rates: FloatArray) -> Zonotope:
         """Return them at one time, after an event that each source makes late.
 
-        Args:
-            rates: Velocities and accelerations there, shape (2 nv,).
+        Rates are velocities and accelerations there, shape (2 nv,).
         """
         return replace(self.later(-self.late, rates), before=self.late)
 
     def later(self, late: FloatArray, rates: FloatArray) -> Zonotope:
-        """Return them at times that are later by so much for each source.
-
-        Args:
-            late: The times [s], shape (K,).
-            rates: Velocities and accelerations there, shape (2 nv,).
-        """
+        """Return them later by so much [s] for each source, (K,); rates as of :meth:`departed`."""
         states = self.states + np.outer(rates, late)
         return replace(self, states=states, late=self.late + late)
 

@@ -38,12 +38,7 @@ def kinematic_panel(
     h: float,
     resolution: Resolution,
 ) -> Attempt:
-    """Motion of a phase without freedom, where the drives determine everything.
-
-    Args:
-        begin: Where it begins; the guess for the nodes is made from it.
-        h: Length [s].
-    """
+    """Motion for a time h [s] of a phase without freedom, where the drives determine everything."""
     t, q, v, _, jacobian = begin
     times = t + h * nodes(resolution.kinematic_nodes).sigma
     guess, rates = (row[None].repeat(len(times), 0) for row in (q, v))
@@ -108,14 +103,9 @@ def _excess(
 ) -> float:
     """Unresolved parts of positions and stop forces of a panel, in units of the tolerance.
 
-    Stop forces are second derivatives: they are resolved less far than positions, and their roots
-    are polished on the exact motion.
-
-    Args:
-        h: Length of the panel [s].
-        sizes: Largest values at its nodes.
-        tails: Sizes of their last Chebyshev coefficients.
-        round_off: Round-off of the positions, shape (nv,).
+    From the largest values at its nodes and the last Chebyshev coefficients. Stop forces are second
+    derivatives: they are resolved less far than positions, and their roots are polished on the
+    exact motion.
     """
     left_over = np.maximum(tails.q - round_off, 0.0)
     rough = left_over / (resolution.tolerance * h * sizes.v + SMALLEST)

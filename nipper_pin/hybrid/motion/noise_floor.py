@@ -29,14 +29,10 @@ def roughness(system: System, phase: ConstraintSet, t: float, q: Vector, v: Vect
 
 
 def of_closures(system: System, v: FloatArray, a: FloatArray) -> FloatArray:
-    """Round-off that the closures leave in accelerations, shape (nv,).
+    """Round-off that the closures leave in accelerations, shape (nv,); v and a of shape (..., nv).
 
     They add up accelerations a and centripetal ones v^2 of all links. A link that they hold still,
     or nearly so, has the round-off of the others.
-
-    Args:
-        v: Velocities, shape (..., nv).
-        a: Accelerations, shape (..., nv).
     """
     if not system.body.closure_rows:
         return np.zeros(system.body.nv)

@@ -33,15 +33,7 @@ from ...tolerances.hybrid import COORDINATE_ROUND_OFF, SMALLEST
 
 
 class Begin(NamedTuple):
-    """State and acceleration at the start of a panel (right limit).
-
-    Attributes:
-        t: Time [s].
-        q: Closed configuration, shape (nv,).
-        v: Closed velocity, shape (nv,).
-        a: Acceleration, shape (nv,).
-        jacobian: Closure Jacobian, shape (m, nv).
-    """
+    """Time [s], q, v, a (nv,) and closure Jacobian (m, nv) where a panel starts, right limits."""
 
     t: float
     q: FloatArray
@@ -112,14 +104,7 @@ class Panel:
         return replace(self, t=self.t + delay, q=q)
 
     def interpolate(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Positions and velocities at times t, before the closures are met exactly.
-
-        Args:
-            t: Times within the panel, shape (K,) [s].
-
-        Returns:
-            q and v, shape (K, nv).
-        """
+        """Positions and velocities, (K, nv), at times t [s], before the closures are met."""
         sigma = (t - self.t) / self.h
         if not self.integrated:
             return evaluate(self.q, sigma, 0), evaluate(self.v, sigma, 0)
@@ -161,11 +146,7 @@ class Exact(NamedTuple):
 def state_at(
     system: System, phase: ConstraintSet, panel: Panel, t: FloatArray
 ) -> tuple[Exact, FloatArray]:
-    """Exact states on a panel, and the :func:`inverses` that led to their velocities.
-
-    Args:
-        t: Times within it, shape (K,) [s].
-    """
+    """Exact states at times t of a panel, (K,) [s], and the :func:`inverses` behind their rates."""
     q, v = panel.interpolate(t)
     motion = system.shaft.driven(t, panel.middle)
     system.prescribe(motion, q, v, phase)
@@ -177,11 +158,9 @@ def state_at(
 def one_state_at(
     system: System, phase: ConstraintSet, panel: Panel, t: float, *, anew: bool = False
 ) -> Exact:
-    """One exact state on a panel, with what leads to it left ready for the impact that follows.
+    """The exact state at a time t [s] of a panel, ready for the impact that follows.
 
-    Args:
-        t: Time within it [s].
-        anew: As in :func:`close_positions`.
+    Another way than :func:`state_at` has less to do; ``anew`` as in :func:`close_positions`.
     """
     q, v = panel.interpolate_at(t)
     motion = system.shaft.driven_at(t, panel.middle)
@@ -237,13 +216,9 @@ def _forces(
 
 
 def defect(system: System, phase: ConstraintSet, panel: Panel, sigma: FloatArray) -> FloatArray:
-    """Residual of the equations of motion: interpolated accelerations minus computed ones.
+    """Residual of the equations of motion at places sigma in [0, 1] of a panel, shape (K, nv).
 
-    Args:
-        sigma: Places on it, in [0, 1], shape (K,).
-
-    Returns:
-        Differences at motion that is not closed anew, not negative, shape (K, nv).
+    Interpolated accelerations differ by it from computed ones, at motion that is not closed anew.
     """
     t = panel.t + panel.h * sigma
     q, v = panel.interpolate(t)

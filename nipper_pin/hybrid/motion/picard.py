@@ -52,14 +52,10 @@ _RUN_AWAY = 1e9
 
 
 def _next(moved: FloatArray, guess: FloatArray) -> float:
-    """Estimate of the change by a third sweep, the largest of all coordinates.
+    """Estimate of the change by a third sweep from those by two, (N - 1, nv): the largest one.
 
     The first change is that of the guess: a large one, of a coordinate that is then right at once,
     would hide another one that hardly moves towards its solution.
-
-    Args:
-        moved: Changes in the second sweep, shape (N - 1, nv).
-        guess: Changes in the first sweep, likewise.
     """
     latest, first = largest(moved), largest(guess)
     return float((latest * latest / (first + SMALLEST)).max())
@@ -114,10 +110,7 @@ class PicardIteration:
         self.count, self._too_rough = 0, False
 
     def swept(self, a: FloatArray) -> tuple[FloatArray, float] | tuple[None, float]:
-        """Sweep over one grid after the other, until one of them resolves the motion.
-
-        Args:
-            a: Acceleration at the first node, shape (1, nv).
+        """Sweep over one grid after the other, from the first node, until one resolves the motion.
 
         Returns:
             Accelerations at the nodes and what they leave over; or None and the ratio of the length
@@ -146,11 +139,9 @@ class PicardIteration:
         return a, self.left_over(a)
 
     def _converges(self, a: FloatArray, stride: int, most: int) -> bool:
-        """Sweep over one grid, in place, until another sweep would change nothing that matters.
+        """Sweep over a grid, in place, until another sweep would change nothing that matters.
 
-        Args:
-            a: Accelerations at the nodes, shape (N, nv), the first one exact.
-            stride: Step from node to node on the finest grid.
+        The stride leads from node to node on the finest grid; the first acceleration is exact.
         """
         count, h, system, tolerance = len(a), self._h, self._system, self.tolerance
         # Nothing changes at the first node.
@@ -201,9 +192,6 @@ class PicardIteration:
         """Relative change of positions by what follows the last coefficients of accelerations.
 
         Two integrations divide the coefficient of degree k by about (2 k)^2.
-
-        Args:
-            a: Accelerations at the nodes, shape (N, nv).
         """
         # Of a few finite numbers the largest is found faster without numpy.
         most: float = max((decayed(a) * self._weight).tolist())
@@ -277,11 +265,7 @@ def flight_panel(
     h: float,
     resolution: Resolution,
 ) -> Attempt:
-    """Motion of a phase with freedom.
-
-    Args:
-        begin: Where it begins; its acceleration is that of the first node.
-        h: Length [s].
+    """Motion of a phase with freedom for a time h [s]; its first node has the given acceleration.
 
     Raises:
         SimulationError: A link has run away, as one does that a turning shaft throws outwards.

@@ -19,7 +19,6 @@ from ..contact.active_set import (
     Closed,
     active_set,
     active_set_next,
-    after_collision,
     stilled,
     touching,
 )
@@ -30,11 +29,7 @@ from .series.rules import NestedBounces, need_no_jam, series_rules
 
 
 class EventLog:
-    """Events of a run, in order of time.
-
-    Args:
-        coupled: Returns the stops that have to do with some stops, by their names.
-    """
+    """Events of a run, in order of time; ``coupled`` tells the stops that have to do with some."""
 
     def __init__(self, coupled: Callable[[Sequence[str]], frozenset[str]]) -> None:
         """Begin without any."""
@@ -285,7 +280,9 @@ class PhaseManager:
         contacts = [stop for stop in self.mechanism.stops if stop.name in meeting]
         impact = solve_impact(self.system, state.q, state.v, state.jacobian, contacts)
         rates = {stop.name: stop.rate(impact.v_after) for stop in contacts}
-        at_rest = after_collision(state.closed, rates)
+        # Those in contact that do not separate may stay closed, and all that is closed elsewhere.
+        still = (name for name, rate in rates.items() if rate == 0.0)
+        at_rest = state.closed.difference(rates).union(still)
         closed = active_set(
             self.system, state.motion, state.q, impact.v_after, state.jacobian, at_rest, met
         )
@@ -379,11 +376,7 @@ class PhaseManager:
     def copy(
         self, segments: list[Segment], events: list[Event], times: int, wound: FloatArray
     ) -> None:
-        """Append copies of a turn, in each of which hinges wind on.
-
-        Args:
-            wound: What a turn adds to the coordinates, shape (nv,).
-        """
+        """Append copies of a turn, each of which adds to q what hinges wind on, shape (nv,)."""
         period, end = self.system.shaft.period, self.state
         for turn in range(1, times + 1):
             delay, moved = turn * period, turn * wound
@@ -413,11 +406,7 @@ def _struck(impact: Impact, hit: set[str]) -> list[str]:
 def go_on(
     system: System, case: Case, start: State, t_limit: float
 ) -> tuple[State | None, tuple[Event, ...]]:
-    """Follow the motion on from a state to a time, whatever the window of the case.
-
-    Args:
-        case: The case; so many collisions are followed.
-        t_limit: Where to stop [s].
+    """Follow the motion on from a state to a time [s], whatever the window of the case.
 
     Returns:
         The state there, None after too many collisions; and the events until then.

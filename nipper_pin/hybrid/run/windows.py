@@ -32,13 +32,11 @@ def comes_back(system: System) -> bool:
 def winding(
     mechanism: Mechanism, start: FloatArray, end: FloatArray, within: float = SAME_POSITION
 ) -> FloatArray | None:
-    """By how much hinges have wound on where the links stand as before.
+    """By how much hinges have wound on from a start to an end, (nv,), if links stand as before.
 
     Links stand the same after whole turns of a hinge; springs and stops at the hinge do not.
 
     Args:
-        start: Configuration, shape (nv,) [rad or m].
-        end: Another one, likewise.
         within: What positions of one assembly may differ by, in units of coordinates.
 
     Returns:
@@ -64,18 +62,12 @@ def repeats(
     start: State,
     end: State,
 ) -> FloatArray | None:
-    """By how much hinges wind on in this turn, if the one after must equal it.
+    """By how much hinges wind on in this turn, if the one after must equal it, as :func:`winding`.
 
     With held drives a phase without freedom is determined by the cylinder angle and the assembly of
     the links, so two turns that share such a phase at the same angle are equal from there on. An
     event at the very border of two turns may, by round-off, belong to either, and a flight may
     bring the links to another assembly: this turn has to end as it began.
-
-    Args:
-        previous: Segments of the turn before; none before the first.
-
-    Returns:
-        As :func:`winding`; None if the next turn has to be computed.
     """
     if not system.held or not comes_back(system):
         return None
@@ -185,9 +177,6 @@ def turns(
     manager: PhaseManager, progress: Callable[[int, int], None] | None
 ) -> tuple[Outcome, int | None]:
     """Whole turns, until one is known to repeat.
-
-    Args:
-        progress: Called with (turns done, turns in all) after each turn.
 
     Returns:
         How it ended, and the turn that the following ones are copies of, None without copies.

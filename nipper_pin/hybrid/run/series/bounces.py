@@ -115,12 +115,7 @@ def other_stop_meets(
 
 
 def lowest_gap(gap: float, rate: float, acceleration: float, left: float) -> float:
-    """Lowest gap within a time that is left, at constant acceleration; a little less if that falls.
-
-    Args:
-        gap: The gap [rad or m].
-        left: The time [s].
-    """
+    """Lowest gap in a time left [s], at constant acceleration; a little less if that falls."""
     if rate < 0.0 < acceleration:
         turn = min(left, -rate / acceleration)
         return gap + turn * (rate + 0.5 * acceleration * turn)
@@ -128,11 +123,7 @@ def lowest_gap(gap: float, rate: float, acceleration: float, left: float) -> flo
 
 
 def rests_of(system: System, state: State, parts: Iterable[list[Limit]]) -> list[Rest]:
-    """The rests at some limits, in order of time.
-
-    Args:
-        parts: The limits of each part; parts that move alike come to rest as one.
-    """
+    """Rests at the limits of each part, in order of time; parts that move alike rest as one."""
     instant = SIMULTANEOUS * system.shaft.period
     groups: list[list[Limit]] = []
     for part in sorted(parts, key=latest):
@@ -247,15 +238,9 @@ def accumulation_point(
     series: BounceSeries,
     mates: Sequence[Stop],
 ) -> tuple[float, float]:
-    """Time at which a stop that bounces comes to rest, and its error.
+    """Time at which a bouncing stop comes to rest, and its error [s]; infinite if not known yet.
 
-    Args:
-        state: State just after a bounce.
-        a: Acceleration there, shape (nv,).
-        mates: The stops that bounce at this instant, itself among them.
-
-    Returns:
-        Both in [s]; infinite while not known yet.
+    The state is that after a bounce of all its mates, itself among them, with its acceleration.
     """
     e_N, rate, deceleration = stop.restitution, series.rates[-1], series.decelerations[-1]
     if case.rest_rate is not None:

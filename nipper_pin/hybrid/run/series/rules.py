@@ -56,12 +56,8 @@ _JAM = 20
 def need_no_jam(system: System, log: Sequence[Event], number: int) -> None:
     """Refuse to go on from a jam: collisions in one instant that do not become slower.
 
-    Args:
-        log: The events of the run, as they are written down.
-        number: Number of the last collision.
-
     Raises:
-        ImpactError: The last collisions are one.
+        ImpactError: The last collisions, up to this number, are one.
     """
     # Times nearer than an instant are one.
     first, instant = number - _JAM, SIMULTANEOUS * system.shaft.period
@@ -156,17 +152,17 @@ def rest_of_nested(
     fastest: float,
     series: NestedSeries,
 ) -> tuple[float, float]:
-    """Time at which stops that throw one another open come to rest together, and its error.
+    """Time [s] at which stops that throw one another open come to rest together, and its error.
+
+    The state is that after a collision at one of them, the others having been at rest.
 
     Args:
-        state: State just after a collision at one of them, the others having been at rest.
-        a: Acceleration there, shape (nv,).
         names: Names of all of them.
         fastest: Largest rate at which one of them opens [rad/s or m/s].
         series: The collisions of that one.
 
     Returns:
-        Both in [s]; infinite while not known yet.
+        Both are infinite while not known yet.
     """
     if case.rest_rate is not None:
         return (state.t if fastest < case.rest_rate else inf), 0.0
