@@ -1,6 +1,8 @@
-"""Parameters of cases, checked: what a call shares, speeds and rows of spring values."""
+"""Parameters of cases, checked: what a call shares, and the numbers of each."""
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,7 +12,13 @@ from ..errors import InputError
 from ..given import LARGEST, column, number, numbers, refuse, whole
 from ..hybrid import FASTEST_RPM
 from ..tolerances.reduced import COARSEST_TOLERANCE, FINEST_TOLERANCE
+from ..units import S_PER_MIN
+from .kernels.layout import Cases
 
+Springs = tuple[FloatArray, FloatArray]
+_RAD_S = math.tau / S_PER_MIN
+# Gravity of a case by that of the model.
+_ALL = np.ones(1)
 # Scratch of so many collisions takes 24 MB.
 _MOST_COLLISIONS = 1_000_000
 
@@ -37,9 +45,63 @@ def check_tolerance(tolerance: float, where: str = "") -> None:
            where=where)  # fmt: skip
 
 
-def speed_of(value: object) -> float:
-    """A cylinder speed [r/min], checked."""
-    return number("speed_rpm", value, 0.0, FASTEST_RPM, open_low=True)
+def one_case(
+    springs: Springs, speed_rpm: float, restitutions: FloatArray, stiffness: ArrayLike | None,
+    preload: ArrayLike | None, gravity: FloatArray = _ALL,
+) -> Cases:  # fmt: skip
+    """Numbers of a single case.
+
+    Args:
+        springs: Rates and deflections of the model, shape (springs,) each.
+        speed_rpm: Cylinder speed [r/min].
+        restitutions: e_N of all stops, checked, shape (K,).
+        stiffness: Spring rates, one number or shape (springs,) [N/m or N m/rad]; None: the model's.
+        preload: Deflections in the springs at zero, likewise [m or rad].
+        gravity: By the gravity of the model, checked, shape (1,).
+
+    Raises:
+        InputError: A number is out of range.
+    """
+
+    def row(key: str, value: ArrayLike | None, default: FloatArray) -> FloatArray:
+        if value is None:
+            return default[None]
+        given = numbers(key, value)
+        return np.array(spring_rows(key, given if given.ndim == 0 else given[None], len(default)))
+
+    return Cases(
+        np.array([number("speed_rpm", speed_rpm, 0.0, FASTEST_RPM, open_low=True) * _RAD_S]),
+        restitutions[None],
+        row("stiffness", stiffness, springs[0]),
+        row("preload", preload, springs[1]),
+        gravity,
+    )
+
+
+def cases_of(
+    springs: Springs, speed_rpm: ArrayLike, restitutions: list[FloatArray],
+    stiffness: ArrayLike | None, preload: ArrayLike | None, gravity: FloatArray = _ALL,
+) -> Cases:  # fmt: skip
+    """Numbers of n cases; a single number stands for all of them.
+
+    Args:
+        springs: As of :func:`one_case`.
+        speed_rpm: Cylinder speeds [r/min], a number or shape (n,).
+        restitutions: e_N of every stop, checked, each (1,) or (n,).
+        stiffness: Spring rates, shape (n,) with one spring or (n, springs) [N/m or N m/rad].
+        preload: Deflections in the springs at zero, likewise [m or rad].
+        gravity: By the gravity of the model, checked, shape (1,) or (n,).
+
+    Raises:
+        InputError: A number is out of range, or the arrays have different lengths.
+    """
+    speed, count = speeds_of(speed_rpm) * _RAD_S, len(springs[0])
+    rates = spring_rows("stiffness", springs[0] if stiffness is None else stiffness, count)
+    lengths = spring_rows("preload", springs[1] if preload is None else preload, count)
+    speed, rates, lengths, gravity, *columns = of_all_cases(
+        speed, rates, lengths, gravity, *restitutions
+    )
+    return Cases(speed, np.stack(columns, axis=1), rates, lengths, gravity)
 
 
 def speeds_of(value: ArrayLike) -> FloatArray:
@@ -47,23 +109,14 @@ def speeds_of(value: ArrayLike) -> FloatArray:
     return column("speed_rpm", value, 0.0, FASTEST_RPM, open_low=True)
 
 
-def one_row(key: str, value: ArrayLike | None, default: FloatArray, low: float) -> FloatArray:
-    """Values of all springs in one case, shape (1, springs)."""
-    if value is None:
-        return default[None]
-    given = numbers(key, value)
-    return np.array(spring_rows(key, given if given.ndim == 0 else given[None], len(default), low))
-
-
-def spring_rows(key: str, value: ArrayLike, springs: int, low: float) -> FloatArray:
+def spring_rows(key: str, value: ArrayLike, springs: int) -> FloatArray:
     """One row of spring values a case, checked.
 
     Args:
-        key: Name of the parameter, for messages.
+        key: Name of the parameter, which begins with stiffness or preload.
         value: One number for all, shape (n,) with one spring or (springs,) with more, or
             (n, springs).
         springs: Number of springs.
-        low: Least value allowed.
 
     Returns:
         Shape (1 or n, springs).
@@ -71,8 +124,8 @@ def spring_rows(key: str, value: ArrayLike, springs: int, low: float) -> FloatAr
     Raises:
         InputError: A value is out of range, or the array has another shape.
     """
-    of_each = f"one for each of {springs} springs"
-    allowed = f"finite numbers from {low:g} to {LARGEST:g}, {of_each}"
+    low = 0.0 if key.startswith("stiffness") else -LARGEST
+    allowed = f"finite numbers from {low:g} to {LARGEST:g}, one for each of {springs} springs"
     found = numbers(key, value, low, LARGEST, allowed=allowed)
     if found.ndim == 0:
         found = np.full((1, springs), float(found))
@@ -84,10 +137,10 @@ def spring_rows(key: str, value: ArrayLike, springs: int, low: float) -> FloatAr
 
 
 def of_all_cases(*given: FloatArray) -> list[FloatArray]:
-    """Numbers of a batch for each of its n cases, from those of one case or of all.
+    """Numbers of n cases, from those of one case or of all.
 
     Args:
-        *given: Columns and rows, shape (1 or n,) or (1 or n, springs).
+        *given: Columns and rows, shape (1 or n,) or (1 or n, numbers).
 
     Returns:
         The same with n cases. Copies, which may be written: code is compiled for a type of array,
@@ -99,6 +152,6 @@ def of_all_cases(*given: FloatArray) -> list[FloatArray]:
     try:
         cases = np.broadcast_shapes(*(item.shape[:1] for item in given))
     except ValueError as error:
-        message = f"the arrays of a batch need the same number of cases: {error}"
+        message = f"the arrays of a table need the same number of cases: {error}"
         raise InputError(message) from error
     return [np.array(np.broadcast_to(item, cases + item.shape[1:]), order="C") for item in given]

@@ -13,9 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from ..arrays import FloatArray
 from ..errors import InputError, NipperError, SimulationError
 from ..extras import require
-from ..given import LARGEST, column, number
-from ..units import S_PER_MIN
-from .inputs import check_run, of_all_cases, one_row, speed_of, speeds_of, spring_rows
+from ..given import column, number
+from .inputs import cases_of, check_run, one_case
 from .kernels.layout import (
     ARRIVALS,
     BESIDE,
@@ -43,7 +42,7 @@ _MOST_BOUNCES = 64
 # Collisions that nearly all transitions have less of.
 _USUAL = 32
 _ENGINE = "the reduced engine"
-# Gravity of one case by that of the model.
+# Gravity of a case by that of the model.
 _ALL = np.ones(1)
 
 
@@ -82,16 +81,13 @@ def transition(
             tables do not determine how the machine arrives at the transition of the turn.
     """
     check_run(rest_rate, tolerance, max_collisions)
-    e_N = model.restitution if restitution is None else restitution
     restitutions = model.restitutions.copy()
-    restitutions[model.charts.stops[0, OWN]] = number("restitution", e_N, 0.0, 1.0)
-    cases = Cases(
-        np.array([speed_of(speed_rpm) * (math.tau / S_PER_MIN)]),
-        restitutions[None],
-        one_row("stiffness", stiffness, model.stiffness, 0.0),
-        one_row("preload", preload, model.preload, -LARGEST),
-        _ALL if gravity is None else _weight(model, gravity)[:1],
-    )
+    if restitution is not None:
+        e_N = number("restitution", restitution, 0.0, 1.0)
+        restitutions[model.charts.stops[0, OWN]] = e_N
+    weight = _weight(model, gravity)[:1]
+    springs = model.stiffness, model.preload
+    cases = one_case(springs, speed_rpm, restitutions, stiffness, preload, weight)
     # Few transitions need the room for all collisions, which takes time to clear.
     for most in sorted({min(_USUAL, max_collisions), max_collisions}):
         found, tell = _solved(model, cases, rest_rate, tolerance, assumed, most)
@@ -137,7 +133,13 @@ def transitions(
     Raises:
         InputError: A parameter is out of range, or numba is not installed.
     """
-    cases = _cases(model, speed_rpm, restitution, stiffness, preload, gravity)
+    restitutions = list(model.restitutions[:, None])
+    if restitution is not None:
+        e_N = column("restitution", restitution, 0.0, 1.0)
+        restitutions[model.charts.stops[0, OWN]] = e_N
+    weight = _weight(model, gravity)
+    springs = model.stiffness, model.preload
+    cases = cases_of(springs, speed_rpm, restitutions, stiffness, preload, weight)
     require("study", "numba", what=_ENGINE)
     check_run(rest_rate, tolerance, max_collisions)
     found, tell = _solved(model, cases, rest_rate, tolerance, assumed, max_collisions)
@@ -215,32 +217,6 @@ def _premise(
     return found.told[:, 2].copy()
 
 
-def _cases(
-    model: ReducedModel,
-    speed_rpm: ArrayLike,
-    restitution: ArrayLike | None,
-    stiffness: ArrayLike | None,
-    preload: ArrayLike | None,
-    gravity: ArrayLike | None,
-) -> Cases:
-    """Numbers of n cases, checked."""
-    springs = len(model.springs)
-    speed = speeds_of(speed_rpm)
-    e_N = column("restitution", model.restitution if restitution is None else restitution,
-                  0.0, 1.0)  # fmt: skip
-    weight = _weight(model, gravity)
-    rates = spring_rows(
-        "stiffness", model.stiffness if stiffness is None else stiffness, springs, 0.0
-    )
-    lengths = spring_rows(
-        "preload", model.preload if preload is None else preload, springs, -LARGEST
-    )
-    speed, e_N, weight, rates, lengths = of_all_cases(speed, e_N, weight, rates, lengths)
-    restitutions = np.tile(model.restitutions, (len(e_N), 1))
-    restitutions[:, model.charts.stops[0, OWN]] = e_N
-    return Cases(speed * (math.tau / S_PER_MIN), restitutions, rates, lengths, weight)
-
-
 def _refusal(
     model: ReducedModel, status: Status, count: int, speed_rpm: float, most: int
 ) -> NipperError:
@@ -260,7 +236,7 @@ def _refusal(
 def _weight(model: ReducedModel, gravity: ArrayLike | None) -> FloatArray:
     """Gravity by that of the model."""
     if gravity is None:
-        return np.ones(1)
+        return _ALL
     values = column("gravity", gravity, -math.inf, math.inf)
     if model.gravity_m_s2 == 0.0:
         if values.any():

@@ -11,10 +11,10 @@ from numpy.typing import ArrayLike
 
 from ..arrays import FloatArray
 from ..errors import InputError, UnknownNameError
-from ..given import LARGEST, column
+from ..given import column
 from ..hybrid.result.quantities import coordinate_unit
 from ..mechanism import Mechanism
-from ..reduced.inputs import speeds_of, spring_rows
+from ..reduced.inputs import of_all_cases, speeds_of, spring_rows
 from ..units import M_PER_MM, RAD_PER_DEG
 
 # A linear spring that is wound further, or is stiffer, has its number in another unit.
@@ -75,22 +75,12 @@ def cases_of(
         preload = np.array([[spring.preload for spring in springs]])
     speed = speeds_of(speed_rpm)
     e_N = column("restitution", restitution, 0.0, 1.0)
-    rates = spring_rows("stiffness", stiffness, len(springs), 0.0)
-    lengths = spring_rows("preload", preload, len(springs), -LARGEST)
-    try:
-        (n,) = np.broadcast_shapes(speed.shape, e_N.shape, rates.shape[:1], lengths.shape[:1],
-                                   *(item.shape for item in others.values()))  # fmt: skip
-    except ValueError as error:
-        message = f"the arrays of a table need the same number of cases: {error}"
-        raise InputError(message) from error
-    shape = (n, len(springs))
-    return Cases(
-        np.broadcast_to(speed, (n,)).copy(),
-        np.broadcast_to(e_N, (n,)).copy(),
-        np.broadcast_to(rates, shape).copy(),
-        np.broadcast_to(lengths, shape).copy(),
-        {name: np.broadcast_to(item, (n,)).copy() for name, item in others.items()},
+    rates = spring_rows("stiffness", stiffness, len(springs))
+    lengths = spring_rows("preload", preload, len(springs))
+    speed, e_N, rates, lengths, *columns = of_all_cases(
+        speed, e_N, rates, lengths, *others.values()
     )
+    return Cases(speed, e_N, rates, lengths, dict(zip(others, columns, strict=True)))
 
 
 def _by_stop(
@@ -145,8 +135,7 @@ def spring_values(
         if not places:
             message = f"{key}: {mechanism.name} has no spring on a joint that moves in {kind}"
             raise InputError(message, key=key, model=mechanism.name)
-        low = 0.0 if field == "stiffness" else -LARGEST
-        rows = spring_rows(key, value, len(places), low)
+        rows = spring_rows(key, value, len(places))
         most = _most(mechanism, kind, field) / scale
         if (np.abs(rows) > most).any():
             message = (
@@ -154,20 +143,9 @@ def spring_values(
                 f"{unit}, and {mechanism.name} takes {most:.4g} {unit} at most"
             )
             raise InputError(message, key=key, most=most, unit=unit)
-        found[field] = _joined(found[field], places, scale * rows)
+        found[field], rows = of_all_cases(found[field], scale * rows)
+        found[field][:, places] = rows
     return found["stiffness"], found["preload"]
-
-
-def _joined(values: FloatArray, places: list[int], rows: FloatArray) -> FloatArray:
-    """The values of all springs, shape (n, springs), with those at some places replaced."""
-    try:
-        (n,) = np.broadcast_shapes(values.shape[:1], rows.shape[:1])
-    except ValueError as error:
-        message = f"the arrays of a table need the same number of cases: {error}"
-        raise InputError(message) from error
-    wide = np.broadcast_to(values, (n, values.shape[1])).copy()
-    wide[:, places] = rows
-    return wide
 
 
 def _most(mechanism: Mechanism, kind: str, field: str) -> float:

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arrays import FloatArray
 from ...errors import InputError, UnknownNameError
-from ...given import LARGEST, column, number, whole
-from ...units import S_PER_MIN
-from ..inputs import check_run, of_all_cases, one_row, speed_of, speeds_of, spring_rows
+from ...given import column, number, whole
+from ..inputs import cases_of, check_run, one_case
 from ..kernels.layout import COLUMNS, TURNS, Cases, Job, Settings
 from .model import TurnModel
 
@@ -87,15 +84,16 @@ def room_for(cases: int, last: int | None, columns: int) -> FloatArray:
     return np.empty((cases, last or 1, columns))
 
 
-def by_stop(model: TurnModel, restitution: Any) -> Mapping[str, Any]:
-    """Restitutions by the names of stops; one alone is that of the transition stop.
-
-    Args:
-        restitution: A number, an array, or those by name.
+def _by_stop(
+    model: TurnModel, restitution: ArrayLike | Mapping[str, ArrayLike] | None
+) -> Mapping[str, ArrayLike]:
+    """Restitutions that are given by the names of stops; one is that of the transition stop.
 
     Raises:
         UnknownNameError: There is no stop of a name.
     """
+    if restitution is None:
+        return {}
     if not isinstance(restitution, Mapping):
         return {model.transition_stop: restitution}
     for name in restitution:
@@ -104,55 +102,33 @@ def by_stop(model: TurnModel, restitution: Any) -> Mapping[str, Any]:
     return restitution
 
 
-def one_case(
-    model: TurnModel,
-    speed_rpm: float,
-    restitution: float | Mapping[str, float] | None,
-    stiffness: ArrayLike | None,
-    preload: ArrayLike | None,
-) -> Cases:
+def one_turn_case(
+    model: TurnModel, speed_rpm: float, restitution: float | Mapping[str, float] | None,
+    stiffness: ArrayLike | None, preload: ArrayLike | None,
+) -> Cases:  # fmt: skip
     """Numbers of a single case, as of :func:`turn_cases`."""
     e_N = model.restitution.copy()
-    given = {} if restitution is None else by_stop(model, restitution)
-    for name, value in given.items():
+    for name, value in _by_stop(model, restitution).items():
         e_N[model.stops.index(name)] = number(f"restitution of {name}", value, 0.0, 1.0)
-    return Cases(
-        np.array([speed_of(speed_rpm) * (math.tau / S_PER_MIN)]),
-        e_N[None],
-        one_row("stiffness", stiffness, model.stiffness, 0.0),
-        one_row("preload", preload, model.preload, -LARGEST),
-        np.ones(1),
-    )
+    return one_case((model.stiffness, model.preload), speed_rpm, e_N, stiffness, preload)
 
 
 def turn_cases(
-    model: TurnModel,
-    speed_rpm: ArrayLike,
-    restitution: ArrayLike | Mapping[str, ArrayLike] | None,
-    stiffness: ArrayLike | None,
+    model: TurnModel, speed_rpm: ArrayLike,
+    restitution: ArrayLike | Mapping[str, ArrayLike] | None, stiffness: ArrayLike | None,
     preload: ArrayLike | None,
-) -> Cases:
-    """Numbers of n cases; a single number stands for all of them.
+) -> Cases:  # fmt: skip
+    """Numbers of n cases, as of :func:`~..inputs.cases_of`.
 
     Args:
-        speed_rpm: Cylinder speeds [r/min], a number or shape (n,).
         restitution: e_N of the transition stop, or of stops by name; None: the mechanism's.
-        stiffness: Spring rates, shape (n,) with one spring or (n, springs) [N/m or N m/rad].
-        preload: Deflections in the springs at zero, likewise [m or rad].
 
     Raises:
         InputError: A number is out of range, or the arrays have different lengths.
     """
-    speed = speeds_of(speed_rpm) * (math.tau / S_PER_MIN)
-    given = {} if restitution is None else by_stop(model, restitution)
+    given = _by_stop(model, restitution)
     columns = [
         column(f"restitution of {name}", given.get(name, own), 0.0, 1.0)
         for name, own in zip(model.stops, model.restitution, strict=True)
     ]
-    springs = len(model.springs)
-    rates = spring_rows("stiffness", model.stiffness if stiffness is None else stiffness, springs,
-                        0.0)  # fmt: skip
-    lengths = spring_rows("preload", model.preload if preload is None else preload, springs,
-                          -LARGEST)  # fmt: skip
-    speed, *columns, rates, lengths = of_all_cases(speed, *columns, rates, lengths)
-    return Cases(speed, np.stack(columns, axis=1), rates, lengths, np.ones(len(speed)))
+    return cases_of((model.stiffness, model.preload), speed_rpm, columns, stiffness, preload)

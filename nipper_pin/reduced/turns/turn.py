@@ -14,7 +14,7 @@ from ...made_once import made_once
 from ...mechanism import Mechanism
 from ..kernels.layout import LEFT_GAP, Cases
 from ..transition import kernel
-from .cases import Run, one_case, run_of
+from .cases import Run, one_turn_case, run_of
 from .model import START_INDEX, TurnModel, build_turns
 from .results import TURN_REASONS, ReducedTurns, TurnStatus
 
@@ -85,7 +85,7 @@ def turns(
         model = wider(mechanism, start_index, gap_scale)
         if model is None:
             break
-        cases = one_case(model, speed_rpm, restitution, stiffness, preload)
+        cases = one_turn_case(model, speed_rpm, restitution, stiffness, preload)
         events = run.events()
         follow(run, model, cases, events, told, nothing)
         if told[0, 0] != LEFT_GAP:
