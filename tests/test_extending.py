@@ -198,6 +198,24 @@ def test_added_laws_are_checked_like_built_in_ones(monkeypatch: pytest.MonkeyPat
             from_sources("buffer", urdf, changed, ".")
 
 
+def test_values_that_make_no_law_are_refused_by_its_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Unless the error names the key that is wrong."""
+    page = ran("a_force_element", monkeypatch)
+
+    class NoForce(page.RubberForce, frozen=True, kw_only=True, tag="none"):  # type: ignore[misc,name-defined]
+        """Never a law."""
+
+        def build(self, kind: str) -> Any:
+            message = f"softer on a {kind} joint"
+            raise InputError(message)
+
+    page.register_force(NoForce)
+    urdf, data = page.BUFFER.sources()
+    data["forces"]["gap"]["law"] = "none"
+    with pytest.raises(ModelError, match=r"forces\.gap\.law = 'none' .*: softer on a prismatic"):
+        from_sources("buffer", urdf, data, ".")
+
+
 def test_an_installed_extension_is_imported_when_its_law_is_met(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -71,6 +71,7 @@ lift = { joint = "lift", stiffness_N_per_m = 500.0, preload_length_mm = 4.0 }
 
 [dampers]
 lift = { joint = "lift", damping_N_s_per_m = 3.0 }
+oil = { ends = ["ram R", "frame F"], damping_N_s_per_m = 5.0 }
 A = { joint = "A", damping_N_m_s_per_rad = 0.1 }
 
 [stops]
@@ -266,7 +267,10 @@ def test_several_elements_on_one_joint() -> None:
     tables["springs"]["lift_2"] = {**tables["springs"]["lift"], "preload_length_mm": -3.0}
     mechanism = Drawing(tables).mechanism()
     assert [item.name for item in mechanism.springs] == ["A", "lift", "lift_2"]
-    assert [item.name for item in mechanism.struts] == ["coil"]
+    assert [(item.name, item.kind) for item in mechanism.struts] == [
+        ("coil", "spring"),
+        ("oil", "damper"),
+    ]
     nodes = {node.name: node.spring for node in sketch(mechanism).nodes}
     assert nodes["lift"] == "lift, lift_2"
 

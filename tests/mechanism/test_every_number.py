@@ -183,6 +183,20 @@ def test_placements_that_need_not_be_written(texts: tuple[dict[str, Any], str]) 
         assert all(value == 0.0 for other, value in added if other != path)
 
 
+def test_an_inertia_that_need_not_be_written(texts: tuple[dict[str, Any], str]) -> None:
+    """Parts of a tensor that a URDF leaves out are zero, and can be changed from there."""
+    document, urdf = texts
+    root = ElementTree.fromstring(urdf)
+    (name, *_) = (item.get("name") for item in root.findall("link[inertial]"))
+    for tensor in root.iter("inertia"):
+        tensor.attrib.clear()
+    bare, path = ElementTree.tostring(root, encoding="unicode"), f"links.{name}.inertia_kg_m2"
+    _, written = apply_overrides(document, bare, {path: 0.3}, "model")
+    for text, value in ((bare, 0.0), (written, 0.3)):
+        layout = read_layout(parse_xml(text, "model.urdf"), document, "model.urdf")
+        assert read_dimension(layout, path) == value
+
+
 def test_every_mass_and_dimension(texts: tuple[dict[str, Any], str]) -> None:
     """Masses, inertias, centres and pins: what is written is read back, and the rest stays.
 
