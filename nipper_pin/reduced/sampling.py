@@ -30,7 +30,7 @@ from .model import (
     numbers_of,
 )
 from .tables.functions import Sampler
-from .tables.tables import Chart, Domain, checks, levers, resolved, stacked, trimmed
+from .tables.tables import Chart, Domain, chart_over, levers, stacked
 from .turns.arcs import ContactArc, ContactContinuation, system_at
 from .turns.charts import ChartSampler
 from .turns.model import charts_of
@@ -133,15 +133,14 @@ def build(
         opening = next((arc.end for arc in arcs if arc.after.name != stop.name), _USUAL)
         travel_rad = min(opening, _LONGEST)
     domain = Domain(travel_rad, -MARGIN * gap_max, gap_max)
-    tables, samples = resolved(sampler, domain, weights, tolerance)
-    kept = trimmed(checks(sampler, domain, tables), domain, tables, weights, tolerance)
+    kept, _ = chart_over(sampler, domain, weights, tolerance)
     place = [item.name for item in mechanism.stops].index(stop.name)
     chart = replace(kept, stop=place, meets=(rate, rounded, 0.0, 0.0))
     return ReducedModel(
         **numbers_of(mechanism, stop, others),
         charts=stacked([chart], [0], levers(mechanism)),
         tolerance=tolerance,
-        samples=samples,
+        samples=kept.samples,
         arrival=_arrival(system, chart, arcs, why, tolerance)
         if turn
         else Arrival(why="the rest of the turn was not sampled"),

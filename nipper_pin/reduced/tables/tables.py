@@ -275,23 +275,34 @@ class Chart:
     samples: int = 0
 
 
-def trimmed(
-    points: Checks,
+def chart_over(
+    sampler: PointSampler,
     domain: Domain,
-    tables: Tables,
     weights: FloatArray,
     tolerance: float,
-    least: tuple[int, int] = (2, 2),
-) -> Chart:
-    """Leave out the highest degrees while their weighted sums stay below a share of the tolerance.
+    of_gaps: float = math.inf,
+) -> tuple[Chart, Tables]:
+    """Sample a domain, and leave out the highest degrees that hardly matter.
 
     Args:
-        points: The functions at points off the grid, for the errors.
         weights: Weight of an error of each function, shape (functions,).
-        least: Least orders that are kept, by travel and by x.
+        tolerance: Largest weighted tail; what is left out stays below a share of it.
+        of_gaps: Relative accuracy that the gaps of other stops and their slopes keep.
+
+    Returns:
+        The chart, and the tables with all degrees.
+
+    Raises:
+        ConvergenceError: The functions are not smooth enough on this domain.
     """
-    count_u, count_x = series2d.needed(tables.equation, weights, TRIMMED_SHARE * tolerance)
-    count_u, count_x = max(count_u, least[0]), max(count_x, least[1])
+    tables, samples = resolved(sampler, domain, weights, tolerance)
+    points = checks(sampler, domain, tables)
+    kept = zip(
+        series2d.needed(tables.equation, weights, TRIMMED_SHARE * tolerance),
+        _orders_of_gaps(tables, of_gaps),
+        strict=True,
+    )
+    count_u, count_x = map(max, kept)
     equation = tables.equation[:, :, :count_u, :count_x]
     inertia = tables.inertia[:, :count_u]
     gaps = np.concatenate([tables.gaps, tables.slopes])[:, :, :count_u, :count_x]
@@ -300,8 +311,9 @@ def trimmed(
     largest, steep_u, steep_x = series2d.largest(equation)
     steep_u, steep_x = 2.0 / width * steep_u, 2.0 / (domain.high - domain.low) * steep_x
     true = np.concatenate([points.true.gaps, points.true.slopes])
-    return Chart(
+    chart = Chart(
         domain=domain,
+        samples=samples,
         equation=equation,
         gaps=gaps,
         inertia=inertia,
@@ -309,9 +321,10 @@ def trimmed(
         gap_bounds=misfit(points, domain, gaps, true),
         inertia_error=inertia_error,
     )
+    return chart, tables
 
 
-def orders_of_gaps(tables: Tables, share: float) -> tuple[int, int]:
+def _orders_of_gaps(tables: Tables, share: float) -> tuple[int, int]:
     """Orders that resolve the gaps and their slopes to a share of their sizes."""
     found = [(2, 2)]
     for series in (tables.gaps, tables.slopes):

@@ -14,7 +14,7 @@ from ...mechanism import Mechanism
 from ...tolerances.reduced import CORNER_ROUND_OFF, GAP_SHARE
 from ..model import MARGIN, factors
 from ..tables.functions import Sampler
-from ..tables.tables import Chart, Domain, checks, orders_of_gaps, resolved, trimmed
+from ..tables.tables import Chart, Domain, chart_over
 from .arcs import TURN, ContactArc, system_at
 from .rows import on_rows
 
@@ -123,11 +123,6 @@ def chart_of(
 
 
 def _sampled(around: ChartSampler, gap: float, w: float, tolerance: float, of_gaps: float) -> Chart:
-    arc, sampler = around.arc, around.sampler
-    domain = Domain(float(arc.travels[-1]), -MARGIN * gap, gap, count_x=_NODES_X)
-    weights = around.weights(w)
-    tables, samples = resolved(sampler, domain, weights, tolerance)
-    points = checks(sampler, domain, tables)
-    kept = trimmed(points, domain, tables, weights, tolerance, orders_of_gaps(tables, of_gaps))
-    on = on_rows(around.mechanism, domain, tables)
-    return replace(around.placed(kept), on_rows=on, samples=samples)
+    domain = Domain(float(around.arc.travels[-1]), -MARGIN * gap, gap, count_x=_NODES_X)
+    kept, tables = chart_over(around.sampler, domain, around.weights(w), tolerance, of_gaps)
+    return replace(around.placed(kept), on_rows=on_rows(around.mechanism, domain, tables))

@@ -28,7 +28,7 @@ from ..kernels.layout import HIGH, LOW, Cases, Charts
 from ..model import factors
 from ..results import ENGINE
 from ..tables.functions import Samples
-from ..tables.tables import Chart, Domain, checks, levers, resolved, stacked, trimmed
+from ..tables.tables import Chart, Domain, chart_over, levers, stacked
 from .cases import BESIDE, Run, room_for, run_of, turn_cases
 from .charts import ChartSampler
 from .model import START_INDEX, TurnModel, surroundings
@@ -106,9 +106,7 @@ def _chart(around: ChartSampler, drive: int, domain: Domain) -> Chart:
     sampler = _DriveSampler(around, drive)
     rate = float(np.sqrt(np.abs(around.acceleration(0.0, 0)[0]) * domain.high))
     weights = _weights(around, sampler, rate)
-    tables, _ = resolved(sampler, domain, weights, TORQUE_TABLES)
-    points = checks(sampler, domain, tables)
-    kept = trimmed(points, domain, tables, weights, TORQUE_TABLES)
+    kept, _ = chart_over(sampler, domain, weights, TORQUE_TABLES)
     by_a = np.zeros((3, *kept.equation.shape[1:]))
     by_a[0] = kept.equation[-1]
     return replace(
