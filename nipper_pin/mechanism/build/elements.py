@@ -74,12 +74,7 @@ def build_elements(
     model: pin.Model,
     file: str,
 ) -> dict[str, tuple[Any, ...]]:
-    """Build springs and dampers, as ``FIELDS`` of a mechanism.
-
-    Raises:
-        UnknownNameError: A joint or frame does not exist.
-        ModelError: Keys do not go together, or the values make no spring or damper.
-    """
+    """Build springs and dampers, as ``FIELDS`` of a mechanism."""
     given: list[tuple[str, _Entry]] = [*description.springs.items(), *description.dampers.items()]
     found = [
         *(build_element(item, name, joints, model, file) for name, item in given),
@@ -101,7 +96,7 @@ def build_element(
     model: pin.Model,
     file: str,
 ) -> Spring | TabulatedSpring | Damper | Strut:
-    """Build one spring or damper; errors as of :func:`build_elements`."""
+    """Build one spring or damper."""
     where = f"{'springs' if isinstance(entry, SpringDescription) else 'dampers'}.{name}"
     if entry.frame_a is not None or entry.frame_b is not None:
         return _strut(name, entry, model, where, file)
@@ -222,12 +217,7 @@ def _strut(name: str, entry: _Entry, model: pin.Model, where: str, file: str) ->
 def build_forces(
     tables: Mapping[str, ForceTable], joints: Mapping[str, Joint], file: str
 ) -> tuple[JointForce, ...]:
-    """Build the force elements.
-
-    Raises:
-        UnknownNameError: A joint does not exist.
-        ModelError: The law does not act on such a joint, or the values make no law.
-    """
+    """Build the force elements."""
     found = []
     for name, table in tables.items():
         where, kind = f"forces.{name}", str(type(table).__struct_config__.tag)

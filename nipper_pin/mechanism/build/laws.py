@@ -66,12 +66,7 @@ def _joints_of_laws() -> str:
 def build_laws(
     drives: Mapping[str, DriveTable], joints: Mapping[str, Joint], file: str
 ) -> dict[str, DriveLaw]:
-    """Build the law of every drive.
-
-    Raises:
-        ModelError: A law cannot be built from its values.
-        UnknownNameError: A geared drive names a drive that does not exist.
-    """
+    """Build the law of every drive."""
     geared = {name: drive for name, drive in drives.items() if isinstance(drive, GearedDrive)}
     own = [name for name in drives if name not in geared]
     laws = {name: _law(name, drives[name], joints, file) for name in own}

@@ -24,12 +24,7 @@ _KEYS = {
 def build_stops(
     description: Description, joints: Mapping[str, Joint], tree: Tree
 ) -> tuple[Stop, ...]:
-    """Build the stops.
-
-    Raises:
-        UnknownNameError: A joint, a body or the transition stop does not exist.
-        ModelError: A stop cannot be where it is, or its bodies do not touch there.
-    """
+    """Build the stops."""
     touching = sum(stop.contact is not None for stop in description.stops.values())
     if touching > _MOST_CONTACTS:
         allowed = f"at most {_MOST_CONTACTS} stops with a contact; leave it out where none is shown"

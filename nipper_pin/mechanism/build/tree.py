@@ -46,9 +46,6 @@ def build_model(urdf: Urdf, gravity_m_s2: float, file: str) -> pin.Model:
 
     Args:
         gravity_m_s2: Gravity along -z [m/s2].
-
-    Raises:
-        ModelError: A joint moves nothing that resists.
     """
     model = pin.Model()
     body = pin.FrameType.BODY
@@ -133,9 +130,6 @@ def collision_geometry(model: pin.Model, urdf: Urdf, file: str) -> pin.GeometryM
 
     Returns:
         Geometry model whose objects carry the names of the collision elements.
-
-    Raises:
-        ModelError: A mesh cannot be read.
     """
     geometry = pin.GeometryModel()
     paths = [shape.path for link in urdf.links.values() for shape in link.shapes if shape.path]

@@ -20,11 +20,7 @@ def drawn_sources(tables: Mapping[str, Any], name: str) -> tuple[str, dict[str, 
 
 
 def document(tree: Tree) -> dict[str, Any]:
-    """The TOML document of a drawing as plain data.
-
-    Raises:
-        ModelError: A stop that is named does not exist, or nothing can move.
-    """
+    """The TOML document of a drawing as plain data."""
     drawn = tree.drawn
     table, model = drawn.table, drawn.model
     given = {section: _with_frames(tree, section) for section in _SECTIONS}

@@ -98,11 +98,7 @@ def _shown(point: Place) -> str:
 
 
 def place(points: Mapping[str, Place], name: str) -> Place:
-    """A point by its name; ``A/B`` is halfway between A and B.
-
-    Raises:
-        InputError: There is no such point.
-    """
+    """A point by its name; ``A/B`` is halfway between A and B."""
     ends = [item for item in name.split("/") if item in points]
     if len(ends) != name.count("/") + 1 or len(ends) > 2:
         near = meant(name, points)
@@ -112,11 +108,7 @@ def place(points: Mapping[str, Place], name: str) -> Place:
 
 
 def vector(points: Mapping[str, Place], along: Place | str) -> Place:
-    """A direction that is given as such, or by the names of two points.
-
-    Raises:
-        InputError: A point does not exist.
-    """
+    """A direction that is given as such, or by the names of two points."""
     if not isinstance(along, str):
         return along
     first, second = (place(points, name) for name in along.split())
@@ -136,11 +128,7 @@ _WAYS_IN_WORDS = "[x, z], or the keys of one way: " + "; ".join(map(", ".join, _
 
 
 def found_points(points: Mapping[str, PlanePoint | PointTable], file: str) -> dict[str, Place]:
-    """All points, each once those are known that it is found from.
-
-    Raises:
-        ModelError: A point cannot be found as it is given.
-    """
+    """All points, each once those are known that it is found from."""
     found: dict[str, Place] = {}
     waiting = dict(points)
     while waiting:

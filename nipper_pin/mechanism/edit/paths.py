@@ -78,11 +78,7 @@ class UrdfValue:
 
 
 def find_value(root: ElementTree.Element, path: str) -> UrdfValue:
-    """Follow a path into a URDF.
-
-    Raises:
-        UnknownNameError: The path leads nowhere, or stops before a number.
-    """
+    """Follow a path into a URDF."""
     where = f"path {path}"
     element, rest = root, steps_of(path)[1:]
     while rest:

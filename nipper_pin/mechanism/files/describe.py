@@ -154,7 +154,7 @@ def describe(data: Mapping[str, object], file: str) -> Description:
 
 
 def describe_entry(data: Mapping[str, Any], section: str, name: str, file: str) -> Any:
-    """One entry of a section, as :func:`describe` gives it; errors as of that."""
+    """One entry of a section, as :func:`describe` gives it."""
     entry = {section: {name: data[section][name]}}
     refuse_unusable(entry, "", file)
     return _entries(entry, section, file)[name]

@@ -28,12 +28,7 @@ _KINDS: dict[str, Literal["revolute", "prismatic", "fixed"]] = {
 
 
 def check_urdf(root: ElementTree.Element, file: str, mesh_folder: Path) -> Urdf:
-    """Read a URDF, check it, and turn it into the side view.
-
-    Raises:
-        ModelError: A value cannot belong to a planar mechanism.
-        UnknownNameError: A joint names a link that does not exist.
-    """
+    """Read a URDF, check it, and turn it into the side view."""
     elements = _by_name(root.findall("link"), file)
     _check_count(len(elements), _MOST_LINKS, "links", file)
     named = _by_name(root.findall("joint"), file)

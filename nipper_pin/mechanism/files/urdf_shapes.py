@@ -52,11 +52,7 @@ def check_colours(root: ElementTree.Element, file: str) -> None:
 def read_shapes(
     link: ElementTree.Element, name: str, file: str, mesh_folder: Path
 ) -> tuple[UrdfShape, ...]:
-    """Read the collision shapes of a link; the visual ones are only checked.
-
-    Raises:
-        ModelError: A shape is none, or a mesh is not in the folder.
-    """
+    """Read the collision shapes of a link; the visual ones are only checked."""
     found = []
     for tag in ("visual", "collision"):
         for place, element in enumerate(link.findall(tag)):
