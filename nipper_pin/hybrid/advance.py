@@ -31,8 +31,6 @@ _MOST_PANELS = 10_000
 # What drives alone determine is smoother than flights: panels have more nodes and are longer, the
 # more so once one has shown it.
 _LONGER_WITHOUT_FREEDOM, _LONGER_STILL = 2.5, 1.25
-
-
 # Flights are a bit shorter than the panels that are made for them. Round-off of a gap goes with the
 # square of the panel's length: of a panel that is so much longer it is a thousandfold.
 _BALLISTIC_MARGIN, _MUCH_TOO_LONG = 1.1, 64.0

@@ -83,11 +83,9 @@ def found_after(events: Sequence[Event], rest: Event) -> Event:
     """
     if rest.kind is not EventKind.REST:
         return rest
-    for place in range(rest.number - 2, -1, -1):
-        event = events[place]
-        if event.kind is not EventKind.REST and np.array_equal(event.q, rest.q):
-            return event
-    return rest
+    before = (events[place] for place in range(rest.number - 2, -1, -1))
+    others = (event for event in before if event.kind is not EventKind.REST)
+    return next((event for event in others if np.array_equal(event.q, rest.q)), rest)
 
 
 class Outcome(StrEnum):

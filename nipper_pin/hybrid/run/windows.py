@@ -6,6 +6,7 @@ A run starts in the touch configuration, or at an index in its initial phase.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import takewhile
 from math import ceil, tau
 
 import numpy as np
@@ -111,12 +112,8 @@ def transition(manager: PhaseManager) -> Outcome:
 
 def _rest_of(manager: PhaseManager, name: str) -> Event | None:
     """The rest of a stop, if the latest events hold it."""
-    for event in reversed(manager.events):
-        if event.kind is not EventKind.REST:
-            return None
-        if name in event.stops:
-            return event
-    return None
+    rests = takewhile(lambda event: event.kind is EventKind.REST, reversed(manager.events))
+    return next((event for event in rests if name in event.stops), None)
 
 
 def _followed(manager: PhaseManager, name: str, t_rest: float) -> bool:
