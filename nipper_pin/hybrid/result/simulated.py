@@ -164,8 +164,6 @@ class Simulated:
                     share = (series[2].t - series[0].t) / duration
                 found.append(Transition(series[0].t, duration, len(series), share))
                 series = []
-            elif event.kind is EventKind.RELEASE and stop in event.stops:
-                series = []
         return tuple(found)
 
     @cached_property
