@@ -116,8 +116,6 @@ class _Columns:
 
     def parquet(self) -> bytes:
         """The bytes of the file."""
-        import pyarrow as pa
-
         job = self.job
         return encode(
             {
@@ -127,7 +125,7 @@ class _Columns:
                 "outcome": self.outcome.tolist(),
                 "message": self.message,
                 "collisions": self.collisions,
-                "premise_holds": pa.array(self.premise.tolist(), type=pa.bool_()),
+                "premise_holds": self.premise.tolist(),
                 **dict(zip(("turns", "repeats_after"), self.turns, strict=False)),
                 **self.values,
             },
