@@ -66,7 +66,7 @@ class Register(Generic[_T]):
 
     def names(self) -> list[str]:
         """Return the names of all laws, sorted."""
-        return sorted({*self._built_in(), *self._added})
+        return sorted({*self._built_in, *self._added})
 
     def tables(self) -> dict[str, Any]:
         """Return the tables of all laws by name."""
@@ -91,6 +91,7 @@ class Register(Generic[_T]):
             found = self._table(name)
         return found
 
+    @functools.cached_property
     def _built_in(self) -> set[str]:
         return {item.name for item in pkgutil.iter_modules(import_module(self._room).__path__)}
 
@@ -98,7 +99,7 @@ class Register(Generic[_T]):
         """The table of a law; None if there is none."""
         if name in self._added:
             return self._added[name]
-        if name not in self._built_in():
+        if name not in self._built_in:
             return None
         module = import_module(f"{self._room}.{name}")
         return next(
