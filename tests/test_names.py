@@ -25,7 +25,7 @@ KINDS = (
     ("stop", "other stop"),
     ("drive",), ("pin",), ("force",), ("phase",), ("shortcut",), ("visual",), ("model",),
 )  # fmt: skip
-SPEED = 900.0
+SPEED, VALUES = 900.0, [500.0, 550.0]
 
 
 def write(folder: Path, same: Mapping[str, str]) -> Path:
@@ -55,30 +55,38 @@ def numbers(data: Any) -> list[float]:
     return [float(data)] if isinstance(data, int | float | np.number) else []
 
 
-def facts(model: Path, shortcut: str) -> list[float]:
-    """What a check, a run, a table of turns, a comparison and a sweep say of a machine."""
-    mechanism, other = nip.load(model), nip.load(model, {shortcut: 550.0})
+def facts(model: Path, shortcut: str) -> tuple[list[float], list[float]]:
+    """What a check, a run, tables of turns and a comparison say of a machine.
+
+    Behind that the clamped share of each of its turns, with both values of the shortcut.
+    """
+    machines = [nip.load(model, {shortcut: value}) for value in VALUES]
     case = nip.Case(speed_rpm=SPEED, window=nip.Window.CYCLE)
-    runs = [nip.simulate(item, case) for item in (mechanism, other)]
-    report = nip.check(mechanism, SPEED)
-    table = nip.turn_table(mechanism, speed_rpm=SPEED, turns=1, torques=True)
-    study = model / "study.toml"
-    head = {"format": 1, "model": str(model), "case": {"window": "cycle", "turns": 1}}
-    parameters = {shortcut: {"values": [500.0, 550.0]}, "speed_rpm": {"values": [SPEED]}}
-    study.write_text(toml({**head, "parameters": parameters}), encoding="utf-8")
-    nip.sweep(study, model / "out", workers=1)
-    rows = nip.read_sweep(model / "out").to_frame("pyarrow").to_pydict()
+    runs = [nip.simulate(item, case) for item in machines]
+    report = nip.check(machines[0], SPEED)
+    tables = [nip.turn_table(item, speed_rpm=SPEED, turns=1, torques=True) for item in machines]
     hits = runs[0].to_frame("pyarrow").to_pydict()
     assert hits["stop"]
-    return numbers([
+    shares = numbers([table.clamped_share for table in tables])
+    return shares + numbers([
         [hits[key] for key in ("time_s", "impulse_N_s", "rebound_amplitude")],
-        table.clamped_share, table.collisions, table.largest_torque, rows["clamped_share"],
+        [[table.collisions, table.largest_torque] for table in tables],
         [(row.a, row.b) for row in nip.compare(*runs).rows], report.condition.value,
-    ])  # fmt: skip
+    ]), shares  # fmt: skip
+
+
+def swept(model: Path, shortcut: str) -> list[float]:
+    """The clamped shares of a sweep over the shortcut."""
+    study = model / "study.toml"
+    head = {"format": 1, "model": str(model), "case": {"window": "cycle", "turns": 1}}
+    parameters = {shortcut: {"values": VALUES}, "speed_rpm": {"values": [SPEED]}}
+    study.write_text(toml({**head, "parameters": parameters}), encoding="utf-8")
+    nip.sweep(study, model / "out", workers=1)
+    return numbers(nip.read_sweep(model / "out").to_frame("pyarrow").to_pydict()["clamped_share"])
 
 
 @pytest.fixture(scope="module")
-def apart(tmp_path_factory: pytest.TempPathFactory) -> list[float]:
+def apart(tmp_path_factory: pytest.TempPathFactory) -> tuple[list[float], list[float]]:
     """Of the machine all of whose names differ."""
     return facts(write(tmp_path_factory.mktemp("apart"), {}), "shortcut")
 
@@ -87,13 +95,15 @@ def apart(tmp_path_factory: pytest.TempPathFactory) -> list[float]:
 @pytest.mark.parametrize("first", range(3))
 @pytest.mark.parametrize("second", range(3))
 def test_things_of_one_name_do_not_meet(
-    first: int, second: int, tmp_path: Path, apart: list[float]
+    first: int, second: int, tmp_path: Path, apart: tuple[list[float], list[float]]
 ) -> None:
     """In nine machines any two kinds that may share a name do, with one kind of every row."""
     places = (first, second, first + second, first, second)
     chosen = [kinds[place % len(kinds)] for kinds, place in zip(KINDS, places, strict=False)]
     chosen += [kind for (kind,) in KINDS[len(places) :]]
     same = dict.fromkeys(chosen, "same")
-    found = facts(write(tmp_path, same), "same")
+    model = write(tmp_path, same)
+    whole, shares = apart
     # Coordinates are in the order of names: the same equations in another order.
-    np.testing.assert_allclose(found, apart, rtol=1e-7, atol=1e-10)
+    np.testing.assert_allclose(facts(model, "same")[0], whole, rtol=1e-7, atol=1e-10)
+    np.testing.assert_allclose(swept(model, "same"), shares, rtol=1e-7, atol=0.0)

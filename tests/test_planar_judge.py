@@ -18,6 +18,9 @@ import pytest
 from judge import press
 from judged_runs import Report, both, compare
 from lid_box import lid_box
+from planar_judge.flight import Precision
+from planar_judge.machine import Machine
+from planar_judge.record import Verdict
 from random_chains import chain
 from small_machines import SLED, link, machine, slide
 
@@ -86,8 +89,8 @@ def test_laws_of_drives(make: Callable[[Any], Mechanism], law: str, drive: str) 
 
 
 @pytest.mark.parametrize("law", [
-    "polynomial_345, dwells", "polynomial_345, late", "polynomial_4567, dwells",
-    "polynomial_4567, no dwell", "Fourier",
+    "polynomial_345, late", "polynomial_4567, dwells", "Fourier",
+    campaign("polynomial_345, dwells"), campaign("polynomial_4567, no dwell"),
 ])  # fmt: skip
 def test_collisions_on_either_side_of_where_pieces_of_a_law_end(law: str) -> None:
     """A pendulum between stops on a driven arm, two turns, which begin within a piece."""
@@ -171,6 +174,26 @@ def test_a_small_error_is_seen() -> None:
     assert 1e-9 < report.impulse < 1e-4
 
 
+@pytest.fixture(scope="module")
+def ball() -> tuple[Mechanism, Machine]:
+    stop = {"joint": "height", "restitution": 0.1, "at_mm": -20.0}
+    parts = [link("ball"), slide("height", "frame", "ball", (0.0, 1.0))]
+    return both(machine(parts, 1, gravity=9.81, stops={"floor": stop}))
+
+
+@pytest.fixture(scope="module")
+def judged() -> Callable[..., Verdict]:
+    """The judge of one run, which it follows once in each resolution."""
+    judge, followed = judged_runs.judge, dict[Precision | None, Verdict]()
+
+    def once(*run: Any, precision: Precision | None = None, **start: Any) -> Verdict:
+        if precision not in followed:
+            followed[precision] = judge(*run, precision=precision, **start)
+        return followed[precision]
+
+    return once
+
+
 @pytest.mark.parametrize(
     "change",
     [
@@ -186,13 +209,12 @@ def test_a_small_error_is_seen() -> None:
 )
 def test_an_event_that_is_a_little_off_is_seen(
     change: Callable[[Event], Event | None],
+    ball: tuple[Mechanism, Machine],
+    judged: Callable[..., Verdict],
     monkeypatch: pytest.MonkeyPatch,
     request: pytest.FixtureRequest,
 ) -> None:
     """Three times what is allowed, of the second bounce of a ball: without that the two agree."""
-    stop = {"joint": "height", "restitution": 0.1, "at_mm": -20.0}
-    ball = both(machine([link("ball"), slide("height", "frame", "ball", (0.0, 1.0))], 1,
-                        gravity=9.81, stops={"floor": stop}))  # fmt: skip
     right = judged_runs.nip.simulate
 
     def wrong(mechanism: Mechanism, case: Case) -> Solution:
@@ -202,11 +224,12 @@ def test_an_event_that_is_a_little_off_is_seen(
         return replace(solution, events=tuple(left))
 
     monkeypatch.setattr(judged_runs.nip, "simulate", wrong)
+    monkeypatch.setattr(judged_runs, "judge", judged)
     found = compare(ball, 60.0, start_index=0.0).verdict
     assert found == ("agree" if request.node.callspec.id == "right" else "DIFFER")
 
 
-@pytest.mark.parametrize("seed", [0, 1, campaign(2), campaign(3)])
+@pytest.mark.parametrize("seed", [1, campaign(0), campaign(2), campaign(3)])
 def test_random_chains(seed: int) -> None:
     rng = np.random.default_rng([20, seed])
     mechanism = chain(rng, 2, shaken=bool(seed % 2), tied=seed >= 2)

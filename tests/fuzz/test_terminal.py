@@ -25,13 +25,6 @@ BASES = Path(__file__).parent / "bases"
 # A title, a colour, a line that is cleared and one that is written over, and a turned direction.
 CODES = "\x1b]0;x\x07\x1b[31mred\x9b2K\rover\bx\u202eabc\u2066d\u200b"
 OWN = re.compile(r"\x1b\[[0-9;]*m")
-# Codes, marks of direction, and what separates lines and paragraphs; of others every thousandth.
-EVERY = [
-    chr(code)
-    for code in range(sys.maxunicode + 1)
-    if not chr(code).isprintable()
-    and (category(chr(code)) in {"Cc", "Cf", "Zl", "Zp", "Zs"} or code % 1000 == 0)
-]
 
 
 def raw(text: str) -> set[str]:
@@ -109,8 +102,14 @@ def test_no_code_of_a_file_reaches_the_terminal(
 
 
 def test_no_letter_that_is_none_is_printed() -> None:
-    """In a table, a sentence, a heading, a command and an error; colours of our own stay."""
-    text, stream = "word ".join(EVERY), io.StringIO()
+    """In a table, a sentence, a heading, a command and an error; colours of our own stay.
+
+    Codes, marks of direction, and what separates lines and paragraphs; of others every thousandth.
+    """
+    kinds, others = {"Cc", "Cf", "Zl", "Zp", "Zs"}, map(chr, range(sys.maxunicode + 1))
+    every = [letter for letter in others if not letter.isprintable()
+             and (category(letter) in kinds or ord(letter) % 1000 == 0)]  # fmt: skip
+    text, stream = "word ".join(every), io.StringIO()
     console = Terminal(file=stream, force_terminal=True, color_system="truecolor", width=100)
     say(console, text, style="red")
     headline(console, text)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import signal
 import subprocess
 import sys
 import time
@@ -18,19 +17,15 @@ from programs import study_text
 from nipper_pin.study.processes import WorkerError, Workers, fresh_processes
 from tests.study.sweep.sweep_studies import COMMAND
 
-# What a copy of this process would know.
-MARKS: list[str] = []
+# Without effect, and built in: a process that imports it imports nothing of the tests.
+NOTHING = bool
 # What OpenMP, OpenBLAS and MKL read when they are loaded.
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
-def nothing() -> None:
-    """What a process imports while the others go on."""
-
-
 def test_results_in_order_and_as_they_come() -> None:
     """Of the same processes, which compute elsewhere."""
-    with Workers(2, nothing) as pool:
+    with Workers(2, NOTHING) as pool:
         assert list(pool.in_order(abs, range(-7, 0), chunk=2)) == [7, 6, 5, 4, 3, 2, 1]
         tasks = ((k, partial(divmod, k, 3)) for k in range(7))
         assert dict(pool.as_completed(tasks)) == {k: divmod(k, 3) for k in range(7)}
@@ -49,22 +44,20 @@ def test_results_in_order_and_as_they_come() -> None:
         assert len(drawn) <= 6
 
 
-def deaf(_: int) -> tuple[bool, bool]:
-    """Whether this process ignores Ctrl-C, and whether it began as a copy of the test's."""
-    return signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, ()), bool(MARKS)
+# Whether a process ignores Ctrl-C, and whether it began as a copy of the test's.
+DEAF = "(s := __import__('signal')).SIGINT in s.pthread_sigmask(s.SIG_BLOCK, ())"
+COPY = f"{__name__!r} in __import__('sys').modules"
 
 
 def test_processes_begin_afresh(monkeypatch: pytest.MonkeyPatch) -> None:
     """Spawned, deaf to the keyboard and in one thread, whatever this one does and goes on to do."""
-    MARKS.append("here")
     for name, value in zip(THREADS, ("3", "2", "4"), strict=True):
         monkeypatch.setenv(name, value)
-    with fresh_processes(1, nothing) as pool:
+    with fresh_processes(1, NOTHING) as pool:
         assert list(pool.map(os.getenv, THREADS)) == ["1", "1", "1"]
-        assert list(pool.map(deaf, [0])) == [(True, False)]
-        assert deaf(0) == (False, True)
+        assert list(pool.map(eval, [DEAF, COPY])) == [True, False]
+        assert list(map(eval, [DEAF, COPY])) == [False, True]
     assert [os.environ[name] for name in THREADS] == ["3", "2", "4"]
-    MARKS.clear()
 
 
 def test_a_worker_that_dies_is_an_error() -> None:
@@ -75,7 +68,7 @@ def test_a_worker_that_dies_is_an_error() -> None:
     ):
         with (
             pytest.raises(WorkerError, match=r"a worker process died, .* memory, alas") as caught,
-            Workers(1, nothing, advice=", alas", apart=True) as pool,
+            Workers(1, NOTHING, advice=", alas", apart=True) as pool,
         ):
             ask(pool)
         assert caught.value.evidence == {"workers": 1}
@@ -95,7 +88,7 @@ def test_a_worker_that_cannot_start_is_an_error(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(kind, "start", second_fails)
     with (
         pytest.raises(WorkerError, match=r"2 worker processes cannot be started .*fewer") as caught,
-        Workers(2, nothing) as pool,
+        Workers(2, NOTHING) as pool,
     ):
         list(pool.in_order(abs, [1]))
     assert caught.value.evidence == {"workers": 2}
@@ -111,7 +104,7 @@ def test_nothing_runs_after_a_failure() -> None:
     tasks = [(pause, partial(time.sleep, pause)) for pause in (0.0, 0.4, 0.5)]
 
     def failing() -> None:
-        with Workers(2, nothing, apart=True) as pool:
+        with Workers(2, NOTHING, apart=True) as pool:
             for _ in pool.as_completed(tasks):
                 raise ZeroDivisionError
 

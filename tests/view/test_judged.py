@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -185,14 +186,21 @@ class Line(NamedTuple):
     digits: float = 0.0
 
 
-def motion(run: Solution, line: Line) -> tuple[Any, str]:
+@lru_cache(maxsize=4)
+def sides(name: str, read: str, t: bytes) -> tuple[Any, Any]:
+    """States or forces of a run at both limits of some times."""
+    read_at, times = getattr(run_of(name).trajectory, read), np.frombuffer(t)
+    return read_at(times), read_at(times, left=True)
+
+
+def motion(name: str, line: Line) -> tuple[Any, str]:
     """What the motion of a run has for a line, and its unit."""
-    what, of = line.name
+    run, (what, of) = run_of(name), line.name
     t = np.clip(np.asarray(line.t, dtype=float), 0.0, run.segments[-1].t_end)
     left = np.zeros(len(t), bool) if line.left is None else np.asarray(line.left)
     left = left | (t >= run.segments[-1].t_end)
-    both = [run.trajectory.evaluate(t, left=side) for side in (False, True)]
-    q, v = (np.where(left[:, None], getattr(both[1], key), getattr(both[0], key)) for key in "qv")
+    after, before = sides(name, "evaluate", t.tobytes())
+    q, v = (np.where(left[:, None], getattr(before, key), getattr(after, key)) for key in "qv")
     column = {joint.name: joint.index for joint in run.mechanism.joints}
     column |= {drive.name: drive.index for drive in run.mechanism.drives if what == "drive"}
     turning = {joint.index for joint in run.mechanism.joints if joint.kind != "prismatic"}
@@ -206,10 +214,10 @@ def motion(run: Solution, line: Line) -> tuple[Any, str]:
         return states[:, column[of]], length if what == "q" else f"{length}/s"
     if what in ("force", "drive"):
         key = "contacts" if what == "force" else "drives"
-        sides = [getattr(run.trajectory.reactions(t, left=side), key)[of] for side in (False, True)]
+        after, before = (getattr(side, key)[of] for side in sides(name, "reactions", t.tobytes()))
         moment = what == "drive" and column[of] in turning
         shown = force(run, of) if what == "force" else "N m" if moment else "N"
-        return np.where(left, sides[1], sides[0]), shown
+        return np.where(left, before, after), shown
     gap = run.mechanism.stop(of).gaps(q)
     return (gap, kind(run, of)) if what == "gap" else (run.mechanism.stop(of).lever * gap, "m")
 
@@ -323,7 +331,7 @@ def test_lines(name: str, surface: str) -> None:
     run = run_of(name)
     seen = set()
     for line in LINES[surface](run):
-        wanted, own = motion(run, line)
+        wanted, own = motion(name, line)
         if line.name == ("index", ""):
             wanted = wanted + 40.0 * np.round((line.values - wanted) / 40.0)
         wanted = factor(own, line.unit) * wanted

@@ -8,9 +8,10 @@ import signal
 import socket
 import subprocess
 import sys
+import sysconfig
 from pathlib import Path
+from typing import Any
 
-import distributed
 import pytest
 from sweep_studies import GEOMETRY, chunk_files, started, stored, study, wait_for
 from waiting import notes
@@ -37,7 +38,7 @@ class Cluster:
 
     def start(self, *arguments: str, bare: bool = False) -> subprocess.Popen[bytes]:
         """A process of Dask; a bare one has all packages but this one, which is found by a site."""
-        packages = str(Path(distributed.__file__).parents[1])
+        packages = sysconfig.get_path("purelib")
         with (self.folder / f"{len(self.running)}.log").open("wb") as log:
             process = subprocess.Popen(
                 [sys.executable, *(["-S"] if bare else []), "-m", "dask", *arguments],
@@ -52,6 +53,12 @@ class Cluster:
     def worker(self, name: str, *, bare: bool = False) -> subprocess.Popen[bytes]:
         return self.start("worker", self.address, "--nthreads", "1", "--no-nanny", "--no-dashboard",
                           "--host", "127.0.0.1", "--name", name, bare=bare)  # fmt: skip
+
+    def client(self) -> Any:
+        """Of the tests: others that are collected with these do without its import."""
+        from distributed import Client
+
+        return Client(self.address)
 
     def __enter__(self) -> Cluster:
         return self
@@ -77,7 +84,7 @@ def test_a_worker_of_a_cluster_dies(tmp_path: Path) -> None:
     def count() -> int:
         return len(list((out / "chunks").glob("*.parquet")))
 
-    with Cluster(tmp_path) as cluster, distributed.Client(cluster.address) as client:
+    with Cluster(tmp_path) as cluster, cluster.client() as client:
         doomed, other = cluster.worker("doomed"), cluster.worker("other")
         client.wait_for_workers(2, timeout=180)
         names = {item["name"]: at for at, item in client.scheduler_info()["workers"].items()}
@@ -155,12 +162,12 @@ def test_workers_without_the_package_are_refused(
     """Whether it is the only one or one of two; nothing is computed, and nobody waits."""
     out = tmp_path / "out"
     arguments = ["sweep", study(tmp_path, GEOMETRY), "--out", str(out), "--scheduler"]
-    with Cluster(tmp_path) as cluster, distributed.Client(cluster.address) as client:
+    with Cluster(tmp_path) as cluster, cluster.client() as client:
         cluster.worker("bare", bare=True)
         for workers in (1, 2):
             client.wait_for_workers(workers, timeout=180)
             assert main([*arguments, cluster.address]) == 2
-            said = capsys.readouterr().err
+            said = notes(capsys.readouterr().err)
             assert f"1 of {workers} workers cannot compute this, such as tcp://127.0.0.1:" in said
             assert "No module named 'nipper_pin'" in said
             assert "install the same versions everywhere" in said
@@ -174,7 +181,7 @@ def test_workers_without_the_package_are_refused(
 def test_a_cluster_is_lost(tmp_path: Path, lost: str) -> None:
     """One sentence and status 1 within seconds; what is finished is kept."""
     path, out = study(tmp_path, MANY), tmp_path / "out"
-    with Cluster(tmp_path) as cluster, distributed.Client(cluster.address) as client:
+    with Cluster(tmp_path) as cluster, cluster.client() as client:
         doomed = [cluster.worker("one"), cluster.worker("two")]
         client.wait_for_workers(2, timeout=180)
         words = (path, "--out", str(out), "--scheduler", cluster.address)
