@@ -108,7 +108,7 @@ def test_cases_of_different_length_are_refused(e62: Mechanism) -> None:
 
 # Speed, restitutions of jaw and steeve, stiffness, preload, share of the range of the force.
 TURNS = [
-    ("733.3", "0.37", "0.11", "8123.5", "9.7", 0.4),
+    pytest.param("733.3", "0.37", "0.11", "8123.5", "9.7", 0.4, marks=pytest.mark.campaign),
     ("1085.0", "0.08", "0.52", "10650.0", "13.1", 0.9),
     ("318.9", "0.61", "0.23", "6021.0", "6.4", 0.0),
 ]
