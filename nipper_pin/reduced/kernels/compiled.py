@@ -136,19 +136,6 @@ class _CheckedFiles(IndexDataCacheFile):  # type: ignore[misc]
     Machine code of which one bit has turned would crash the process, or compute something else.
     """
 
-    def load(self, key: object) -> object:
-        """Machine code of a signature, or None."""
-        try:
-            return super().load(key)
-        except OSError:
-            return None
-
-    def save(self, key: object, data: object) -> None:
-        """Keep machine code, if the disk takes it."""
-        # Where it does not, the function is compiled in the next process again.
-        with suppress(OSError):
-            super().save(key, data)
-
     def _load_index(self) -> dict[object, str]:
         return super()._load_index() if self._is_whole(self._index_path) else {}
 
@@ -183,12 +170,14 @@ class _KeptCode(FunctionCache):  # type: ignore[misc]
 
     def load_overload(self, sig: object, target_context: object) -> object:
         """Machine code of a signature; None, which is told, if it is to be compiled."""
-        found = super().load_overload(sig, target_context)
+        found = None
+        with suppress(OSError):
+            found = super().load_overload(sig, target_context)
         if found is None:
             _tell_that_it_takes_time()
         return found
 
     def save_overload(self, sig: object, data: object) -> None:
-        """Keep machine code, if there can be a folder for it."""
+        """Keep machine code, if the disk takes it; else the next process compiles it again."""
         with suppress(OSError):
             super().save_overload(sig, data)

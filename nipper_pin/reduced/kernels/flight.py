@@ -12,13 +12,13 @@ bounces that are not computed come before it.
 
 from __future__ import annotations
 
-from math import sqrt
+from math import nan, sqrt
 
 from ...arrays import FloatArray
 from ...tolerances.reduced import NEWTON_STEP, TRAVEL_END, ZERO_RESOLUTION
 from . import layout as rows
 from .compiled import part
-from .flight_errors import begin_growth, grow, size
+from .flight_errors import grow, size
 from .hits import SolvedPanel, first_hit
 from .panel import (
     OVERSHOOT,
@@ -76,9 +76,6 @@ def describe(nodes: FloatArray, before: int, chart: int, sizes: FloatArray,
     """Give the panels of a flight, those after the first ``before``, chart and errors.
 
     Args:
-        nodes: The scratch rows, with the panels that are kept.
-        before: Panels that were kept before the flight.
-        sizes: Bounds of the case as polynomials of the rate.
         motion: Cylinder speed, time of the flight, fastest rate, last change and steady error of
             x'', and error of the time at its start.
         wrong: Bounds on the errors of time, x and x' along it.
@@ -247,7 +244,7 @@ def flight(grids: FloatArray, case: FloatArray, source: Source, poly: FloatArray
     a = 0.0
     amplitude = peak_time = fastest = changed = left = 0.0
     failed = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0)
-    begin_growth(nodes)
+    nodes[rows.GROWTH, 0] = nan
     for panel in range(_MOST_PANELS):
         u = u0 + speed * t
         longest = (travel - u) / speed

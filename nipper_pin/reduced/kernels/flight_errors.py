@@ -48,17 +48,11 @@ _STEPS = 16
 
 
 @part
-def begin_growth(nodes: FloatArray) -> None:
-    """Mark that no panel has been traced yet."""
-    nodes[rows.GROWTH, 0] = np.nan
-
-
-@part
 def grow(solved: SolvedPanel, end: float) -> None:
     """Carry the growth of errors over a panel up to ``end``.
 
     The row GROWTH holds what becomes of dx = 1 and dv = 1 at the start of the flight and of e = 1:
-    three errors of x, then three of x'.
+    three errors of x, then three of x'. NaN: no panel has been traced yet.
     """
     nodes = solved.nodes
     g = nodes[rows.GROWTH]

@@ -23,6 +23,8 @@ from .layout import Case
 
 # Panels end this much beyond the zero of x that is expected.
 OVERSHOOT = 1.01
+# Lengths that are tried to meet it.
+_GUESSES = 4
 
 
 class Source(NamedTuple):
@@ -255,12 +257,12 @@ def solve_panel(grids: FloatArray, case: FloatArray, source: Source, poly: Float
     longest = (case[rows.TRAVEL_MOST] - u) / speed
     for j in range(rows.LEVELS[0]):
         nodes[rows.NODE_A, j] = a0
-    for _ in range(4 if estimate else 1):
+    for guess in range(_GUESSES + 1):
         h = min(h, longest)
         reach(source, per_rad, u, u + h * speed)
         for j in range(1, rows.LEVELS[0]):
             contract(mixed, poly, j, per_rad, u + h * speed * grids[rows.SIGMA, 0, 0, j])
-        if not estimate:
+        if not estimate or guess == _GUESSES:
             break
         for _ in range(3):
             change = _sweep(grids, case, poly, nodes, degree, rows.ZERO, h, x0, v0)
@@ -276,11 +278,6 @@ def solve_panel(grids: FloatArray, case: FloatArray, source: Source, poly: Float
         if 0.95 <= root <= 0.999 or (root > 1.0 and h == longest):
             break
         h *= OVERSHOOT * min(max(root, 0.3), 3.0)
-    else:
-        h = min(h, longest)
-        reach(source, per_rad, u, u + h * speed)
-        for j in range(1, rows.LEVELS[0]):
-            contract(mixed, poly, j, per_rad, u + h * speed * grids[rows.SIGMA, 0, 0, j])
     last = len(rows.LEVELS) - 1
     for level in range(len(rows.LEVELS)):
         count = rows.LEVELS[level]

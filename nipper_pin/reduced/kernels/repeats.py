@@ -20,10 +20,8 @@ def mark(ends: FloatArray, turn: int, rest: tuple[float, float], at: Motion) -> 
     """Write the end of a turn.
 
     Args:
-        ends: Ends of turns, shape (turns + 1, END_COLUMNS).
         turn: Turns that are over.
         rest: Chart and travel of the end of the last rest; -1 without one, and infinity at rest.
-        at: The state, with errors of gap and rate.
     """
     row = ends[turn]
     row[0], row[1] = rest

@@ -18,21 +18,31 @@ _POINTS = 8
 
 
 @part
-def limit(series: FloatArray, count: int, changes: float) -> tuple[float, float]:
-    """Extrapolate times to zero rate by Neville's scheme."""
+def limit(series: FloatArray, count: int, changes: float) -> tuple[float, float, float]:
+    """Extrapolate times to zero rate by Neville's scheme.
+
+    Extrapolations of two orders may agree better than either is right, since the bounces that they
+    share are nearest to the limit; so one is compared with those without the last bounces.
+
+    Returns:
+        The limit, a bound on its error, and by what those still change if their changes with each
+        bounce go on to fall as the last did.
+    """
     first = max(0, count - _POINTS)
     size = count - first
     for i in range(first, count - 1):
         if series[1, i + 1] >= series[1, i]:
-            return np.inf, np.inf
+            return np.inf, np.inf, np.inf
     for i in range(size):
         series[2, i] = series[0, first + i] - series[0, count - 1]
     best, best_error, previous, gained = np.inf, np.inf, 0.0, 0.0
+    older, old, now = np.nan, np.nan, series[2, 0]
     for order in range(1, size):
         for i in range(size - order):
             far, near = series[1, first + i], series[1, first + i + order]
             series[2, i] = (far * series[2, i + 1] - near * series[2, i]) / (far - near)
         last = series[2, size - order - 1]
+        older, old, now = old, now, series[2, 0]
         # Extrapolations may agree by chance. Each should gain about the ratio of its rates, but
         # no more than the remaining change of x'': far bounces do not depend on it.
         ratio = max(series[1, count - 1] / series[1, count - order], changes)
@@ -41,30 +51,10 @@ def limit(series: FloatArray, count: int, changes: float) -> tuple[float, float]
             best, best_error = last, error
         gained = abs(last - previous)
         previous = last
-    return best, best_error
-
-
-@part
-def still_changes(series: FloatArray, count: int) -> float:
-    """By what a limit still changes if its changes with each bounce go on to fall as the last did.
-
-    Extrapolations of two orders may agree better than either is right, since the bounces that they
-    share are nearest to the limit; so one is compared with those without the last bounces.
-    """
-    first = max(0, count - _POINTS)
-    size = count - first
-    if size < 3:
-        return 0.0
-    for i in range(size):
-        series[2, i] = series[0, first + i] - series[0, count - 1]
-    older, old, now = np.nan, np.nan, series[2, 0]
-    for order in range(1, size):
-        for i in range(size - order):
-            far, near = series[1, first + i], series[1, first + i + order]
-            series[2, i] = (far * series[2, i + 1] - near * series[2, i]) / (far - near)
-        older, old, now = old, now, series[2, 0]
-    before, last = abs(old - older), abs(now - old)
-    return float(last * min(last / before, 1.0)) if before > 0.0 else 0.0
+    # Of fewer than three bounces the change before is not known.
+    before, change = abs(old - older), abs(now - old)
+    still = change * min(change / before, 1.0) if before > 0.0 else 0.0
+    return best, best_error, still
 
 
 @part
@@ -93,11 +83,11 @@ def settles(case: FloatArray, poly: FloatArray, degree: int, sizes: FloatArray, 
         if found:
             uncertain = ahead * changes
         else:
-            further, uncertain = limit(series, count, changes)
+            further, uncertain, still_changes = limit(series, count, changes)
             found = uncertain <= tolerance * (series[0, count - 1] + ahead)
             if found:
                 ahead = further
-                uncertain = max(uncertain, LIMIT_CHANGE_SHARE * still_changes(series, count))
+                uncertain = max(uncertain, LIMIT_CHANGE_SHARE * still_changes)
     return found and still < 0.0, ahead, uncertain
 
 

@@ -35,11 +35,7 @@ def _series(table: FloatArray, cell: int, count: int, place: float) -> tuple[flo
 
 @part
 def force_at(charts: Charts, work: Work, c: int, u: float) -> tuple[float, float]:
-    """Normal force of a closed stop [N], along the joint without a contact point, and its slope.
-
-    Args:
-        u: Travel in it [rad].
-    """
+    """Normal force of a closed stop [N], along the joint without a contact point, and its slope."""
     cells, count = charts.inertia.shape[1], charts.inertia.shape[2]
     per_rad = charts.numbers[c, rows.PER_RAD]
     # The end of a cell belongs to it: beyond the last one functions are constant.
@@ -147,10 +143,6 @@ def held(charts: Charts, work: Work, hold: FloatArray,
          level: float) -> tuple[float, float, float, float, float, float]:  # fmt: skip
     """Forces of a closed stop on a stretch.
 
-    Args:
-        hold: The stretch, shape (HOLD_COLUMNS,).
-        level: Force [N].
-
     Returns:
         Least force, largest force and travel with a force above the level, each before the bound on
         its error.
@@ -206,9 +198,7 @@ def summed(charts: Charts, work: Work, records: Records, turn: int, clamp: int, 
     """Quantities of one turn.
 
     Args:
-        turn: Number of the turn, from 0.
-        clamp: Place of the clamping stop among the stops.
-        level: Force above which it clamps [N].
+        turn: Its number, from 0.
         limits: Whether series of bounces end at their limit.
         found: Written, shape (TURN_NUMBERS + PER_STOP stops,).
     """
@@ -331,12 +321,7 @@ def _add_hold(charts: Charts, work: Work, found: FloatArray, hold: FloatArray,
 
 @part
 def begun(begin: tuple[int, float, float, float, bool], speed: float) -> tuple[int, Motion]:
-    """What a machine does at the start of its turns, and its state.
-
-    Args:
-        begin: Chart, gap, its rate by time and by the cylinder, and whether its stop is closed.
-        speed: Cylinder speed [rad/s].
-    """
+    """What a machine does at the start of its turns, ``begin`` of a job, and its state."""
     c, x, slow, fast, closed = begin
     phase = RESTING if closed else FLYING
     if x == 0.0 and not closed:

@@ -13,7 +13,7 @@ from .compiled import compiled, part
 from .flight import kept
 from .flight_errors import size
 from .layout import Case, Cases, Charts, Job, Records, Settings, Work
-from .panel import along, chebyshev, contract, position, rate_at, reach
+from .panel import acceleration, along, chebyshev, contract, position, rate_at, reach
 from .repeats import begin_at
 from .turn import FLYING, RESTING, follow
 from .turn_charts import case_of, press, records_in, scratch, source_of
@@ -26,21 +26,13 @@ _SEARCH_STEPS = 40
 
 @part
 def torque_at(torques: Charts, work: Work, i: int, u: float, x: float, v: float,
-              a: float) -> tuple[float, float]:  # fmt: skip
-    """Torque of one drive in one chart, and its derivative by x''.
-
-    Args:
-        i: Place of chart and drive.
-        u: Travel in the chart [rad].
-    """
+              a: float) -> float:  # fmt: skip
+    """Torque at a travel in a chart; ``i`` is the place of chart and drive."""
     row, degree = work.poly.shape[0] - 1, torques.equation.shape[4]
     contract(work.mixed[i], work.poly, row, torques.numbers[i, rows.PER_RAD], u)
     place = work.case[i, rows.SCALE] * (x - work.case[i, rows.LOW]) - 1.0
-    p0 = chebyshev(work.poly, row, 0, degree, place)
-    p1 = chebyshev(work.poly, row, degree, degree, place)
-    p2 = chebyshev(work.poly, row, 2 * degree, degree, place)
     by_a = chebyshev(work.poly, row, 3 * degree, degree, place)
-    return p0 + v * (p1 + v * p2) + by_a * a, by_a
+    return acceleration(work.case[i], work.poly, row, degree, x, v) + by_a * a
 
 
 @part
@@ -51,11 +43,11 @@ def _value(torques: Charts, work: Work, i: int, block: FloatArray, speed: float,
     h, order = numbers[panels.LENGTH], int(numbers[panels.NODES])
     u = numbers[panels.FROM] + speed * h * sigma
     if order == 0:
-        return float(torque_at(torques, work, i, u, 0.0, 0.0, 0.0)[0])
+        return torque_at(torques, work, i, u, 0.0, 0.0, 0.0)
     x = position(block, order, h, numbers[panels.X_BEGIN], numbers[panels.V_BEGIN], sigma)
     v = rate_at(block, order, h, numbers[panels.V_BEGIN], sigma)
     a = chebyshev(block, rows.SERIES, 0, order, 2.0 * sigma - 1.0)
-    return float(torque_at(torques, work, i, u, x, v, a)[0])
+    return torque_at(torques, work, i, u, x, v, a)
 
 
 @part
@@ -149,7 +141,7 @@ def _after_bounces(charts: Charts, work: Work, torques: Charts, mixed: Work, c: 
     """Torque in bounces too small to be computed: at rest, but for the acceleration of a flight."""
     u = block[rows.KEPT, panels.FROM]
     still = along(work.line[c], charts.numbers[c, rows.PER_RAD], u)
-    return abs(torque_at(torques, mixed, i, u, 0.0, 0.0, still)[0])
+    return abs(torque_at(torques, mixed, i, u, 0.0, 0.0, still))
 
 
 @part
@@ -158,11 +150,10 @@ def largest_torques(charts: Charts, work: Work, torques: Charts, mixed: Work, on
     """Largest torque of each drive in the motion that is kept.
 
     Args:
-        charts: The charts of the turn.
         work: Combined for the case, with the motion.
-        mixed: Scratch arrays of these, none of them combined yet.
+        mixed: Scratch arrays of the torques.
         most: Written, shape (drives,).
-        wrong: Written: bounds on the errors, shape (drives,).
+        wrong: Written: bounds on the errors, likewise.
     """
     speed = one.speed
     mixed.pressed[:] = False
