@@ -24,14 +24,7 @@ _MOST_COLLISIONS = 1_000_000
 
 
 def check_run(rest_rate: float | None, tolerance: float, max_collisions: int) -> None:
-    """Check what all cases of a call share.
-
-    Args:
-        rest_rate: Threshold of rest [rad/s or m/s], or None.
-
-    Raises:
-        InputError: One of them is out of range.
-    """
+    """Refuse what all cases of a call share, if it is out of range."""
     check_tolerance(tolerance)
     whole("max_collisions", max_collisions, 1, _MOST_COLLISIONS)
     if rest_rate is not None:
@@ -49,18 +42,11 @@ def one_case(
     springs: Springs, speed_rpm: float, restitutions: FloatArray, stiffness: ArrayLike | None,
     preload: ArrayLike | None, gravity: FloatArray = _ALL,
 ) -> Cases:  # fmt: skip
-    """Numbers of a single case.
+    """Numbers of a single case: as :func:`cases_of`, in less time.
 
     Args:
-        springs: Rates and deflections of the model, shape (springs,) each.
-        speed_rpm: Cylinder speed [r/min].
         restitutions: e_N of all stops, checked, shape (K,).
-        stiffness: Spring rates, one number or shape (springs,) [N/m or N m/rad]; None: the model's.
-        preload: Deflections in the springs at zero, likewise [m or rad].
-        gravity: By the gravity of the model, checked, shape (1,).
-
-    Raises:
-        InputError: A number is out of range.
+        stiffness: Spring rates, one number or shape (springs,); so are the deflections.
     """
 
     def row(key: str, value: ArrayLike | None, default: FloatArray) -> FloatArray:
@@ -85,15 +71,11 @@ def cases_of(
     """Numbers of n cases; a single number stands for all of them.
 
     Args:
-        springs: As of :func:`one_case`.
-        speed_rpm: Cylinder speeds [r/min], a number or shape (n,).
+        springs: Rates and deflections of the model, shape (springs,) each.
         restitutions: e_N of every stop, checked, each (1,) or (n,).
-        stiffness: Spring rates, shape (n,) with one spring or (n, springs) [N/m or N m/rad].
-        preload: Deflections in the springs at zero, likewise [m or rad].
+        stiffness: Spring rates, shape (n,) with one spring or (n, springs); None: the model's.
+        preload: Deflections in the springs at zero, likewise.
         gravity: By the gravity of the model, checked, shape (1,) or (n,).
-
-    Raises:
-        InputError: A number is out of range, or the arrays have different lengths.
     """
     speed, count = speeds_of(speed_rpm) * _RAD_S, len(springs[0])
     rates = spring_rows("stiffness", springs[0] if stiffness is None else stiffness, count)
@@ -110,19 +92,12 @@ def speeds_of(value: ArrayLike) -> FloatArray:
 
 
 def spring_rows(key: str, value: ArrayLike, springs: int) -> FloatArray:
-    """One row of spring values a case, checked.
+    """One row of spring values a case, checked, shape (1 or n, springs).
 
     Args:
         key: Name of the parameter, which begins with stiffness or preload.
         value: One number for all, shape (n,) with one spring or (springs,) with more, or
             (n, springs).
-        springs: Number of springs.
-
-    Returns:
-        Shape (1 or n, springs).
-
-    Raises:
-        InputError: A value is out of range, or the array has another shape.
     """
     low = 0.0 if key.startswith("stiffness") else -LARGEST
     allowed = f"finite numbers from {low:g} to {LARGEST:g}, one for each of {springs} springs"
@@ -137,17 +112,9 @@ def spring_rows(key: str, value: ArrayLike, springs: int) -> FloatArray:
 
 
 def of_all_cases(*given: FloatArray) -> list[FloatArray]:
-    """Numbers of n cases, from those of one case or of all.
+    """Numbers of n cases, from columns and rows of one case or of all.
 
-    Args:
-        *given: Columns and rows, shape (1 or n,) or (1 or n, numbers).
-
-    Returns:
-        The same with n cases. Copies, which may be written: code is compiled for a type of array,
-        so once, whatever is given.
-
-    Raises:
-        InputError: They have different numbers of cases.
+    Copies, which may be written: code is compiled for a type of array, so once, whatever is given.
     """
     try:
         cases = np.broadcast_shapes(*(item.shape[:1] for item in given))

@@ -148,11 +148,7 @@ class ReducedModel:
 
 
 def numbers_of(mechanism: Mechanism, stop: Stop, others: tuple[Stop, ...]) -> dict[str, Any]:
-    """Return the fields of a reduced model that are those of its mechanism.
-
-    Args:
-        stop: Its transition stop.
-    """
+    """Return the fields of a reduced model that are those of its mechanism."""
     return {
         "name": mechanism.name,
         "stop": stop.name,

@@ -194,11 +194,7 @@ def _pressed(mechanism: Mechanism, gap_max: float) -> float:
 
 
 def _turn(mechanism: Mechanism, stop: Stop, whole: bool) -> tuple[list[ContactArc], str]:
-    """Stretches of a turn from the touch on, as far as it can be followed, and why no further.
-
-    Args:
-        whole: Whether more than those up to the opening of the stop is asked for.
-    """
+    """Stretches of a turn, or up to the opening, as far as can be followed, and why no further."""
     arcs: list[ContactArc] = []
     walk = ContactContinuation(mechanism, mechanism.cylinder.angle_at_touch_rad)
     try:
@@ -218,8 +214,6 @@ def _arrival(
 
     Args:
         chart: The domain of the transition, which serves where it ends at the opening.
-        arcs: The stretches that were found.
-        why: Why there are no more.
     """
     mechanism = system.mechanism
     if not comes_back(system):

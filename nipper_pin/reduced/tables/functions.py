@@ -160,6 +160,9 @@ class Samples:
 class Sampler:
     """Evaluates a held system whose shaft turns at 1 rad/s from a configuration.
 
+    In its methods u are travels [rad] and x coordinates of the stop, shape (N,) each unless told
+    otherwise, q and guess configurations there and near there, shape (N, nv).
+
     Args:
         system: The system; its time is the travel u.
         stop: The stop whose gap is x.
@@ -204,7 +207,7 @@ class Sampler:
         """Close the loops on a grid, from neighbour to neighbour, so that the branch is kept.
 
         Args:
-            u: Travels from zero on, to either side, shape (U,) [rad].
+            u: Travels from zero on, to either side, shape (U,).
             x: Coordinates in any order, shape (X,).
 
         Returns:
@@ -226,10 +229,10 @@ class Sampler:
         return self._across(x, u, q)
 
     def along(self, u: FloatArray, x: FloatArray, rows: FloatArray) -> Iterator[FloatArray]:
-        """Follow points from travel to travel, in small steps.
+        """Follow points from travel zero on, to either side, in small steps.
 
         Args:
-            u: Travels from zero on, to either side, shape (U,) [rad].
+            u: Travels, shape (U,).
             x: Coordinates of the points, shape (X,).
             rows: Configurations at travel zero, shape (X, nv).
 
@@ -245,15 +248,7 @@ class Sampler:
             yield rows
 
     def rates(self, u: FloatArray, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Rates of all coordinates by that of x, and by that of the travel with x held.
-
-        Args:
-            u: Travels, shape (N,) [rad].
-            q: Closed configurations there, shape (N, nv).
-
-        Returns:
-            n and m, shape (N, nv) each.
-        """
+        """Rates of all coordinates by that of x, and by that of the travel with x held: n and m."""
         return self._rates(self._system.shaft.driven(u)[1], q, self._system.body.closures(q)[1])
 
     def closing(
@@ -262,7 +257,6 @@ class Sampler:
         """Travel at which the gap of another stop falls through zero, with x at zero.
 
         Args:
-            low: Travel before [rad].
             before: Configuration at ``low``, shape (1, nv).
 
         Returns:
@@ -298,18 +292,9 @@ class Sampler:
         return found
 
     def at(self, u: FloatArray, x: FloatArray, guess: FloatArray) -> Samples:
-        """Evaluate all functions.
-
-        Args:
-            u: Travels, shape (N,) [rad].
-            x: Coordinates of the transition stop, shape (N,).
-            guess: Configurations near them, shape (N, nv).
-        """
-        _, rates, accelerations = self._system.shaft.driven(u)
-        q, jacobian = self._closed(u, x, guess)
-        n, m = self._rates(rates, q, jacobian)
-        motion = Rates(q, n, m)
-        forces = inertial_forces(self._system, motion, accelerations, self._armature)
+        """Evaluate all functions."""
+        motion, _, forces = self._motion(u, x, guess)
+        q, n, m = motion.q, motion.n, motion.m
         inertia = 2.0 * self._system.body.kinetic_energy(q, n)
         equation = -resisted(self._system, n, forces, motion) / inertia
         size = (len(self._others), len(q))
@@ -324,37 +309,33 @@ class Sampler:
         The direction k of one drive alone, with the stop and all others held and G k = 0, does no
         work against closures, stops and other drives: T = k' (M a + h - tau).
 
-        Args:
-            u: Travels, shape (N,) [rad].
-            x: Coordinates of the stop, shape (N,).
-            guess: Configurations near them, shape (N, nv).
-
         Returns:
             By drive the functions as of the equation of motion, and last the factor of x'', shape
             (drives, functions + 1, N).
         """
-        _, rates, accelerations = self._system.shaft.driven(u)
-        q, jacobian = self._closed(u, x, guess)
-        motion = Rates(q, *self._rates(rates, q, jacobian))
-        forces = inertial_forces(self._system, motion, accelerations, self._armature)
-        pushed = mass_times(self._system, q, motion.n, forces)
+        motion, jacobian, forces = self._motion(u, x, guess)
+        pushed = mass_times(self._system, motion.q, motion.n, forces)
         found = []
         for index in self._system.driven:
-            k = np.zeros_like(q)
+            k = np.zeros_like(motion.q)
             k[:, index] = 1.0
             k = close_velocities(k, jacobian, self._split)
             by_acceleration = np.einsum("ni,ni->n", k, pushed)
             found.append([*resisted(self._system, k, forces, motion), by_acceleration])
         return np.array(found)
 
-    def _closed(
+    def _motion(
         self, u: FloatArray, x: FloatArray, guess: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
-        """Closed configurations and their closure Jacobians."""
+    ) -> tuple[Rates, FloatArray, tuple[FloatArray, ...]]:
+        """Closed configurations with their rates, closure Jacobians, and forces of inertia."""
+        driven, rates, accelerations = self._system.shaft.driven(u)
         q = guess.copy()
-        q[:, self._system.driven] = self._system.shaft.driven(u)[0]
+        q[:, self._system.driven] = driven
         q[:, self._column] = self._coordinate(x)
-        return close_positions(self._system.body, q, self._split)
+        q, jacobian = close_positions(self._system.body, q, self._split)
+        motion = Rates(q, *self._rates(rates, q, jacobian))
+        forces = inertial_forces(self._system, motion, accelerations, self._armature)
+        return motion, jacobian, forces
 
     def opening_rates(self) -> FloatArray:
         """Rates of the other stops by that of x in the touch configuration, shape (others,)."""

@@ -96,9 +96,6 @@ def resolved(
 
     Returns:
         The tables and the number of points sampled for them and for coarser ones.
-
-    Raises:
-        ConvergenceError: The functions are not smooth enough on this domain.
     """
     cells, count_x = max(1, math.ceil(domain.travel / CELL_RAD)), domain.count_x
     sampled = 0
@@ -147,11 +144,7 @@ class Checks:
 
 
 def checks(sampler: PointSampler, domain: Domain, tables: Tables) -> Checks:
-    """Evaluate the functions at random points off the grid.
-
-    Args:
-        tables: The tables, for guesses of the configurations.
-    """
+    """Evaluate the functions at random points off the grid of the tables."""
     # The points do not depend on the run: a model is built the same way every time.
     random = np.random.default_rng(20)
     u = random.uniform(0.0, domain.travel, _CHECKS)
@@ -168,19 +161,15 @@ def checks(sampler: PointSampler, domain: Domain, tables: Tables) -> Checks:
 def residuals(
     points: Checks, domain: Domain, equation: FloatArray, inertia: FloatArray
 ) -> tuple[FloatArray, float]:
-    """Bound the errors of the series of an equation of motion from points off the grid.
+    """Bounds on the errors of an equation of motion as of ``misfit``, and the relative of inertia.
 
     Args:
-        equation: Coefficients that are kept, shape (functions, cells, Nu, Nx).
-        inertia: Coefficients of the inertia that are kept, shape (cells, Nu).
-
-    Returns:
-        Bounds on the error of every function, shape (functions,), and the relative one of the
-        inertia.
+        inertia: Coefficients, shape (cells, Nu).
     """
     error = misfit(points, domain, equation, points.true.equation)
-    relative = largest_error(points, domain, inertia[None, :, :, None], points.inertia[None], True)
-    return error, float(TABLE_ERROR_SAFETY * relative[0] + 4.0 * EPS)
+    found = _values(points, domain, inertia[None, :, :, None])[0]
+    relative = (np.abs(found - points.inertia) / np.abs(points.inertia)).max()
+    return error, float(TABLE_ERROR_SAFETY * relative + 4.0 * EPS)
 
 
 def misfit(points: Checks, domain: Domain, series: FloatArray, true: FloatArray) -> FloatArray:
@@ -194,29 +183,23 @@ def misfit(points: Checks, domain: Domain, series: FloatArray, true: FloatArray)
         Bounds on the error of every function, shape (functions,).
     """
     scale = np.abs(true).max(axis=1, initial=0.0)
-    error = largest_error(points, domain, series, true)
+    error = np.abs(_values(points, domain, series) - true).max(axis=1)
     return np.asarray(TABLE_ERROR_SAFETY * error + 4.0 * EPS * scale)
 
 
-def largest_error(
-    points: Checks, domain: Domain, series: FloatArray, true: FloatArray, relative: bool = False
-) -> FloatArray:
-    """Largest error of series at points, absolute or by the true value; as :func:`misfit`."""
+def _values(points: Checks, domain: Domain, series: FloatArray) -> FloatArray:
+    """Values of series at points, shape (functions, N)."""
     cells = series.shape[1]
     width = domain.travel / cells
     cell = np.minimum((points.u / width).astype(int), cells - 1)
     place = 2.0 * (points.u - cell * width) / width - 1.0
-    error = np.zeros(len(series))
+    found = np.empty((len(series), len(cell)))
     for number in range(cells):
         chosen = cell == number
         if chosen.any():
             x = domain.places(points.x[chosen])
-            found = series2d.evaluate(series[:, number], place[chosen], x)
-            wrong = np.abs(found - true[:, chosen])
-            if relative:
-                wrong /= np.abs(true[:, chosen])
-            error = np.maximum(error, wrong.max(axis=1))
-    return error
+            found[:, chosen] = series2d.evaluate(series[:, number], place[chosen], x)
+    return found
 
 
 def _sampled(sampler: PointSampler, domain: Domain, cells: int, count_x: int) -> Tables:

@@ -54,11 +54,7 @@ def system_at(mechanism: Mechanism, travel: float, start_angle: float) -> System
 
 
 class ContactContinuation:
-    """Follows stops along a turn.
-
-    Args:
-        start_angle: Cylinder angle at which turns start [rad].
-    """
+    """Follows stops along a turn that starts at an angle of the cylinder."""
 
     def __init__(self, mechanism: Mechanism, start_angle: float) -> None:
         """Begin without arcs."""
@@ -97,7 +93,8 @@ class ContactContinuation:
                 return None
             for other in self._mechanism.stops:
                 if other.name != stop.name and other.gap(q[0]) <= 0.0:
-                    return other, _closed(system, other, q[0])
+                    (rows,) = Sampler(system, other, q[0]).along(np.zeros(1), np.zeros(1), q)
+                    return other, np.asarray(rows[0])
         return None
 
     def closing(self, stop: Stop, q: FloatArray) -> FloatArray:
@@ -169,10 +166,3 @@ def _rates_of(sampler: Sampler, others: list[Stop], travel: float, row: FloatArr
     """Rates of the gaps of other stops by the travel, with the stop closed."""
     m = sampler.rates(np.array([travel]), row[None])[1][0]
     return [other.rate(m) for other in others]
-
-
-def _closed(system: System, stop: Stop, near: FloatArray) -> FloatArray:
-    """The configuration near another one in which a stop is closed, shape (nv,)."""
-    sampler = Sampler(system, stop, near)
-    (rows,) = sampler.along(np.zeros(1), np.zeros(1), near[None])
-    return np.asarray(rows[0])

@@ -50,11 +50,7 @@ class Run:
 
 def run_of(key: str, turns: int, rest_rate: float | None, tolerance: float, most: int,
            least_force: float = 0.0) -> Run:  # fmt: skip
-    """What cases share, checked.
-
-    Raises:
-        InputError: A number is out of range, or there is no memory for so many turns.
-    """
+    """What cases share, checked."""
     check_run(rest_rate, tolerance, most)
     whole(key, turns, 1, _MOST_TURNS)
     if turns * (most + BESIDE) > _MOST_EVENTS:
@@ -68,17 +64,7 @@ def run_of(key: str, turns: int, rest_rate: float | None, tolerance: float, most
 
 
 def room_for(cases: int, last: int | None, columns: int) -> FloatArray:
-    """Room for what is told of the last turns of all cases.
-
-    Args:
-        last: Number of turns that are reported; None for the last one alone.
-
-    Returns:
-        Shape (cases, turns, columns), not written yet.
-
-    Raises:
-        InputError: ``last`` is no whole number, or too large.
-    """
+    """Room for what is told of the last turns, or the last one, shape (cases, turns, columns)."""
     if last is not None:
         whole("last", last, 1, max(1, _MOST_NUMBERS // (columns * max(1, cases))))
     return np.empty((cases, last or 1, columns))
@@ -87,11 +73,7 @@ def room_for(cases: int, last: int | None, columns: int) -> FloatArray:
 def _by_stop(
     model: TurnModel, restitution: ArrayLike | Mapping[str, ArrayLike] | None
 ) -> Mapping[str, ArrayLike]:
-    """Restitutions that are given by the names of stops; one is that of the transition stop.
-
-    Raises:
-        UnknownNameError: There is no stop of a name.
-    """
+    """Restitutions that are given by the names of stops; one is that of the transition stop."""
     if restitution is None:
         return {}
     if not isinstance(restitution, Mapping):
@@ -122,9 +104,6 @@ def turn_cases(
 
     Args:
         restitution: e_N of the transition stop, or of stops by name; None: the mechanism's.
-
-    Raises:
-        InputError: A number is out of range, or the arrays have different lengths.
     """
     given = _by_stop(model, restitution)
     columns = [

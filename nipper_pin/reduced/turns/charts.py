@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import count
 
 import numpy as np
 
@@ -27,11 +28,7 @@ _HALVINGS = 4
 
 
 class ChartSampler:
-    """What is known of an arc before its tables: its functions along the closed stop.
-
-    Args:
-        start_angle: Cylinder angle at which turns start [rad].
-    """
+    """What is known of an arc before its tables: its functions along the closed stop."""
 
     def __init__(self, mechanism: Mechanism, arc: ContactArc, start_angle: float) -> None:
         """Sample a few places along the stop."""
@@ -39,8 +36,8 @@ class ChartSampler:
         self.system = system_at(mechanism, arc.begin, start_angle)
         self.sampler = Sampler(self.system, arc.stop, arc.path[0], (arc.travels, arc.path))
         places = np.unique(np.linspace(0, len(arc.travels) - 1, _PLACES).astype(int))
-        u = arc.travels[places]
-        self.along = self.sampler.at(u, np.zeros_like(u), arc.path[places])
+        self.places = arc.travels[places], np.zeros(len(places)), arc.path[places]
+        self.along = self.sampler.at(*self.places)
 
     def meets(self) -> tuple[float, float, float, float]:
         """As of :class:`Chart`."""
@@ -89,10 +86,10 @@ class ChartSampler:
         room = float(rooms.min(axis=0, initial=np.inf).max())
         return room if math.isfinite(room) else 0.0
 
-    def acceleration(self, w: float, place: int) -> tuple[float, FloatArray]:
-        """X'' at a place on the stop with a rate w, and its terms, at a lively speed."""
-        terms = factors(self.mechanism, len(self.along.equation), w) * self.along.equation[:, place]
-        return float(terms.sum()), terms
+    def terms(self, w: float) -> FloatArray:
+        """Terms of x'' at the begin of the arc with a rate w, at a lively speed."""
+        weights = factors(self.mechanism, len(self.along.equation), w)
+        return weights * self.along.equation[:, 0]
 
     def weights(self, w: float) -> FloatArray:
         """Weights of the functions in x'' by the size of x'', at rates up to w."""
@@ -108,21 +105,15 @@ def chart_of(
 
     Args:
         w: Rates of x up to this are usual.
-        of_gaps: That of the gaps of other stops.
-
-    Raises:
-        ConvergenceError: The functions are not smooth enough around it.
-        SimulationError: A point cannot be reached.
+        of_gaps: Relative accuracy of the gaps of other stops.
     """
-    for _ in range(_HALVINGS):
+    for halvings in count():
+        domain = Domain(float(around.arc.travels[-1]), -MARGIN * gap, gap, count_x=_NODES_X)
         try:
-            return _sampled(around, gap, w, tolerance, of_gaps)
+            kept, tables = chart_over(around.sampler, domain, around.weights(w), tolerance, of_gaps)
+            break
         except SimulationError:
+            if halvings == _HALVINGS:
+                raise
             gap *= 0.5
-    return _sampled(around, gap, w, tolerance, of_gaps)
-
-
-def _sampled(around: ChartSampler, gap: float, w: float, tolerance: float, of_gaps: float) -> Chart:
-    domain = Domain(float(around.arc.travels[-1]), -MARGIN * gap, gap, count_x=_NODES_X)
-    kept, tables = chart_over(around.sampler, domain, around.weights(w), tolerance, of_gaps)
     return replace(around.placed(kept), on_rows=on_rows(around.mechanism, domain, tables))

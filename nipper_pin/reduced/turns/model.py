@@ -136,11 +136,6 @@ def surroundings(
     Returns:
         What is known around every arc; the number of the arc that follows each; and the start: the
         stop whose gap is followed, the configuration, shape (nv,), and whether it is closed.
-
-    Raises:
-        InputError: The mechanism has something that the tables cannot hold, its drives do not come
-            back with the cylinder, or the start has no closed stop that can be followed.
-        SimulationError: A point of the turn cannot be reached or is singular.
     """
     reason = unfit_turns(mechanism)
     if reason is not None:
@@ -213,11 +208,6 @@ def charts_of(
         gap_scale: Factor on the gaps that the tables cover.
         of_gaps: Relative accuracy of the gaps of other stops.
         first: Tables around the first arc, where they are known.
-
-    Raises:
-        ConvergenceError: The functions are not smooth enough.
-        InputError: Nothing tells how far a stop opens.
-        SimulationError: A point cannot be reached.
     """
     found = [] if first is None else [around[0].placed(first)]
     asked = list(zip(around, _reach(mechanism, around, after), strict=True))[len(found) :]
@@ -238,7 +228,7 @@ def _reach(
             continue
         to = after[number]
         w = LIVELY * abs(approach) * speed
-        a, _ = around[to].acceleration(w, 0)
+        a = float(around[to].terms(w).sum())
         rates[to] = max(rates[to], w)
         if a < 0.0:
             gaps[to] = max(gaps[to], ROOM * 0.5 * w * w / -a)
@@ -258,8 +248,7 @@ def _reach(
     for number, item in enumerate(around):
         if gaps[number] == 0.0:
             gaps[number] = _SHARE_OF_WIDTH * item.width
-            a, _ = item.acceleration(0.0, 0)
-            rates[number] = math.sqrt(2.0 * abs(a) * gaps[number])
+            rates[number] = math.sqrt(2.0 * abs(item.terms(0.0).sum()) * gaps[number])
         if not gaps[number] > 0.0:
             message = (
                 f"{mechanism.name}: nothing tells how far stop {item.arc.stop.name!r} opens, so "

@@ -39,27 +39,9 @@ from .turn import turn_model
 _NODES_X = 8
 
 
-@dataclass(frozen=True, kw_only=True)
-class TorqueModel:
-    """Torques of all drives of one mechanism.
-
-    Attributes:
-        drives: Names of the drives.
-        charts: The functions: those of chart c and drive d have the place c drives + d.
-    """
-
-    drives: tuple[str, ...]
-    charts: Charts = field(repr=False, compare=False)
-
-
 @dataclass(frozen=True, eq=False)
 class _DriveSampler:
-    """The torque of one drive, sampled like an equation of motion.
-
-    Attributes:
-        around: The arc.
-        drive: Place of the drive.
-    """
+    """The torque of a drive around an arc, sampled like an equation of motion."""
 
     around: ChartSampler
     drive: int
@@ -76,12 +58,10 @@ class _DriveSampler:
 
 
 @made_once
-def torque_model(mechanism: Mechanism, start_index: float, gap_scale: float) -> TorqueModel:
+def torque_model(mechanism: Mechanism, start_index: float, gap_scale: float) -> Charts:
     """Return the torques of a mechanism's drives on the charts of its turns, sampled once.
 
-    Args:
-        start_index: Index at which turns start.
-        gap_scale: Factor on the gaps that the tables cover.
+    Those of chart c and drive d have the place c drives + d.
 
     Raises:
         ConvergenceError: The functions are not smooth enough on a chart.
@@ -95,16 +75,13 @@ def torque_model(mechanism: Mechanism, start_index: float, gap_scale: float) -> 
         domain = Domain(float(item.arc.travels[-1]), low, high, count_x=_NODES_X)
         for drive in range(len(mechanism.drives)):
             found.append(_chart(item, drive, domain))
-    return TorqueModel(
-        drives=tuple(item.name for item in mechanism.drives),
-        charts=stacked(found, [0] * len(found), levers(mechanism)),
-    )
+    return stacked(found, [0] * len(found), levers(mechanism))
 
 
 def _chart(around: ChartSampler, drive: int, domain: Domain) -> Chart:
     """Tables of the torque of one drive around one arc."""
     sampler = _DriveSampler(around, drive)
-    rate = float(np.sqrt(np.abs(around.acceleration(0.0, 0)[0]) * domain.high))
+    rate = float(np.sqrt(np.abs(around.terms(0.0).sum()) * domain.high))
     weights = _weights(around, sampler, rate)
     kept, _ = chart_over(sampler, domain, weights, TORQUE_TABLES)
     by_a = np.zeros((3, *kept.equation.shape[1:]))
@@ -117,11 +94,8 @@ def _chart(around: ChartSampler, drive: int, domain: Domain) -> Chart:
 
 def _weights(around: ChartSampler, sampler: _DriveSampler, rate: float) -> FloatArray:
     """Weights of the functions by the size of the torque at rates up to ``rate``."""
-    places = np.linspace(0, len(around.arc.travels) - 1, around.along.equation.shape[1]).astype(int)
-    places = np.unique(places)
-    u, q = around.arc.travels[places], around.arc.path[places]
-    functions = sampler.at(u, np.zeros_like(u), q).equation
-    fastest = float(np.abs(around.acceleration(rate, 0)[1]).sum())
+    functions = sampler.at(*around.places).equation
+    fastest = float(np.abs(around.terms(rate)).sum())
     weights = np.append(np.abs(factors(around.mechanism, len(functions) - 1, rate)), fastest)
     size = float(np.abs(weights[:, None] * functions).sum(axis=0).mean())
     return weights / (size if size > 0.0 else 1.0)
@@ -202,7 +176,7 @@ def _follow(
     from ..kernels.panel import grids
     from ..kernels.turn_torques import run_torques
 
-    torques = torque_model(mechanism, model.start_index, gap_scale).charts
+    torques = torque_model(mechanism, model.start_index, gap_scale)
     panels = _PANELS * (run.most + BESIDE)
     run_torques(
         grids(), model.charts, torques, cases, run.settings, run.of(model), panels,

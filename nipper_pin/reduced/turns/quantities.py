@@ -39,8 +39,6 @@ def widening(
     """Run cases, those that leave the tables of a model on the next wider one, if there is one.
 
     Args:
-        start_index: Index at which turns start.
-        cases: As of :func:`~.cases.turn_cases`.
         told: Written by ``run``: the status first, shape (n, numbers).
         found: Written by it, shape (n, ...).
         run: Follows some of the cases on the tables of a scale of gaps.

@@ -98,11 +98,7 @@ class ReducedTurns:
     @property
     def kind(self) -> tuple[str, ...]:
         """Each event: collision, rest or release."""
-        names = {
-            layout.COLLISION: "collision",
-            layout.REST: "rest",
-            layout.RELEASE: "release",
-        }
+        names = {layout.COLLISION: "collision", layout.REST: "rest", layout.RELEASE: "release"}
         return tuple(names[int(number)] for number in self.table[:, layout.KIND])
 
     @property
