@@ -17,22 +17,29 @@ from ..files.urdf_parts import side_view_text
 from ..parts import Closure, Coupling, Drive, Joint, Phase, Stop
 from ..scale import reach, unit_of, units_of, written
 from .closures import PLANE
+from .placements import supports
 from .tree import Tree
 
 
 class Loops:
-    """Closures and couplings of a tree, by its coordinates in their units."""
+    """Closures and couplings of a tree, by its coordinates in their units.
+
+    Along the chains of their frames, without ``pin.Data``: that of a tree of thousands of joints
+    takes gigabytes.
+    """
 
     def __init__(
         self, tree: Tree, closures: Sequence[Closure], couplings: Sequence[Coupling], size_m: float
     ) -> None:
         """Find the frames; the size of the machine is its reach."""
-        self._model, self._couplings = tree.model, couplings
-        self._data = tree.model.createData()
+        model = tree.model
+        self._model, self._couplings = model, couplings
         self._pairs = [
-            tuple(tree.model.getFrameId(name, pin.FrameType.BODY) for name in pair)
+            [model.frames[model.getFrameId(name, pin.FrameType.BODY)] for name in pair]
             for pair in ((item.frame_a, item.frame_b) for item in closures)
         ]
+        self._axes = [pin.Motion.Zero()]
+        self._axes += [pin.Motion(joint.createData().S) for joint in model.joints[1:]]
         self.units = units_of(tree.joints, unit_of(size_m))
 
     def rows(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -41,18 +48,10 @@ class Loops:
         Args:
             x: Coordinates in their units, shape (nv,); zero at touch.
         """
-        model, data, q = self._model, self._data, self.units * x
-        pin.computeJointJacobians(model, data, q)
-        pin.updateFramePlacements(model, data)
+        q = self.units * x
         gaps, rows = list[FloatArray](), list[FloatArray]()
         for pair in self._pairs:
-            (a, b), (by_a, by_b) = (
-                [data.oMf[frame].translation[list(PLANE)] for frame in pair],
-                [
-                    pin.getFrameJacobian(model, data, frame, pin.LOCAL_WORLD_ALIGNED)[list(PLANE)]
-                    for frame in pair
-                ],
-            )
+            (a, by_a), (b, by_b) = (self._point(frame, q) for frame in pair)
             gaps.append(b - a)
             rows.append(by_b - by_a)
         for item in self._couplings:
@@ -63,6 +62,20 @@ class Loops:
         if not rows:
             return np.empty(0), np.empty((0, len(q)))
         return np.concatenate(gaps), np.vstack(rows) * self.units
+
+    def _point(self, frame: pin.Frame, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Place of a frame in the plane, shape (2,), and its Jacobian, shape (2, nv)."""
+        at, moved = pin.SE3.Identity(), list[tuple[int, pin.Motion]]()
+        for joint in reversed(supports(self._model, frame.parentJoint)):
+            at, column = at * self._model.jointPlacements[joint], self._model.idx_vs[joint]
+            moved.append((column, at.act(self._axes[joint])))
+            at = at * pin.exp6(self._axes[joint] * q[column])
+        x, _, z = (at * frame.placement).translation
+        jacobian = np.zeros((2, len(q)))
+        for column, motion in moved:
+            (slide_x, _, slide_z), (_, turn, _) = motion.linear, motion.angular
+            jacobian[:, column] = slide_x + turn * z, slide_z - turn * x
+        return np.array([x, z]), jacobian
 
 
 class Constraints(NamedTuple):
