@@ -116,6 +116,8 @@ class _Columns:
 
     def parquet(self) -> bytes:
         """The bytes of the file."""
+        import pyarrow as pa
+
         job = self.job
         return encode(
             {
@@ -125,7 +127,7 @@ class _Columns:
                 "outcome": self.outcome.tolist(),
                 "message": self.message,
                 "collisions": self.collisions,
-                "premise_holds": self.premise.tolist(),
+                "premise_holds": pa.array(self.premise.tolist(), type=pa.bool_()),
                 **dict(zip(("turns", "repeats_after"), self.turns, strict=False)),
                 **self.values,
             },
