@@ -145,15 +145,14 @@ class Samples:
         equation: F0, F1, F2, Fg, then F_k and F_k s_k of every spring, shape (4 + 2 springs, N);
             of a machine with other elements three more, shape (7 + 2 springs, N): what they do at
             rest, and by the rates of the cylinder and of x.
-        gaps: Gaps of the other stops, shape (other stops, N) [m or rad].
-        slopes: Their derivatives by x, then by u, shape (2 other stops, N).
+        gaps: Gaps of the other stops [m or rad], then their derivatives by x, then by u,
+            shape (3 other stops, N).
         inertia: C, shape (N,) [kg m^2 or kg].
     """
 
     q: FloatArray
     equation: FloatArray
     gaps: FloatArray
-    slopes: FloatArray
     inertia: FloatArray
 
 
@@ -297,11 +296,9 @@ class Sampler:
         q, n, m = motion.q, motion.n, motion.m
         inertia = 2.0 * self._system.body.kinetic_energy(q, n)
         equation = -resisted(self._system, n, forces, motion) / inertia
-        size = (len(self._others), len(q))
-        gaps = np.reshape([stop.gaps(q) for stop in self._others], size)
-        slopes = np.reshape([stop.rates(by) for by in (n, m) for stop in self._others],
-                            (2 * size[0], size[1]))  # fmt: skip
-        return Samples(q, equation, gaps, slopes, inertia)
+        gaps = [stop.gaps(q) for stop in self._others]
+        gaps += [stop.rates(by) for by in (n, m) for stop in self._others]
+        return Samples(q, equation, np.reshape(gaps, (len(gaps), len(q))), inertia)
 
     def torques(self, u: FloatArray, x: FloatArray, guess: FloatArray) -> FloatArray:
         """Evaluate the functions of the drives' torques, which are linear in x'', too.

@@ -71,8 +71,7 @@ class Tables:
         x: Coordinates of the grid, increasing, shape (X,).
         q: Configurations on the grid, shape (U, X, nv).
         equation: Coefficients, shape (functions, cells, Nu, Nx).
-        gaps: Coefficients, shape (other stops, cells, Nu, Nx).
-        slopes: Those of their derivatives by x, then by u, shape (2 other stops, cells, Nu, Nx).
+        gaps: Coefficients of the gaps and their derivatives, shape (3 other stops, cells, Nu, Nx).
         inertia: Coefficients at x = 0, shape (cells, Nu).
     """
 
@@ -81,7 +80,6 @@ class Tables:
     q: FloatArray
     equation: FloatArray
     gaps: FloatArray
-    slopes: FloatArray
     inertia: FloatArray
 
 
@@ -217,8 +215,7 @@ def _sampled(sampler: PointSampler, domain: Domain, cells: int, count_x: int) ->
     def fitted(values: FloatArray) -> FloatArray:
         return series2d.fit(values.reshape(len(values), *shape[1:]))
 
-    equation, gaps, slopes = map(fitted, (found.equation, found.gaps, found.slopes))
-    return Tables(u, x, q, equation, gaps, slopes, np.asarray(inertia @ zero))
+    return Tables(u, x, q, fitted(found.equation), fitted(found.gaps), np.asarray(inertia @ zero))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -288,12 +285,11 @@ def chart_over(
     count_u, count_x = map(max, kept)
     equation = tables.equation[:, :, :count_u, :count_x]
     inertia = tables.inertia[:, :count_u]
-    gaps = np.concatenate([tables.gaps, tables.slopes])[:, :, :count_u, :count_x]
+    gaps = tables.gaps[:, :, :count_u, :count_x]
     residual, inertia_error = residuals(points, domain, equation, inertia)
     width = domain.travel / equation.shape[1]
     largest, steep_u, steep_x = series2d.largest(equation)
     steep_u, steep_x = 2.0 / width * steep_u, 2.0 / (domain.high - domain.low) * steep_x
-    true = np.concatenate([points.true.gaps, points.true.slopes])
     chart = Chart(
         domain=domain,
         samples=samples,
@@ -301,7 +297,7 @@ def chart_over(
         gaps=gaps,
         inertia=inertia,
         bounds=np.array([residual, steep_x, steep_u, largest]),
-        gap_bounds=misfit(points, domain, gaps, true),
+        gap_bounds=misfit(points, domain, gaps, points.true.gaps),
         inertia_error=inertia_error,
     )
     return chart, tables
@@ -309,8 +305,8 @@ def chart_over(
 
 def _orders_of_gaps(tables: Tables, share: float) -> tuple[int, int]:
     """Orders that resolve the gaps and their slopes to a share of their sizes."""
-    found = [(2, 2)]
-    for series in (tables.gaps, tables.slopes):
+    found, others = [(2, 2)], len(tables.gaps) // 3
+    for series in (tables.gaps[:others], tables.gaps[others:]):
         size = np.abs(series).sum(axis=(2, 3)).max(axis=1, initial=0.0)
         weights = np.where(size > 0.0, 1.0 / np.where(size > 0.0, size, 1.0), 0.0)
         if len(series):

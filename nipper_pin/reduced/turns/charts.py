@@ -74,14 +74,14 @@ class ChartSampler:
     @property
     def width(self) -> float:
         """Largest gap of the nearest other stop along the arc."""
-        gaps = self.along.gaps.min(axis=0, initial=np.inf)
+        gaps = self.along.gaps[: len(self.along.gaps) // 3].min(axis=0, initial=np.inf)
         return float(gaps.max()) if np.isfinite(gaps).all() else 0.0
 
     @property
     def room(self) -> float:
         """Largest gap of the arc's own stop at which the nearest other one may close."""
-        gaps = self.along.gaps
-        slopes = np.abs(self.along.slopes[: len(gaps)])
+        gaps, slopes, _ = np.split(self.along.gaps, 3)
+        slopes = np.abs(slopes)
         rooms = np.where(slopes > 0.0, gaps / np.where(slopes > 0.0, slopes, 1.0), np.inf)
         room = float(rooms.min(axis=0, initial=np.inf).max())
         return room if math.isfinite(room) else 0.0
