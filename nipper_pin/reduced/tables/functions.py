@@ -29,7 +29,7 @@ import numpy as np
 from ...arrays import FloatArray
 from ...dynamics import INFINITE_INERTIA, System, close_positions, close_velocities, partition
 from ...errors import InputError
-from ...mechanism import Mechanism, Stop, rad_s_from_rpm
+from ...mechanism import Stop, rad_s_from_rpm
 from ...tolerances.mechanics import EPS
 
 _ROOT_STEPS = 40
@@ -48,11 +48,6 @@ class Rates:
     q: FloatArray
     n: FloatArray
     m: FloatArray
-
-
-def has_elements(mechanism: Mechanism) -> bool:
-    """True for a machine with dampers, tabulated springs, or springs or dampers between points."""
-    return bool(mechanism.dampers or mechanism.tabulated_springs or mechanism.struts)
 
 
 def inertial_forces(
@@ -115,7 +110,8 @@ def resisted(
 
 def _by_elements(system: System, along: FloatArray, motion: Rates) -> list[FloatArray]:
     """The same of tables, dampers and struts: at rest, by the cylinder's speed and by x'."""
-    if not has_elements(system.mechanism):
+    mechanism = system.mechanism
+    if not (mechanism.dampers or mechanism.tabulated_springs or mechanism.struts):
         return []
     zero = np.zeros_like(motion.q)
     still = zero if system.elements is None else system.elements.forces(motion.q, zero)

@@ -12,7 +12,7 @@ from ...arrays import FloatArray
 from ...errors import SimulationError
 from ...hybrid.error_estimate.local_error import of_rates
 from ...mechanism import Mechanism
-from ...tolerances.reduced import CORNER_ROUND_OFF, GAP_SHARE
+from ...tolerances.reduced import CORNER_ROUND_OFF
 from ..model import MARGIN, factors
 from ..tables.functions import Sampler
 from ..tables.tables import Chart, Domain, chart_over
@@ -93,14 +93,17 @@ class ChartSampler:
 
     def weights(self, w: float) -> FloatArray:
         """Weights of the functions in x'' by the size of x'', at rates up to w."""
-        weights = factors(self.mechanism, len(self.along.equation), w)
-        size = float((np.abs(weights[:, None] * self.along.equation)).sum(axis=0).mean())
-        return np.abs(weights) / (size if size > 0.0 else 1.0)
+        functions = self.along.equation
+        return shares(factors(self.mechanism, len(functions), w), functions)
 
 
-def chart_of(
-    around: ChartSampler, gap: float, w: float, tolerance: float, of_gaps: float = GAP_SHARE
-) -> Chart:
+def shares(weights: FloatArray, functions: FloatArray) -> FloatArray:
+    """Weights of functions by the mean size of the sum of all, from their values at places."""
+    size = float(np.abs(weights[:, None] * functions).sum(axis=0).mean())
+    return np.abs(weights) / (size if size > 0.0 else 1.0)
+
+
+def chart_of(around: ChartSampler, gap: float, w: float, tolerance: float, of_gaps: float) -> Chart:
     """Sample the tables of one arc.
 
     Args:

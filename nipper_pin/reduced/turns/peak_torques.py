@@ -30,7 +30,7 @@ from ..results import ENGINE
 from ..tables.functions import Samples
 from ..tables.tables import Chart, Domain, chart_over, levers, stacked
 from .cases import BESIDE, Run, room_for, run_of, turn_cases
-from .charts import ChartSampler
+from .charts import ChartSampler, shares
 from .model import START_INDEX, TurnModel, surroundings
 from .quantities import widening
 from .turn import turn_model
@@ -80,8 +80,12 @@ def torque_model(mechanism: Mechanism, start_index: float, gap_scale: float) -> 
 def _chart(around: ChartSampler, drive: int, domain: Domain) -> Chart:
     """Tables of the torque of one drive around one arc."""
     sampler = _DriveSampler(around, drive)
+    # The size of the torque at usual rates.
     rate = float(np.sqrt(np.abs(around.terms(0.0).sum()) * domain.high))
-    weights = _weights(around, sampler, rate)
+    functions = sampler.at(*around.places).equation
+    fastest = np.abs(around.terms(rate)).sum()
+    weights = np.append(factors(around.mechanism, len(functions) - 1, rate), fastest)
+    weights = shares(weights, functions)
     kept, _ = chart_over(sampler, domain, weights, TORQUE_TABLES)
     by_a = np.zeros((3, *kept.equation.shape[1:]))
     by_a[0] = kept.equation[-1]
@@ -89,15 +93,6 @@ def _chart(around: ChartSampler, drive: int, domain: Domain) -> Chart:
         kept, equation=kept.equation[:-1], gaps=by_a, bounds=kept.bounds[:, :-1],
         gap_bounds=kept.bounds[0, [-1, -1, -1]],
     )  # fmt: skip
-
-
-def _weights(around: ChartSampler, sampler: _DriveSampler, rate: float) -> FloatArray:
-    """Weights of the functions by the size of the torque at rates up to ``rate``."""
-    functions = sampler.at(*around.places).equation
-    fastest = float(np.abs(around.terms(rate)).sum())
-    weights = np.append(np.abs(factors(around.mechanism, len(functions) - 1, rate)), fastest)
-    size = float(np.abs(weights[:, None] * functions).sum(axis=0).mean())
-    return weights / (size if size > 0.0 else 1.0)
 
 
 # Panels of a turn that there is room for, by its collisions and other events.
