@@ -91,7 +91,8 @@ def test_files_that_were_written_are_named(
         capsys.readouterr()
         assert main([*words.split(), "--out", place]) == 0
         lines = capsys.readouterr().out.splitlines()
-        named = [line for line in lines if line.startswith(f"{place}/")]
+        told = [line for line in lines if line.startswith("written: ")]
+        named = [line.removeprefix("written: ") for line in told]
         assert sorted(named) == sorted(
             f"{place}/{file.name}" for file in (folder / place).iterdir()
         )
