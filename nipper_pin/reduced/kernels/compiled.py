@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import hashlib
-import io
 import sys
 import warnings
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, cast
@@ -20,8 +19,6 @@ from numba.core.compiler_machinery import register_pass
 from numba.core.typed_passes import NativeLowering
 
 _Function = TypeVar("_Function", bound=Callable[..., object])
-_DIGEST = hashlib.sha256
-_DIGEST_BYTES = _DIGEST().digest_size
 # Modules of tolerances whose constants are compiled into the functions of this folder.
 _CONSTANTS = "hybrid", "mechanics", "reduced"
 
@@ -127,52 +124,30 @@ def _sources() -> str:
     here = Path(__file__).parent
     constants = (here.parents[1] / "tolerances" / f"{name}.py" for name in _CONSTANTS)
     files = sorted([*here.glob("*.py"), *constants])
-    return _DIGEST(b"\0".join(file.read_bytes() for file in files)).hexdigest()
-
-
-class _CheckedFiles(IndexDataCacheFile):  # type: ignore[misc]
-    """Files of numba's cache that end with a digest; damaged or older ones count as missing.
-
-    Machine code of which one bit has turned would crash the process, or compute something else.
-    """
-
-    def _load_index(self) -> dict[object, str]:
-        return super()._load_index() if self._is_whole(self._index_path) else {}
-
-    def _load_data(self, name: str) -> object:
-        return super()._load_data(name) if self._is_whole(self._data_path(name)) else None
-
-    def _is_whole(self, path: str) -> bool:
-        try:
-            content = Path(path).read_bytes()
-        except FileNotFoundError:
-            return False
-        return content[-_DIGEST_BYTES:] == self._digest(content[:-_DIGEST_BYTES])
-
-    def _digest(self, content: bytes) -> bytes:
-        # With the stamp: a kill may leave an index of today beside machine code of before.
-        return _DIGEST(str(self._source_stamp).encode() + content).digest()
-
-    @contextmanager
-    def _open_for_write(self, filepath: str) -> Iterator[io.BytesIO]:
-        with super()._open_for_write(filepath) as stream:
-            content = io.BytesIO()
-            yield content
-            stream.write(content.getvalue() + self._digest(content.getvalue()))
+    return hashlib.sha256(b"\0".join(file.read_bytes() for file in files)).hexdigest()
 
 
 class _KeptCode(FunctionCache):  # type: ignore[misc]
-    """The cache of a function whose files are checked, for the sources of all functions."""
+    """The cache of a function for the sources of all functions.
+
+    These are in the names of its files: a kill may leave an index beside machine code of before.
+    """
 
     def __init__(self, function: Callable[..., object]) -> None:
         super().__init__(function)
-        self._cache_file = _CheckedFiles(self._cache_path, self._impl.filename_base, _sources())
+        sources = _sources()
+        name = f"{self._impl.filename_base}-{sources[:16]}"
+        self._cache_file = IndexDataCacheFile(self._cache_path, name, sources)
 
     def load_overload(self, sig: object, target_context: object) -> object:
         """Machine code of a signature; None, which is told, if it is to be compiled."""
         found = None
-        with suppress(OSError):
+        try:
             found = super().load_overload(sig, target_context)
+        except Exception:
+            # A file that was cut off raises anything.
+            with suppress(OSError):
+                self.flush()
         if found is None:
             _tell_that_it_takes_time()
         return found
