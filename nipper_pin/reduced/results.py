@@ -1,4 +1,4 @@
-"""What the reduced engine returns: one transition, or many of them as arrays."""
+"""What the reduced engine returns: one transition, many of them as arrays, or whole turns."""
 
 from __future__ import annotations
 
@@ -61,6 +61,38 @@ REASONS = {
 }
 
 
+class TurnStatus(IntEnum):
+    """How a run of turns ended."""
+
+    FOLLOWED = layout.AT_REST
+    """All turns were followed, or they repeat."""
+    LEFT_GAP = layout.LEFT_GAP
+    """A flight went beyond the largest gap of the model."""
+    OTHER_STOP = layout.OTHER_STOP
+    """A stop closed outside the stretches of the turn that the model knows."""
+    TOO_MANY_COLLISIONS = layout.TOO_MANY
+    """More collisions than a series or a run may have."""
+    UNRESOLVED = layout.UNRESOLVED
+    """A flight could not be resolved."""
+    UNTOLD = layout.UNTOLD
+    """Round-off decides whether a stop comes to rest, or is released."""
+    JAM = layout.JAM
+    """Two stops jam the mechanism against its drives."""
+    OFF_ROWS = layout.OFF_ROWS
+    """A spring may leave the rows of its table, beyond which no force is known."""
+
+
+TURN_REASONS = {
+    TurnStatus.LEFT_GAP: "a flight goes higher than the widest tables",
+    TurnStatus.OTHER_STOP: "a stop closes where the tables do not hold it",
+    TurnStatus.TOO_MANY_COLLISIONS: "there are more collisions than max_collisions allows",
+    TurnStatus.UNRESOLVED: "a flight cannot be resolved",
+    TurnStatus.UNTOLD: "round-off decides whether a stop comes to rest or is released",
+    TurnStatus.JAM: "two stops jam the mechanism against its drives",
+    TurnStatus.OFF_ROWS: "a spring may leave the rows of its table",
+}
+
+
 class Column:
     """A column of a result's table, read by its name; or a row.
 
@@ -83,18 +115,17 @@ def _row(place: int) -> Column:
     return Column(place, slice(None))
 
 
-class CollisionRows:
-    """Rows of a table of collisions, the last axis of which counts the collisions.
+class EventRows:
+    """Rows of a table of events, the last axis of which counts the events.
 
     Attributes:
-        time: Times of the collisions from the first one [s].
-        cylinder_angle: psi there [rad].
+        time: Their times [s]; of a transition from the first collision, of turns from their start.
         approach_rate: Rate before [rad/s or m/s], negative.
         separation_rate: Rate after.
         impulse: Normal impulse at the contact point [N s]; along the joint of a stop without one
             [N s or N m s].
         energy_lost: Kinetic energy lost [J].
-        rebound_amplitude: Largest coordinate of the rebound after it.
+        rebound_amplitude: Largest coordinate of the rebound after it that ends at the same stop.
         rebound_time: Its time [s].
         time_error: Bound on the error of ``time`` [s].
         rate_error: Bound on the error of ``approach_rate``.
@@ -104,7 +135,6 @@ class CollisionRows:
     """
 
     time = _row(layout.TIME)
-    cylinder_angle = _row(layout.ANGLE)
     approach_rate = _row(layout.APPROACH)
     separation_rate = _row(layout.SEPARATION)
     impulse = _row(layout.IMPULSE)
@@ -116,6 +146,16 @@ class CollisionRows:
     impulse_error = _row(layout.IMPULSE_ERROR)
     amplitude_error = _row(layout.AMPLITUDE_ERROR)
     rebound_error = _row(layout.REBOUND_ERROR)
+
+
+class CollisionRows(EventRows):
+    """Rows of the collisions of transitions.
+
+    Attributes:
+        cylinder_angle: psi at the collisions [rad].
+    """
+
+    cylinder_angle = _row(layout.ANGLE)
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,3 +234,51 @@ class ReducedTransition(CollisionRows):
         """
         told = int(self.tell()[0])
         return None if told == layout.UNKNOWN else bool(told == layout.HOLDS)
+
+
+@dataclass(frozen=True, eq=False)
+class ReducedTurns(EventRows):
+    """Whole turns; the rows have shape (events,), NaN where a rest or a release has none.
+
+    Attributes:
+        model: Name of the model.
+        stops: Names of the stops.
+        turns: Turns that were followed.
+        repeats_after: After how many turns the last one repeats an earlier one, so that all further
+            ones are known; 0 if it does not.
+        travel: Travels of the cylinder from the start of the first turn [rad].
+        energy_error: Bounds on the errors of ``energy_lost`` [J].
+        table: All rows, shape (rows, events).
+        engine: The engine that computed it.
+    """
+
+    model: str
+    stops: tuple[str, ...]
+    turns: int
+    repeats_after: int
+    table: FloatArray = field(repr=False)
+    engine: str = ENGINE
+
+    travel = _row(layout.TRAVEL)
+    energy_error = _row(layout.ENERGY_ERROR)
+
+    @property
+    def kind(self) -> tuple[str, ...]:
+        """Each event: collision, rest or release."""
+        names = {layout.COLLISION: "collision", layout.REST: "rest", layout.RELEASE: "release"}
+        return tuple(names[int(number)] for number in self.table[layout.KIND])
+
+    @property
+    def stop(self) -> tuple[str, ...]:
+        """The stop of each event."""
+        return tuple(self.stops[number] for number in self.stop_number)
+
+    @property
+    def stop_number(self) -> NDArray[np.int64]:
+        """Its place among the stops."""
+        return np.asarray(self.table[layout.STOP], dtype=np.int64)
+
+    @property
+    def collisions(self) -> NDArray[np.bool_]:
+        """Which events are collisions."""
+        return np.asarray(self.table[layout.KIND] == layout.COLLISION)

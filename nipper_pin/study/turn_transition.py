@@ -144,7 +144,7 @@ def _holds(hits: FloatArray) -> bool | None:
 
 def _going_on(found: ReducedTurns, period: float) -> FloatArray:
     """Events of all turns that are read; those after a turn that repeats are copies."""
-    table, done, back = found.table, found.turns, found.repeats_after
+    table, done, back = found.table.T, found.turns, found.repeats_after
     number = np.floor(table[:, rows.TRAVEL] / _TURN).astype(int)
     parts = [table]
     for turn in range(done, _READ + 1):

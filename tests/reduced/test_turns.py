@@ -250,7 +250,7 @@ def test_a_run_ends_before_its_table_of_events_is_full(e62: Mechanism) -> None:
     cases = module.one_turn_case(model, 650.0, None, None, None)
     for most in range(1, 26):
         beside = np.full((1, most + 4, layout.COLUMNS), 7.0)
-        module.follow(run, model, cases, beside[:, :most], told, np.empty((1, 0, 0)))
+        module.follow(run, beside[:, :most], model, 1.0, cases, told, np.empty((1, 0, 0)))
         assert told[0, 3] <= most
         assert (beside[:, most:] == 7.0).all()
         assert told[0, 0] == (

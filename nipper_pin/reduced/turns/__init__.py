@@ -1,9 +1,9 @@
 """Whole turns: phases without freedom, flights, collisions at every stop, rests and releases."""
 
+from ..results import TURN_REASONS, ReducedTurns, TurnStatus
 from .model import START_INDEX, TurnModel, build_turns
 from .peak_torques import TurnTorques, turn_torques
 from .quantities import TurnQuantities, turn_quantities
-from .results import TURN_REASONS, ReducedTurns, TurnStatus
 from .turn import turn_model, turns
 
 __all__ = [

@@ -19,7 +19,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...arrays import FloatArray
-from ...extras import require
 from ...given import number
 from ...made_once import made_once
 from ...mechanism import Mechanism
@@ -29,11 +28,11 @@ from ..model import factors
 from ..results import ENGINE
 from ..tables.functions import Samples
 from ..tables.tables import Chart, Domain, chart_over, levers, stacked
+from ..transition import kernel
 from .cases import BESIDE, Run, room_for, run_of, turn_cases
 from .charts import ChartSampler, shares
 from .model import START_INDEX, TurnModel, surroundings
-from .quantities import widening
-from .turn import turn_model
+from .turn import turn_model, widening
 
 # Nodes across the gap to start with.
 _NODES_X = 8
@@ -166,13 +165,12 @@ def _follow(
     told: NDArray[np.int64], found: FloatArray,
 ) -> None:  # fmt: skip
     """Follow cases on the tables of a scale of gaps, and write their status and torques."""
-    require("study", "numba", what="the reduced engine")
-    from ..kernels.panel import grids
+    _, grids = kernel()
     from ..kernels.turn_torques import run_torques
 
     torques = torque_model(mechanism, model.start_index, gap_scale)
     panels = _PANELS * (run.most + BESIDE)
     run_torques(
-        grids(), model.charts, torques, cases, run.settings, run.of(model), panels,
+        grids, model.charts, torques, cases, run.settings, run.of(model), panels,
         run.events()[0], told[:, 0], found,
     )  # fmt: skip

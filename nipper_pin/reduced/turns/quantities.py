@@ -6,58 +6,21 @@ Many cases are computed on the narrowest tables that hold each.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...arrays import FloatArray
-from ...errors import SimulationError
 from ...given import number
 from ...mechanism import Mechanism
 from ..kernels import layout as rows
-from ..kernels.layout import Cases
 from ..results import ENGINE, Column
 from .cases import room_for, run_of, turn_cases
-from .model import START_INDEX, TurnModel
-from .results import TurnStatus
-from .turn import GAP_SCALES, follow, turn_model, wider
-
-_LEFT_GAP = int(TurnStatus.LEFT_GAP)
-
-
-def widening(
-    mechanism: Mechanism,
-    start_index: float,
-    cases: Cases,
-    told: NDArray[np.int64],
-    found: FloatArray,
-    run: Callable[[TurnModel, float, Cases, NDArray[np.int64], FloatArray], None],
-) -> None:
-    """Run cases, those that leave the tables of a model on the next wider one, if there is one.
-
-    Args:
-        told: Written by ``run``: the status first, shape (n, numbers).
-        found: Written by it, shape (n, ...).
-        run: Follows some of the cases on the tables of a scale of gaps.
-    """
-    left = np.arange(len(told))
-    for gap_scale in GAP_SCALES:
-        model = wider(mechanism, start_index, gap_scale) if len(left) else None
-        if model is None:
-            break
-        here = told[left], found[left]
-        try:
-            run(model, gap_scale, Cases(*(item[left] for item in cases)), *here)
-        except SimulationError:
-            # It needs tables of its own, and there are none that wide.
-            if gap_scale == GAP_SCALES[0]:
-                raise
-            break
-        told[left], found[left] = here
-        left = left[told[left, 0] == _LEFT_GAP]
+from .model import START_INDEX
+from .turn import follow, turn_model, widening
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,11 +171,8 @@ def turn_quantities(
     n = len(cases.speed)
     told = np.zeros((n, 4), dtype=np.int64)
     columns = rows.TURN_NUMBERS + rows.PER_STOP * len(model.stops)
-    found, events = room_for(n, last, columns), settings.events()
-
-    def run(model: TurnModel, _gap_scale: float, cases: Cases, *written: Any) -> None:
-        follow(settings, model, cases, events, *written)
-
+    found = room_for(n, last, columns)
+    run = partial(follow, settings, settings.events())
     widening(mechanism, start_index, cases, told, found, run)
     status, followed, again, _ = told.T.copy()
     table = found[:, 0] if last is None else found

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,10 +14,10 @@ from ...given import number
 from ...made_once import made_once
 from ...mechanism import Mechanism
 from ..kernels.layout import LEFT_GAP, Cases
+from ..results import TURN_REASONS, ReducedTurns, TurnStatus
 from ..transition import kernel
 from .cases import Run, one_turn_case, run_of
 from .model import START_INDEX, TurnModel, build_turns
-from .results import TURN_REASONS, ReducedTurns, TurnStatus
 
 GAP_SCALES = (1.0, 2.0, 4.0, 8.0, 32.0, 128.0)
 
@@ -42,14 +43,36 @@ def _model(mechanism: Mechanism, start_index: float, gap_scale: float) -> TurnMo
     return build_turns(mechanism, start_index=start_index, gap_scale=gap_scale)
 
 
-def wider(mechanism: Mechanism, start_index: float, gap_scale: float) -> TurnModel | None:
-    """The model of that scale; None where no tables can be made that are wider than the usual."""
-    try:
-        return turn_model(mechanism, start_index, gap_scale)
-    except SimulationError:
-        if gap_scale == GAP_SCALES[0]:
-            raise
-        return None
+def widening(
+    mechanism: Mechanism,
+    start_index: float,
+    cases: Cases,
+    told: NDArray[np.int64],
+    found: FloatArray,
+    run: Callable[[TurnModel, float, Cases, NDArray[np.int64], FloatArray], None],
+) -> None:
+    """Run cases, those that leave the tables of a model on the next wider one, if there is one.
+
+    Args:
+        told: Written by ``run``: the status first, shape (n, numbers).
+        found: Written by it, shape (n, ...).
+        run: Follows some of the cases on the tables of a scale of gaps.
+    """
+    left: slice | NDArray[np.intp] = slice(None)
+    for gap_scale in GAP_SCALES:
+        try:
+            model = turn_model(mechanism, start_index, gap_scale)
+            here = told[left], found[left]
+            run(model, gap_scale, Cases(*(item[left] for item in cases)), *here)
+        except SimulationError:
+            # There are no tables that wide, or none of what is asked for beside them.
+            if gap_scale == GAP_SCALES[0]:
+                raise
+            return
+        told[left], found[left] = here
+        left = np.flatnonzero(told[:, 0] == LEFT_GAP)
+        if not len(left):
+            return
 
 
 def turns(
@@ -81,15 +104,11 @@ def turns(
     run = run_of("cycles", cycles, rest_rate, tolerance, max_collisions)
     start_index = number("start_index", start_index)
     told, nothing = np.zeros((1, 4), dtype=np.int64), np.empty((1, 0, 0))
-    for gap_scale in GAP_SCALES:
-        model = wider(mechanism, start_index, gap_scale)
-        if model is None:
-            break
-        cases = one_turn_case(model, speed_rpm, restitution, stiffness, preload)
-        events = run.events()
-        follow(run, model, cases, events, told, nothing)
-        if told[0, 0] != LEFT_GAP:
-            break
+    cases = one_turn_case(
+        turn_model(mechanism, start_index), speed_rpm, restitution, stiffness, preload
+    )
+    events = run.events()
+    widening(mechanism, start_index, cases, told, nothing, partial(follow, run, events))
     status, done, again, count = told[0].tolist()
     if status:
         name = TurnStatus(status).name
@@ -97,12 +116,12 @@ def turns(
         message = f"{mechanism.name} at {speed_rpm:g} r/min: {reason}; use the direct engine"
         raise SimulationError(message, status=name, speed_rpm=speed_rpm)
     stops = tuple(stop.name for stop in mechanism.stops)
-    return ReducedTurns(mechanism.name, stops, done, again, events[0, :count].copy())
+    return ReducedTurns(mechanism.name, stops, done, again, events[0, :count].T.copy())
 
 
 def follow(
-    run: Run, model: TurnModel, cases: Cases, events: FloatArray, told: NDArray[np.int64],
-    found: FloatArray,
+    run: Run, events: FloatArray, model: TurnModel, _gap_scale: float, cases: Cases,
+    told: NDArray[np.int64], found: FloatArray,
 ) -> None:  # fmt: skip
     """Follow turns of cases on one model."""
     solve, grids = kernel()

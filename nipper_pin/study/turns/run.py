@@ -12,8 +12,8 @@ from ...errors import NipperError
 from ...hybrid import START_INDEX, Case, Outcome, Resolution, Solution, Window, simulate
 from ...hybrid.result.turns import Turn, of_turn, read_of, reported_turn, turn_names
 from ...mechanism import Mechanism, retuned
+from ...reduced.results import TURN_REASONS
 from ...reduced.turns import TurnStatus, turn_quantities, turn_torques
-from ...reduced.turns.results import TURN_REASONS
 from ..cases import Cases
 from ..transitions import FAILED, REDUCED
 from .reduced_columns import reduced_columns, torque_columns

@@ -16,8 +16,8 @@ import numpy as np
 from ...errors import NipperError
 from ...extras import installed
 from ...mechanism import INDEX_PER_TURN, Mechanism, within_turn
+from ...reduced.results import TURN_REASONS
 from ...reduced.turns import TurnModel, TurnQuantities, TurnStatus, turn_model, turn_quantities
-from ...reduced.turns.results import TURN_REASONS
 from ...reduced.turns.turn import GAP_SCALES
 from ...terms import TERMS
 from ...units import MS_PER_S
