@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
-from typing import Any
+from typing import Any, TypeVar
 
 # Letters of the begin and of the end of a message that is longer: a file may hold any word.
 _BEGIN, _END = 3000, 1000
 # Longest name that is compared with others, and most of these: a file may hold any number.
 _NAME, _NAMES = 60, 1000
 _NUMBER = re.compile(r"-?\d+(\.\d+)?(e[+-]?\d+)?")
+_T = TypeVar("_T")
 
 
 def one_line(text: str) -> str:
@@ -155,6 +156,17 @@ class UnknownNameError(InputError):
             where=where,
             now=now,
         )
+
+
+def looked_up(kind: str, name: str, known: Mapping[str, _T], where: str = "") -> _T:
+    """The part of a name.
+
+    Raises:
+        UnknownNameError: There is none.
+    """
+    if name not in known:
+        raise UnknownNameError(kind=kind, name=name, known=known, where=where)
+    return known[name]
 
 
 def meant(name: str, known: Iterable[str]) -> str:

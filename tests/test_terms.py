@@ -18,7 +18,7 @@ from units_shown import factor
 from nipper_pin import Mechanism, changed, units
 from nipper_pin.cli import main
 from nipper_pin.mechanism import number_of
-from nipper_pin.mechanism.edit.overrides import by_path
+from nipper_pin.mechanism.edit import by_path
 from nipper_pin.terms import TERMS, Term, named, shown_in, term_of
 from nipper_pin.written_units import number_in, unit_of_key
 

@@ -78,7 +78,7 @@ def _study(kind: str, file: str) -> None:
 
 
 def _exported(urdf: str, model: str) -> None:
-    from ..mechanism.skeleton.exported import take_urdf
+    from ..mechanism.skeleton import take_urdf
 
     found, console = take_urdf(urdf, model), unbroken_console()
     say(console, f"{model}: a copy of {Path(urdf).name}, and a TOML file to complete")

@@ -140,9 +140,6 @@ def wrong_rows(
     """What is wrong with rows of numbers that should be a function; empty if nothing is.
 
     Args:
-        table: What the table is called.
-        least: How many rows it needs.
-        columns: What x and y are called.
         falling: The words for the row after which, counted from 1, x does not rise.
     """
     first, second = columns

@@ -61,7 +61,7 @@ def load(model: str | Path = "e62", overrides: Mapping[str, object] | None = Non
             urdf = as_unicode(read_model_text(found.urdf, encoding_of))
             data = in_known_units(data, toml_file)
         if overrides:
-            from .edit.overrides import apply_overrides, by_path, with_tables
+            from .edit import apply_overrides, by_path, with_tables
 
             data, others = with_tables(data, by_path(overrides, data, toml_file), folder, toml_file)
             data, urdf = apply_overrides(data, urdf, others, name)
@@ -95,10 +95,6 @@ def from_sources(
     name: str, urdf: str, description: Mapping[str, object], mesh_folder: str | Path
 ) -> Mechanism:
     """Rebuild a mechanism from its plain data, for saved runs and worker processes.
-
-    Args:
-        description: The TOML document as plain data.
-        mesh_folder: Folder that relative mesh paths of the URDF start from.
 
     Raises:
         UnknownNameError: A name in the data does not exist.

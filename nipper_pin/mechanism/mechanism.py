@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from ..arrays import FloatArray
-from ..errors import InputError, UnknownNameError
+from ..errors import InputError, looked_up
 from ..notebook import html
 from ..terms.shown import counted
 from ..tolerances.mechanics import CURVE_DEPARTURE
@@ -265,12 +265,7 @@ class Mechanism:
         if not name:
             message = f"{self.name} has no stop, so nothing bounces: give it one ([stops.NAME])"
             raise InputError(message, model=self.name)
-        for stop in self.stops:
-            if stop.name == name:
-                return stop
-        raise UnknownNameError(
-            kind="stop", name=name, known=(stop.name for stop in self.stops), where=self.name
-        )
+        return looked_up("stop", name, {stop.name: stop for stop in self.stops}, self.name)
 
     def phase(self, number: int) -> Phase:
         """Return the phase of that number.
@@ -278,15 +273,9 @@ class Mechanism:
         Raises:
             UnknownNameError: No phase has this number.
         """
-        for phase in self.phases:
-            if phase.number == number:
-                return phase
-        known = (str(phase.number) for phase in self.phases)
-        raise UnknownNameError(kind="phase", name=str(number), known=known, where=self.name)
+        known = {str(phase.number): phase for phase in self.phases}
+        return looked_up("phase", str(number), known, self.name)
 
     def phase_of(self, closed: frozenset[str]) -> Phase | None:
         """Return the phase with exactly these closed stops, or None if it has no name."""
-        for phase in self.phases:
-            if phase.closed == closed:
-                return phase
-        return None
+        return next((phase for phase in self.phases if phase.closed == closed), None)

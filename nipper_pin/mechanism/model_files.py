@@ -194,9 +194,6 @@ _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 def check_model_folder(folder: str | Path) -> Path:
     """Refuse a folder whose name cannot be that of a new model.
 
-    Args:
-        folder: Folder that a model is to be written into; its name becomes the model's.
-
     Returns:
         The folder, resolved.
 
@@ -239,11 +236,8 @@ def check_new_folder(folder: str | Path) -> Path:
 def new_folder(folder: str | Path) -> Iterator[Path]:
     """Give a folder of the same name elsewhere that takes its place only if nothing fails.
 
-    Args:
-        folder: Folder to write; folders above it are made.
-
     Yields:
-        An empty folder to write into.
+        An empty folder to write into; folders above it are made.
 
     Raises:
         InputError: The folder is occupied or cannot be written.

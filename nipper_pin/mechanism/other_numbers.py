@@ -90,7 +90,7 @@ def changed(mechanism: Mechanism, values: Mapping[str, object]) -> Mechanism:
         ModelError: A value cannot be used.
         AssemblyError: The closures do not meet at touch.
     """
-    from .edit.overrides import apply_overrides, by_path
+    from .edit import apply_overrides, by_path
 
     name, data = mechanism.name, mechanism.description
     paths = by_path(values, data, f"{name}.toml")
@@ -190,7 +190,7 @@ def _with_forces(
 
 def _masses(mechanism: Mechanism, paths: Mapping[str, object]) -> dict[str, tuple[str, float]]:
     """Links and their masses [kg] by the paths that give such; what cannot be one is left out."""
-    from .edit.overrides import LARGEST
+    from .edit import LARGEST
     from .edit.paths import number_from
 
     found = {}

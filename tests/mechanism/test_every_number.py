@@ -26,8 +26,13 @@ from nipper_pin import (
 )
 from nipper_pin.mechanism import known_models, need_as_written, number_of, numbers_of
 from nipper_pin.mechanism.drives import Table
-from nipper_pin.mechanism.edit import apply_overrides, number_at, read_dimension, read_layout
-from nipper_pin.mechanism.edit.overrides import with_tables
+from nipper_pin.mechanism.edit import (
+    apply_overrides,
+    number_at,
+    read_dimension,
+    read_layout,
+    with_tables,
+)
 from nipper_pin.mechanism.edit.paths import number_from
 from nipper_pin.mechanism.files import parse_xml
 from nipper_pin.mechanism.files.describe import describe

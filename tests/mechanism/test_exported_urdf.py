@@ -16,7 +16,7 @@ from snapshots import Words
 from nipper_pin import Case, Drawing, ModelError, load, simulate
 from nipper_pin.cli import main
 from nipper_pin.mechanism.gallery import drawn
-from nipper_pin.mechanism.skeleton.exported import take_urdf
+from nipper_pin.mechanism.skeleton import take_urdf
 
 STRANGERS = Path(__file__).parents[1] / "strangers"
 # Of four-bars and others: digits, frames and axes as programs write them; frames with a mass;

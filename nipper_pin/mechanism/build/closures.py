@@ -21,7 +21,7 @@ import numpy as np
 import pinocchio as pin
 
 from ...arrays import FloatArray
-from ...errors import AssemblyError, ModelError
+from ...errors import AssemblyError, ModelError, looked_up
 from ...tolerances.mechanics import ASSEMBLY_TOLERANCE_M, ROUNDED_SHARE
 from ...units import MM_PER_M
 from ..files.description import ClosureDescription
@@ -29,7 +29,6 @@ from ..files.urdf_parts import Urdf, UrdfJoint, UrdfLink
 from ..parts import Closure, Stop
 from ..scale import reach, unit_of, written
 from .placements import own_name
-from .references import named
 from .tree import Tree, add_own_frame
 
 _AXES: dict[str, tuple[float, float, float]] = {"x": (1.0, 0.0, 0.0), "z": (0.0, 0.0, 1.0)}
@@ -50,7 +49,7 @@ def check_frames(closures: Mapping[str, ClosureDescription], urdf: Urdf, file: s
     for name, closure in closures.items():
         key = f"closures.{name}"
         for side in ("frame_a", "frame_b"):
-            named("frame", getattr(closure, side), urdf.links, f"{file}: {key}.{side}")
+            looked_up("frame", getattr(closure, side), urdf.links, f"{file}: {key}.{side}")
         if (closure.slot_axis is None) != (closure.block_mass_kg is None):
             missing = "slot_axis" if closure.slot_axis is None else "block_mass_kg"
             allowed = (
@@ -74,9 +73,6 @@ def with_blocks(urdf: Urdf, closures: Mapping[str, ClosureDescription]) -> Urdf:
     In the touch configuration a block stands where the line of its slot, through the origin of
     ``frame_a``, comes nearest to the origin of ``frame_b``; its coordinate is zero there and grows
     along the axis of ``frame_a``.
-
-    Returns:
-        The URDF with a link and a prismatic joint for each slot.
     """
     slots = {name: item for name, item in closures.items() if item.slot_axis is not None}
     if not slots:

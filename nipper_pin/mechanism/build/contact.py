@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from typing import NoReturn
 
 import coal
 import numpy as np
 import pinocchio as pin
 
-from ...errors import ModelError, UnknownNameError
+from ...errors import ModelError, looked_up
 from ...tolerances.mechanics import ACROSS_PLANE, DISTANCE_ACCURACY_M, TOUCH_TOLERANCE_M
 from ...units import MM_PER_M, coordinate_text
 from ..files.description import ContactDescription
@@ -98,23 +97,16 @@ def _refuse_third(
 def _shapes(name: str, tree: Tree, key: str) -> list[pin.GeometryObject]:
     """Geometry objects of a collision element, or of all elements of a link."""
     urdf, geometry, file = tree.urdf, tree.geometry, tree.file
-    elements = {item for names in urdf.shapes.values() for item in names}
-    if name in elements:
-        names: Iterable[str] = (name,)
-    elif name in urdf.shapes:
-        names = urdf.shapes[name]
-        if not names:
-            raise ModelError(
-                file=tree.urdf_file,
-                key=f"link {name} collision",
-                value=None,
-                allowed=f"{key} in {file} needs a collision shape on this link",
-            )
-    else:
-        known = elements | {link for link, found in urdf.shapes.items() if found}
-        raise UnknownNameError(
-            kind="link or collision element", name=name, known=known, where=f"{file}: {key}"
+    known = {link: names for link, names in urdf.shapes.items() if names}
+    known |= {item: (item,) for names in known.values() for item in names}
+    if name in urdf.shapes and name not in known:
+        raise ModelError(
+            file=tree.urdf_file,
+            key=f"link {name} collision",
+            value=None,
+            allowed=f"{key} in {file} needs a collision shape on this link",
         )
+    names = looked_up("link or collision element", name, known, f"{file}: {key}")
     return [geometry.geometryObjects[geometry.getGeometryId(item)] for item in names]
 
 

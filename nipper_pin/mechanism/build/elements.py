@@ -9,17 +9,17 @@ from typing import Any, Literal
 import numpy as np
 import pinocchio as pin
 
-from ...errors import InputError, ModelError
+from ...errors import InputError, ModelError, looked_up
 from ...tolerances.mechanics import COINCIDENT_M
 from ...units import M_PER_MM, RAD_PER_DEG
 from ..elements import Characteristic, Damper, Strut, TabulatedSpring
 from ..files.description import DamperDescription, Description, SpringDescription
+from ..files.law_tables import built
 from ..files.urdf_parts import Urdf
 from ..forces import ForceTable, JointForce
 from ..parts import Joint, Spring
 from ..scale import reach, unit_of
 from .placements import joint_placements
-from .references import built, named
 
 
 @dataclass(frozen=True)
@@ -128,7 +128,7 @@ def _joint(entry: _Entry, joints: Mapping[str, Joint], where: str, file: str) ->
     if entry.joint is None:
         allowed = "the name of a joint, or frame_a and frame_b for an element between two points"
         raise ModelError(file=file, key=key, value=None, allowed=allowed)
-    return named("joint", entry.joint, joints, f"{file}: {key}")
+    return looked_up("joint", entry.joint, joints, f"{file}: {key}")
 
 
 def _check_keys(
@@ -194,7 +194,8 @@ def _strut(name: str, entry: _Entry, model: pin.Model, where: str, file: str) ->
     )
     links = {frame.name: frame for frame in model.frames if frame.type == pin.FrameType.BODY}
     frames = [
-        named("frame", getattr(strut, side), links, f"{file}: {where}.{side}") for side in _POINTS
+        looked_up("frame", getattr(strut, side), links, f"{file}: {where}.{side}")
+        for side in _POINTS
     ]
     key, value = f"{where}.frame_b", strut.frame_b
     if frames[0].parentJoint == frames[1].parentJoint:
@@ -221,7 +222,7 @@ def build_forces(
     found = []
     for name, table in tables.items():
         where, kind = f"forces.{name}", str(type(table).__struct_config__.tag)
-        joint = named("joint", table.joint, joints, f"{file}: {where}.joint")
+        joint = looked_up("joint", table.joint, joints, f"{file}: {where}.joint")
         if joint.kind not in table.acts_on:
             allowed = f"{kind} acts on a joint that is {' or '.join(table.acts_on)}"
             raise ModelError(file=file, key=f"{where}.joint", value=table.joint, allowed=allowed)

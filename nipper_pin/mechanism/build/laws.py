@@ -10,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from ...errors import InputError, ModelError
+from ...errors import InputError, ModelError, looked_up
 from ...tolerances.mechanics import DRIVE_REPEATS
 from ..cylinder import Cylinder
 from ..drives import DriveLaw, DriveTable, GearedDrive, OscillatingGuide
@@ -18,7 +18,6 @@ from ..files.description import CylinderDescription, Description
 from ..files.register import DRIVES
 from ..parts import Joint
 from ..scale import written
-from .references import named
 
 OF_SHAFT = {"revolute": "reflected_inertia_kg_m2", "prismatic": "reflected_mass_kg"}
 """Key of the inertia of a drive train seen at a joint, by its kind."""
@@ -72,7 +71,7 @@ def build_laws(
     laws = {name: _law(name, drives[name], joints, file) for name in own}
     hint = "(a joint that follows one without a drive has a <mimic> in the URDF)"
     for name, drive in geared.items():
-        named("drive", drive.of, drives, f"{file}: drives.{name}.of {hint}")
+        looked_up("drive", drive.of, drives, f"{file}: drives.{name}.of {hint}")
     while waiting := {name: drive for name, drive in geared.items() if name not in laws}:
         ready = {name: drive for name, drive in waiting.items() if drive.of in laws}
         if not ready:
@@ -153,7 +152,7 @@ def _reference(cylinder: CylinderDescription, laws: Mapping[str, DriveLaw], file
             value=drive,
             allowed="exactly one of reference_drive and reference_angle_deg",
         )
-    law = named("drive", drive, laws, f"{file}: cylinder.reference_drive")
+    law = looked_up("drive", drive, laws, f"{file}: cylinder.reference_drive")
     angle = extreme_angle(law, cylinder.reference_extreme)
     if angle is None:
         allowed = "a drive that swings to and fro once a turn; else use reference_angle_deg"

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from ...errors import ModelError, UnknownNameError
+from ...errors import ModelError, UnknownNameError, looked_up
 from ..drives import DriveLaw
 from ..files.describe import describe
 from ..files.description import Description
@@ -25,7 +25,6 @@ from .elements import build_elements, build_forces
 from .laws import OF_SHAFT, build_cylinder, build_laws, check_drive
 from .parallel import with_leaders
 from .placements import joint_placements
-from .references import named
 from .stops import build_starts, build_stops
 from .touch_checks import check_assembly, held_by
 from .tree import Tree, build_model, collision_geometry, tree_joints
@@ -131,12 +130,7 @@ def _closures(description: Description) -> tuple[Closure, ...]:
 def _couplings(urdf: Urdf, joints: Mapping[str, Joint]) -> tuple[Coupling, ...]:
     """Joints that follow others."""
     return tuple(
-        Coupling(
-            name=name,
-            index=joint.index,
-            of=joints[mimic.joint].index,
-            multiplier=mimic.multiplier,
-        )
+        Coupling(name=name, index=joint.index, of=joints[mimic[0]].index, multiplier=mimic[1])
         for name, joint in joints.items()
         if (mimic := urdf.joints[name].mimic) is not None
     )
@@ -153,7 +147,7 @@ def _drives(
     drives: list[Drive] = []
     for name, drive in description.drives.items():
         key = f"drives.{name}.joint"
-        joint = named("joint", drive.joint, joints, f"{file}: {key}")
+        joint = looked_up("joint", drive.joint, joints, f"{file}: {key}")
         check_drive(name, drive, joint, file)
         if any(other.index == joint.index for other in drives):
             allowed = "a joint has one drive only"
@@ -184,7 +178,7 @@ def _phases(description: Description, stops: Sequence[Stop], file: str) -> tuple
     for place, phase in enumerate(description.phases):
         key = f"phases[{place}]"
         for stop in phase.closed:
-            named("stop", stop, description.stops, f"{file}: {key}.closed")
+            looked_up("stop", stop, description.stops, f"{file}: {key}.closed")
         if any(other.number == phase.number for other in phases):
             allowed = "each phase has a number of its own"
             raise ModelError(file=file, key=f"{key}.number", value=phase.number, allowed=allowed)

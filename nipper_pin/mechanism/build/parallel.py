@@ -30,9 +30,6 @@ def with_leaders(held: Constraints) -> Constraints:
 
     Of stops that close together the one with the largest restitution leads: by Newton's law it
     alone is struck where coefficients differ.
-
-    Args:
-        held: What holds the coordinates; the frames of its closures meet.
     """
     stops = held.stops
     if len(stops) < 2:

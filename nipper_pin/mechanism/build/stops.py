@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from ...errors import ModelError
+from ...errors import ModelError, looked_up
 from ...units import M_PER_MM, RAD_PER_DEG, coordinate_text
 from ..files.description import Description, InitialDescription, StopDescription
+from ..files.law_tables import built
 from ..parts import Drive, Joint, Start, Stop
 from .contact import find_contact
-from .references import built, named
 from .tree import Tree
 
 _MOST_CONTACTS = 100
@@ -33,7 +33,7 @@ def build_stops(
     driven = {drive.joint for drive in description.drives.values()}
     for name, stop in description.stops.items():
         key = f"stops.{name}.joint"
-        joint = named("joint", stop.joint, joints, f"{tree.file}: {key}")
+        joint = looked_up("joint", stop.joint, joints, f"{tree.file}: {key}")
         if stop.joint in driven:
             allowed = "a joint without a drive"
             raise ModelError(file=tree.file, key=key, value=stop.joint, allowed=allowed)
@@ -77,7 +77,7 @@ def _check_transition(description: Description, file: str) -> None:
         )
         raise ModelError(file=file, key="transition_stop", value=None, allowed=allowed)
     if known:
-        named("stop", name, known, f"{file}: transition_stop")
+        looked_up("stop", name, known, f"{file}: transition_stop")
 
 
 def _stop_place(name: str, stop: StopDescription, joint: Joint, file: str) -> float:
@@ -141,7 +141,7 @@ def build_starts(
     found = []
     for name, entry in initial.items():
         where = f"initial.{name}"
-        joint = named("joint", name, joints, f"{file}: initial")
+        joint = looked_up("joint", name, joints, f"{file}: initial")
         driven = next((item.name for item in drives if item.index == joint.index), None)
         if driven is not None:
             allowed = f"a joint without a drive; drive {driven} says where {name} starts"

@@ -125,22 +125,19 @@ def check_assembly(
     names = [f"{closure.name} {axis}" for closure in closures for axis in "xz"]
     names += [f"mimic of joint {item.name}" for item in couplings]
     redundant = dependent_rows(jacobian, names)
+    # How a machine was turned into the side view may tell why it does not fit.
+    seen = f"; {side_view_text(tree.urdf)}" if tree.urdf.plane.turned else ""
     if redundant:
         raise AssemblyError(
             file=file,
             key="closures",
             value=redundant,
             allowed="each closure row must restrain the mechanism in its own way at touch; these "
-            f"depend on one another (a pin closed twice, or a dead centre){_seen(tree)}",
+            f"depend on one another (a pin closed twice, or a dead centre){seen}",
         )
     _check_mobility(joints, held, degrees_of_freedom, file)
     _check_guides(drives, tree, within_m)
     _check_freedom(held, names, phases, file)
-
-
-def _seen(tree: Tree) -> str:
-    """How a machine was turned into the side view, which may tell why it does not fit."""
-    return f"; {side_view_text(tree.urdf)}" if tree.urdf.plane.turned else ""
 
 
 def dependent_rows(matrix: FloatArray, names: Sequence[str]) -> list[str]:
@@ -208,11 +205,7 @@ def _unit(indices: Sequence[int], size: int) -> FloatArray:
 def _check_freedom(
     held: Constraints, names: Sequence[str], phases: Sequence[Phase], file: str
 ) -> None:
-    """Refuse drives that depend on closures or on one another, and phases that leave them none.
-
-    Args:
-        names: Name of each row of the Jacobian.
-    """
+    """Refuse drives that depend on closures or on one another, and phases that leave them none."""
     size = held.jacobian.shape[1]
     driven = np.vstack([held.jacobian, _unit([drive.index for drive in held.drives], size)])
     labels = [*names, *(f"drive {drive.name}" for drive in held.drives)]

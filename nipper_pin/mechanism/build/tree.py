@@ -42,11 +42,7 @@ class Tree(NamedTuple):
 
 
 def build_model(urdf: Urdf, gravity_m_s2: float, file: str) -> pin.Model:
-    """Build the Pinocchio model of a URDF.
-
-    Args:
-        gravity_m_s2: Gravity along -z [m/s2].
-    """
+    """Build the Pinocchio model of a URDF, with gravity along -z."""
     model = pin.Model()
     body = pin.FrameType.BODY
     places = {urdf.root: model.addFrame(pin.Frame(urdf.root, 0, 0, pin.SE3.Identity(), body))}

@@ -31,16 +31,14 @@ def mass_of(body: BodyTable, points: Mapping[str, Place]) -> Mass:
     """Mass of a body, of its shape where its table does not give it.
 
     Points that are all in one place, or corners on a line, make none.
-
-    Args:
-        points: Places by name [mm].
     """
     places = [place(points, name) for name in body.points.split()]
     # Of a plate [kg/mm2].
     area = STEEL_KG_M3 if body.density_kg_m3 is None else body.density_kg_m3
     area *= 1e-9 * (body.thickness_mm or 0.0)
     if len(places) == 1:
-        found = _disc(places[0], body.radius_mm, area, body.mass_kg)
+        mass = pi * body.radius_mm**2 * area if body.mass_kg is None else body.mass_kg
+        found = Mass(mass, places[0], 0.5e-6 * mass * body.radius_mm**2)
     elif body.thickness_mm and body.width_mm is None:
         found = _plate(places, area, body.mass_kg)
     elif body.thickness_mm:
@@ -51,11 +49,6 @@ def mass_of(body: BodyTable, points: Mapping[str, Place]) -> Mass:
     given = body.inertia_kg_m2
     inertia = found.inertia if given is None else given
     return Mass(found.mass, body.centre_mm or found.centre, inertia)
-
-
-def _disc(centre: Place, radius: float, area: float, given: float | None) -> Mass:
-    mass = pi * radius**2 * area if given is None else given
-    return Mass(mass, centre, 0.5e-6 * mass * radius**2)
 
 
 def _bars(places: Sequence[Place], line: float, width: float, given: float | None) -> Mass:

@@ -117,10 +117,7 @@ def _check_closed(
 
 
 def read_dimension(found: Layout, path: str) -> float:
-    """Read a number of a URDF.
-
-    Args:
-        path: The path; its first step is one of ``HEADS``.
+    """Read a number of a URDF by a path whose first step is one of ``HEADS``.
 
     Raises:
         UnknownNameError: The path leads nowhere.

@@ -145,10 +145,7 @@ _OPTIONAL = ("drives", "stops", "initial")
 
 
 def number_at(document: Mapping[str, object], path: str, file: str) -> float:
-    """Number at a path.
-
-    Args:
-        document: The TOML document, its tables written out.
+    """Number at a path of a TOML document whose tables are written out.
 
     Raises:
         UnknownNameError: The path leads nowhere.
@@ -178,10 +175,9 @@ def in_unit_of(document: object, path: str) -> tuple[str, float]:
 
 
 def replace_value(document: dict[str, object], path: str, value: object, file: str) -> None:
-    """Replace a value in place.
+    """Replace a value in place, in a document whose tables are written out.
 
     Args:
-        document: The TOML document, its tables written out.
         value: The new value; a string is converted to the type of the value that it replaces.
 
     Raises:

@@ -29,7 +29,7 @@ import numpy as np
 import pinocchio as pin
 
 from ...arrays import FloatArray
-from ...errors import ModelError, UnknownNameError
+from ...errors import ModelError, looked_up
 from ...tolerances.mechanics import COINCIDENT_M
 from ...units import M_PER_MM, MM_PER_M
 from ..files.urdf_parts import JointAxis, nearest_plane, upright
@@ -64,9 +64,7 @@ class Layout:
         Raises:
             UnknownNameError: There is no such point.
         """
-        if name not in self.points:
-            raise UnknownNameError(kind="point", name=name, known=self.points)
-        x, _, z = MM_PER_M * self.place[self.points[name]]
+        x, _, z = MM_PER_M * self.place[looked_up("point", name, self.points)]
         return float(x), float(z)
 
     def gaps(self, document: Mapping[str, Any]) -> dict[str, FloatArray]:
@@ -105,12 +103,8 @@ class Layout:
             UnknownNameError: There is no such point, or its link hangs on no hinge.
         """
         self.point_mm(name)
-        if name not in self.carried_by:
-            known, where = self.carried_by, f"points.{name}: polar coordinates"
-            raise UnknownNameError(
-                kind="point on a hinged link", name=name, known=known, where=where
-            )
-        return self.carried_by[name]
+        where = f"points.{name}: polar coordinates"
+        return looked_up("point on a hinged link", name, self.carried_by, where)
 
     def inertial(self, link: str, path: str) -> ElementTree.Element:
         """Mass and inertia of a link.
@@ -123,18 +117,11 @@ class Layout:
             for item in self.root.findall("link")
             if (part := item.find("inertial")) is not None
         }
-        if link not in known:
-            raise UnknownNameError(
-                kind="link with a mass", name=link, known=known, where=f"path {path}"
-            )
-        return known[link]
+        return looked_up("link with a mass", link, known, f"path {path}")
 
 
 def read_layout(root: ElementTree.Element, document: Mapping[str, object], file: str) -> Layout:
-    """Read where links and points stand at touch.
-
-    Args:
-        document: The TOML document, known to be well-formed.
+    """Read where links and points stand at touch; the document is known to be well-formed.
 
     Raises:
         ModelError: The links are no tree, or a placement is no number.

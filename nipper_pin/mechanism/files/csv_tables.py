@@ -34,9 +34,6 @@ _SI = {
 def inline_tables(data: Mapping[str, object], folder: Path, file: str) -> dict[str, object]:
     """Read the CSV files of table drives and springs into the document.
 
-    Args:
-        data: The TOML document, as written.
-
     Returns:
         The document with the columns in place of each file name.
 
@@ -79,14 +76,13 @@ def _read_csv(
 ) -> dict[str, list[float]]:
     """Read the two columns of a CSV file."""
     key = f"{where}.file"
-    named = isinstance(name, str) and is_path(name)
-    path = folder / (str(name) if named else "")
-    if (
-        not isinstance(name, str)
-        or not named
-        or not followed(path).is_relative_to(followed(folder))
+    if not (
+        isinstance(name, str)
+        and is_path(name)
+        and followed(folder / name).is_relative_to(followed(folder))
     ):
         raise ModelError(file=file, key=key, value=name, allowed="a CSV file in the model folder")
+    path = folder / name
     if not path.is_file():
         known = ", ".join(sorted(item.name for item in folder.glob("*.csv"))) or "none"
         kind = no_file(path)

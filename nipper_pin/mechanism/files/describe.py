@@ -342,18 +342,16 @@ def in_known_units(
     """
     found = _table(document, top, "", file)
     for section, entries in found.items():
-        where = f"{section}.{{}}"
         if section == "cylinder" and isinstance(entries, Mapping):
             found[section] = _table(entries, CylinderDescription.__struct_fields__, section, file)
         elif isinstance(entries, Mapping):
             found[section] = {
-                name: _entry(entry, kinds, section, where.format(name), file)
+                name: _entry(entry, kinds, section, f"{section}.{name}", file)
                 for name, entry in entries.items()
             }
         elif isinstance(entries, list | tuple):
-            where = f"{section}[{{}}]"
             found[section] = [
-                _entry(entry, kinds, section, where.format(number), file)
+                _entry(entry, kinds, section, f"{section}[{number}]", file)
                 for number, entry in enumerate(entries)
             ]
     return found

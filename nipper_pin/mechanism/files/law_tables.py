@@ -1,13 +1,16 @@
-"""Common keys of the tables of a model file that name a law."""
+"""Common keys of the tables of a model file that name a law, and what they give."""
 
 from __future__ import annotations
 
-from typing import ClassVar
+from collections.abc import Callable
+from typing import ClassVar, TypeVar
 
+from ...errors import InputError, ModelError
 from ..laws import DriveLaw, ForceLaw, RestitutionLaw
 from .description import Name, NotNegative, Positive, TomlTable
 
 HINGE, SLIDE = "revolute", "prismatic"
+_T = TypeVar("_T")
 
 
 class DriveTable(TomlTable, frozen=True, kw_only=True, tag_field="law"):
@@ -107,3 +110,19 @@ class StopTable(TomlTable, frozen=True, kw_only=True, tag_field="law"):
     def place(self, kind: str) -> float:
         """Return that coordinate [m or rad]; argument and errors as of :meth:`ForceTable.build`."""
         raise NotImplementedError
+
+
+def built(build: Callable[[str], _T], kind: str, table: TomlTable, where: str, file: str) -> _T:
+    """What a table with a law gives on a joint of a kind, in SI units.
+
+    Raises:
+        ModelError: The values of the table make nothing; names the law if that names no key.
+    """
+    try:
+        return build(kind)
+    except InputError as error:
+        key = str(error.evidence.get("key", "law"))
+        value = getattr(table, key, table.__struct_config__.tag)
+        raise ModelError(
+            file=file, key=f"{where}.{key}", value=value, allowed=error.message
+        ) from error

@@ -73,13 +73,7 @@ class Register(Generic[_T]):
         return {name: self._table(name) for name in self.names()}
 
     def kind(self, wanted: object) -> Any:
-        """Return the type of an entry, for reading a model file.
-
-        Args:
-            wanted: Name of its law.
-
-        Returns:
-            The table of that law; None if there is none.
+        """Return the table of a law for reading a model file; None if there is none.
 
         Raises:
             InputError: An installed extension cannot be imported.

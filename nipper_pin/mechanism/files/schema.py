@@ -73,7 +73,8 @@ def _schema(of_file: type, title: str) -> dict[str, Any]:
     for name, table in schema["$defs"].items():
         found = (getattr(home, name, None) for home in homes)
         kind = tables.get(name) or next(each for each in found if each is not None)
-        table["description"] = _summary(kind)
+        # The first paragraph of its docstring, on one line.
+        table["description"] = " ".join((inspect.getdoc(kind) or "").partition("\n\n")[0].split())
         del table["title"]
         words = {"law": table["description"], **_attributes(kind)}
         for key, value in table["properties"].items():
@@ -121,11 +122,6 @@ def _in_other_units(properties: dict[str, Any]) -> dict[str, Any]:
             numbers = {"type": "number"}
             found[pattern] = numbers if number else {"type": "array", "items": numbers}
     return {"patternProperties": found} if found else {}
-
-
-def _summary(kind: type) -> str:
-    """First paragraph of a docstring on one line."""
-    return " ".join((inspect.getdoc(kind) or "").partition("\n\n")[0].split())
 
 
 def _attributes(kind: type) -> dict[str, str]:

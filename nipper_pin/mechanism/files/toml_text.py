@@ -68,10 +68,6 @@ def need_plain_text(document: object, file: str, where: str = "") -> None:
 
     A terminal would obey them: it would be cleared, or its title changed.
 
-    Args:
-        document: A TOML document as plain data, or a part of it.
-        where: Path of the part.
-
     Raises:
         ModelError: Names such a text.
     """

@@ -9,9 +9,9 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from ...errors import ModelError, UnknownNameError
+from ...errors import ModelError, looked_up
 from .toml_text import NAMES, is_name
-from .urdf_parts import Mimic, Plane, Urdf, UrdfJoint, UrdfLink, in_side_view
+from .urdf_parts import Plane, Urdf, UrdfJoint, UrdfLink, in_side_view
 from .urdf_shapes import check_colours, read_shapes
 from .urdf_values import check_limits, finite, placement, read_damping, read_inertial
 
@@ -75,7 +75,7 @@ def _by_name(elements: list[ElementTree.Element], file: str) -> dict[str, Elemen
 
 
 def _read_joint(
-    name: str, element: ElementTree.Element, links: Iterable[str], file: str
+    name: str, element: ElementTree.Element, links: Mapping[str, object], file: str
 ) -> UrdfJoint:
     """Read type, links, placement and axis of a joint."""
     key = f"joint {name}"
@@ -87,10 +87,7 @@ def _read_joint(
     for side in ("parent", "child"):
         end = element.find(side)
         link = end.get("link", "") if end is not None else ""
-        if link not in links:
-            raise UnknownNameError(
-                kind="link", name=link, known=links, where=f"{file}: {key} {side}"
-            )
+        looked_up("link", link, links, f"{file}: {key} {side}")
         ends.append(link)
     axis, written = _read_axis(element, _KINDS[kind], key, file)
     check_limits(element, "m" if kind == "prismatic" else "rad", key, file)
@@ -123,8 +120,8 @@ def _read_axis(
     return (x, y, z), "none, which means 1 0 0" if axis is None else value
 
 
-def _read_mimic(element: ElementTree.Element, key: str, file: str) -> Mimic | None:
-    """The joint that a joint follows."""
+def _read_mimic(element: ElementTree.Element, key: str, file: str) -> tuple[str, float] | None:
+    """The joint that a joint follows, and by which multiple."""
     mimic = element.find("mimic")
     if mimic is None:
         return None
@@ -141,7 +138,7 @@ def _read_mimic(element: ElementTree.Element, key: str, file: str) -> Mimic | No
             "hold the offset"
         )
         raise ModelError(file=file, key=f"{key} mimic offset", value=offset, allowed=allowed)
-    return Mimic(joint=mimic.get("joint", ""), multiplier=multiplier)
+    return mimic.get("joint", ""), multiplier
 
 
 def _check_mimics(joints: Mapping[str, UrdfJoint], file: str) -> None:
@@ -150,17 +147,14 @@ def _check_mimics(joints: Mapping[str, UrdfJoint], file: str) -> None:
     for joint in joints.values():
         if joint.mimic is None:
             continue
-        known = [name for name in moving if name != joint.name]
+        others = {name: item for name, item in moving.items() if item is not joint}
         if joint.kind == "fixed":
             allowed = "a joint that moves, if it is to follow another"
             raise ModelError(
                 file=file, key=f"joint {joint.name} type", value="fixed", allowed=allowed
             )
-        if joint.mimic.joint not in known:
-            where = f"{file}: joint {joint.name} mimic"
-            raise UnknownNameError(
-                kind="other joint that moves", name=joint.mimic.joint, known=known, where=where
-            )
+        where = f"{file}: joint {joint.name} mimic"
+        looked_up("other joint that moves", joint.mimic[0], others, where)
 
 
 def _check_tree(links: Iterable[str], joints: dict[str, UrdfJoint], file: str) -> str:

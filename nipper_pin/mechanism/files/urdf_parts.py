@@ -158,19 +158,6 @@ def direction_text(direction: FloatArray) -> str:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Mimic:
-    """A joint that follows another: its coordinate is a multiple of the other's.
-
-    Attributes:
-        joint: The joint that it follows.
-        multiplier: Its coordinate by the other's [1, m/rad or rad/m].
-    """
-
-    joint: str
-    multiplier: float
-
-
-@dataclass(frozen=True, kw_only=True)
 class UrdfJoint:
     """One joint of the URDF.
 
@@ -179,7 +166,8 @@ class UrdfJoint:
         placement: Of the child's frame in the parent's at coordinate zero.
         axis: Unit axis of rotation or translation in the joint frame; zero if fixed.
         damping: Of its <dynamics> [N s/m or N m s/rad].
-        mimic: The joint that it follows, None if it follows none.
+        mimic: The joint that it follows, and its coordinate by the other's [1, m/rad or rad/m];
+            None if it follows none.
         written: What the file has as its axis, for messages.
     """
 
@@ -190,7 +178,7 @@ class UrdfJoint:
     placement: pin.SE3
     axis: tuple[float, float, float]
     damping: float = 0.0
-    mimic: Mimic | None = None
+    mimic: tuple[str, float] | None = None
     written: object = None
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ...errors import UnknownNameError
+from ...errors import looked_up
 from ..drawing import Drawing
 
 GROUPS: dict[str, tuple[str, ...]] = {
@@ -66,6 +66,4 @@ def drawn(name: str) -> Drawing:
 
 def file_of(name: str) -> Path:
     """The file that draws a machine of the gallery; errors as of :func:`drawn`."""
-    if name not in GALLERY:
-        raise UnknownNameError(kind="machine of the gallery", name=name, known=GALLERY)
-    return GALLERY[name]
+    return looked_up("machine of the gallery", name, GALLERY)
