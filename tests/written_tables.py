@@ -62,7 +62,7 @@ def tables_of(
         bounds=np.zeros((1, layout.SIZES, functions)),
         gap_bounds=np.zeros((1, 3 * len(gaps))),
         numbers=numbers[None],
-        on_rows=np.empty((1, 0)),
+        beyond=np.empty((1, 0, cells, count_u)),
         stops=stops[None],
         lever=np.full(1 + len(gaps), lever),
     )

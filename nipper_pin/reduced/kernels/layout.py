@@ -127,23 +127,21 @@ class Charts(NamedTuple):
     """Functions around the stretches of a turn along which a stop can be closed.
 
     A chart has the gap x of its stop as coordinate, and travels u from its begin; all charts have
-    the same numbers of cells and coefficients, padded by zeros. C charts, K stops, S = K - 1. The
-    domain of a transition is one chart.
+    the same numbers of cells and coefficients, padded by zeros. The domain of a transition is one
+    chart. C charts, K stops, R ends of tables of springs, S = K - 1 + R.
 
     Attributes:
         equation: Functions in x'', shape (C, 4 + 2 springs, cells, Nu, Nx).
         along: The same along the closed stop, x = 0, shape (C, functions, cells, Nu).
-        gaps: Gaps of the other stops, then their derivatives by x, then those by u,
-            shape (C, 3 S, cells, Nu, Nx).
+        gaps: Gaps of the other stops and up to those ends, then their derivatives by x, then those
+            by u, shape (C, 3 S, cells, Nu, Nx).
         inertia: Effective inertia at x = 0, shape (C, cells, Nu).
         bounds: Of the functions: of their errors, largest derivatives by x and by u, and largest
             values, shape (C, SIZES, functions).
         gap_bounds: Of the errors of the gaps and their derivatives, shape (C, 3 S).
         numbers: Shape (C, CASE_NUMBERS).
-        on_rows: Largest x up to which springs are on the rows of their tables, negative where they
-            leave them with the stop closed, by equal parts of the span, shape (C, parts); none of a
-            machine without tables.
-        stops: Places of a chart, shape (C, 2 + S).
+        beyond: How far springs are beyond those ends where x = 0, shape (C, R, cells, Nu).
+        stops: Places of a chart, shape (C, 1 + K).
         lever: Rate of the normal gap by that of the coordinate, shape (K,) [m/rad or 1].
     """
 
@@ -154,7 +152,7 @@ class Charts(NamedTuple):
     bounds: FloatArray
     gap_bounds: FloatArray
     numbers: FloatArray
-    on_rows: FloatArray
+    beyond: FloatArray
     stops: NDArray[np.int64]
     lever: FloatArray
 

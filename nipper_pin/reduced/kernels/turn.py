@@ -21,8 +21,6 @@ from .repeats import mark, repeats
 from .series import settles, surely_over
 from .turn_charts import (
     chart_at,
-    off_rows,
-    off_rows_at,
     other_of,
     press,
     seen_by,
@@ -111,8 +109,9 @@ def _rest(charts: Charts, work: Work, one: Case, clamp: int, records: Records,
         return rows.UNTOLD, RESTING, at
     at_end = place > travel
     u = travel if at_end else place
-    if off_rows(charts, c, at.u, u, (0.0, 0.0), 0.0, 0.0):
-        return rows.OFF_ROWS, RESTING, at
+    for end in range(charts.beyond.shape[1]):
+        if released(charts.beyond[c, end], per_rad, at.u, u) <= u:
+            return rows.OFF_ROWS, RESTING, at
     freed = 0.0 if at_end else release_error(line, work.sizes[c], per_rad, u)
     if stop == clamp:
         _hold(charts, memory, records, at, u, at_end, freed)
@@ -218,9 +217,7 @@ def _fly(grids: FloatArray, charts: Charts, work: Work, one: Case, settings: Set
         settings.tolerance, at.u == 0.0 and at.x == 0.0,
     )  # fmt: skip
     status, u, t = int(end), at.u + speed * T, at.t + T
-    if off_rows(charts, c, at.u, u, (at.x, gap), top, fastest / speed):
-        return rows.OFF_ROWS, FLYING, at
-    if status == rows.LEFT_GAP and off_rows_at(charts, c, case[rows.HIGH]):
+    if status == rows.OTHER_STOP and hit >= charts.stops.shape[1] - rows.OTHERS:
         return rows.OFF_ROWS, FLYING, at
     motion = speed, T, fastest, changed, left, at.dt
     if status == rows.AT_REST:

@@ -106,39 +106,6 @@ def surface(table: FloatArray, row: int, case: FloatArray, u: float, x: float) -
 
 
 @part
-def off_rows(charts: Charts, c: int, begin: float, end: float, gaps: tuple[float, float],
-             top: float, steepest: float) -> bool:  # fmt: skip
-    """Whether a spring may leave the rows of its table between two travels.
-
-    Args:
-        begin: Travel [rad].
-        end: Later travel [rad].
-        steepest: Largest derivative of the gap by the travel.
-    """
-    parts = charts.on_rows.shape[1]
-    if parts == 0:
-        return False
-    width = charts.equation.shape[2] / (charts.numbers[c, rows.PER_RAD] * parts)
-    last = min(int(end / width), parts - 1)
-    for row in range(min(int(begin / width), last), last + 1):
-        before, after = (row + 1) * width - begin, end - row * width
-        if charts.on_rows[c, row] < min(
-            top, gaps[0] + steepest * before, gaps[1] + steepest * after
-        ):
-            return True
-    return False
-
-
-@part
-def off_rows_at(charts: Charts, c: int, x: float) -> bool:
-    """Whether a spring is off the rows of its table at a gap, at any travel."""
-    for row in range(charts.on_rows.shape[1]):
-        if charts.on_rows[c, row] >= x:
-            return False
-    return bool(charts.on_rows.shape[1] > 0)
-
-
-@part
 def seen_by(charts: Charts, work: Work, c: int, s: int, speed: float, u: float, x: float,
             v: float, dx: float, dw: float) -> tuple[float, float, float, float]:  # fmt: skip
     """Gap and rate of another stop, and bounds on their errors, from x and x' of a chart."""

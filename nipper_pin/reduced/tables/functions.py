@@ -22,17 +22,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ...arrays import FloatArray
 from ...dynamics import INFINITE_INERTIA, System, close_positions, close_velocities, partition
 from ...errors import InputError
-from ...mechanism import Stop, rad_s_from_rpm
-from ...tolerances.mechanics import EPS
+from ...mechanism import Mechanism, Stop, rad_s_from_rpm
+from ...tolerances.mechanics import EPS, TABLE_END_OVERRUN
 
 _ROOT_STEPS = 40
+_NO_STOP = Stop(name="end of a table", index=0, restitution=0.0, contact=None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,8 +142,8 @@ class Samples:
         equation: F0, F1, F2, Fg, then F_k and F_k s_k of every spring, shape (4 + 2 springs, N);
             of a machine with other elements three more, shape (7 + 2 springs, N): what they do at
             rest, and by the rates of the cylinder and of x.
-        gaps: Gaps of the other stops [m or rad], then their derivatives by x, then by u,
-            shape (3 other stops, N).
+        gaps: Gaps of the other stops, then those up to the ends of springs' tables [m or rad];
+            then their derivatives by x, then by u, shape (3 S, N).
         inertia: C, shape (N,) [kg m^2 or kg].
     """
 
@@ -150,6 +151,20 @@ class Samples:
     equation: FloatArray
     gaps: FloatArray
     inertia: FloatArray
+
+
+def _table_ends(mechanism: Mechanism) -> Iterator[Stop]:
+    """Ends of the tables of springs, as if they were stops; none where a stop holds them off.
+
+    A coordinate at the very end is on its table, and beyond it no force is known.
+    """
+    for spring in mechanism.tabulated_springs:
+        low, high = spring.characteristic.ends
+        slack = TABLE_END_OVERRUN * (high - low)
+        for sense, at in ((1.0, low - slack), (-1.0, high + slack)):
+            own = [stop for stop in mechanism.stops if stop.index == spring.index]
+            if not any(stop.sense == sense and sense * (stop.at - at) >= 0.0 for stop in own):
+                yield replace(_NO_STOP, index=spring.index, sense=sense, at=at)
 
 
 class Sampler:
@@ -188,7 +203,8 @@ class Sampler:
         self._system = system
         self._stop = stop
         self._column = stop.index
-        self._others = tuple(item for item in system.mechanism.stops if item.name != stop.name)
+        others = [item for item in system.mechanism.stops if item.name != stop.name]
+        self._others = (*others, *_table_ends(system.mechanism))
         self._path = path
         self._armature = np.zeros(system.body.nv)
         self._armature[[*system.driven, stop.index]] = INFINITE_INERTIA

@@ -6,7 +6,7 @@ Negligible coefficients are left out, with bounds on the errors of the remaining
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -71,7 +71,7 @@ class Tables:
         x: Coordinates of the grid, increasing, shape (X,).
         q: Configurations on the grid, shape (U, X, nv).
         equation: Coefficients, shape (functions, cells, Nu, Nx).
-        gaps: Coefficients of the gaps and their derivatives, shape (3 other stops, cells, Nu, Nx).
+        gaps: Coefficients of the gaps and their derivatives, shape (3 S, cells, Nu, Nx).
         inertia: Coefficients at x = 0, shape (cells, Nu).
     """
 
@@ -224,8 +224,7 @@ class Chart:
 
     Attributes:
         equation: Coefficients, shape (functions, cells, Nu, Nx).
-        gaps: Those of the gaps of other stops, then of their derivatives by x, then by u,
-            shape (3 S, cells, Nu, Nx).
+        gaps: Those of the gaps as of ``Samples``, shape (3 S, cells, Nu, Nx).
         inertia: Those of the inertia at x = 0, shape (cells, Nu).
         bounds: Bounds on the errors of the functions, then their largest derivatives by x and by u,
             and their largest values, shape (4, functions).
@@ -236,8 +235,6 @@ class Chart:
         meets: Derivative by u of the gap of the stop that takes over at the end, bound on its
             error, rate of x by that of its gap, and bound on the error of the end [rad]; zeros if
             it is the same stop.
-        on_rows: Largest gaps up to which springs are on the rows of their tables, by equal parts of
-            the travel, shape (parts,).
         samples: Points that were sampled.
     """
 
@@ -251,7 +248,6 @@ class Chart:
     stop: int = 0
     begin: float = 0.0
     meets: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
-    on_rows: FloatArray = field(default_factory=lambda: np.empty(0))
     samples: int = 0
 
 
@@ -261,7 +257,7 @@ def chart_over(
     weights: FloatArray,
     tolerance: float,
     of_gaps: float = math.inf,
-) -> tuple[Chart, Tables]:
+) -> Chart:
     """Sample a domain, and leave out the highest degrees that hardly matter.
 
     Args:
@@ -270,7 +266,7 @@ def chart_over(
         of_gaps: Relative accuracy that the gaps of other stops and their slopes keep.
 
     Returns:
-        The chart, and the tables with all degrees.
+        The chart.
 
     Raises:
         ConvergenceError: The functions are not smooth enough on this domain.
@@ -290,7 +286,7 @@ def chart_over(
     width = domain.travel / equation.shape[1]
     largest, steep_u, steep_x = series2d.largest(equation)
     steep_u, steep_x = 2.0 / width * steep_u, 2.0 / (domain.high - domain.low) * steep_x
-    chart = Chart(
+    return Chart(
         domain=domain,
         samples=samples,
         equation=equation,
@@ -300,7 +296,6 @@ def chart_over(
         gap_bounds=misfit(points, domain, gaps, points.true.gaps),
         inertia_error=inertia_error,
     )
-    return chart, tables
 
 
 def _orders_of_gaps(tables: Tables, share: float) -> tuple[int, int]:
@@ -335,9 +330,6 @@ def stacked(charts: list[Chart], after: list[int], lever: FloatArray) -> Charts:
         return found
 
     inertia = padded([chart.inertia[None, :, :, None] for chart in charts])[:, 0, :, :, 0]
-    parts = max(len(chart.on_rows) for chart in charts)
-    rows = [np.pad(chart.on_rows, (0, parts - len(chart.on_rows)), "edge") if parts else
-            chart.on_rows for chart in charts]  # fmt: skip
     numbers, stops = [], []
     for chart, shape, to in zip(charts, shapes, after, strict=True):
         arrive, arrive_error, throw, corner_error = chart.meets
@@ -348,18 +340,24 @@ def stacked(charts: list[Chart], after: list[int], lever: FloatArray) -> Charts:
         ))  # fmt: skip
         others = [place for place in range(len(lever)) if place != chart.stop]
         stops.append((chart.stop, to, *others))
-    equation = padded([chart.equation for chart in charts])
+    equation, gaps = (
+        padded([getattr(chart, name) for chart in charts]) for name in ("equation", "gaps")
+    )
     closed = np.array([chart.domain.places(np.zeros(1))[0] for chart in charts])
     at_zero = np.polynomial.chebyshev.chebvander(closed, count_x - 1)
+
+    def along(functions: FloatArray) -> FloatArray:
+        return np.ascontiguousarray(np.einsum("cfnij,cj->cfni", functions, at_zero))
+
     return Charts(
         equation=equation,
-        along=np.ascontiguousarray(np.einsum("cfnij,cj->cfni", equation, at_zero)),
-        gaps=padded([chart.gaps for chart in charts]),
+        along=along(equation),
+        gaps=gaps,
         inertia=np.ascontiguousarray(inertia),
         bounds=np.array([chart.bounds for chart in charts]),
         gap_bounds=np.array([chart.gap_bounds for chart in charts]),
         numbers=np.array(numbers),
-        on_rows=np.array(rows),
+        beyond=-along(gaps[:, len(lever) - 1 : gaps.shape[1] // 3]),
         stops=np.array(stops, dtype=np.int64),
         lever=lever,
     )

@@ -17,7 +17,6 @@ from ..model import MARGIN, factors
 from ..tables.functions import Sampler
 from ..tables.tables import Chart, Domain, chart_over
 from .arcs import TURN, ContactArc, system_at
-from .rows import on_rows
 
 _PLACES = 9
 _NODES_X = 8
@@ -74,17 +73,22 @@ class ChartSampler:
     @property
     def width(self) -> float:
         """Largest gap of the nearest other stop along the arc."""
-        gaps = self.along.gaps[: len(self.along.gaps) // 3].min(axis=0, initial=np.inf)
+        gaps = self._gaps()[0].min(axis=0, initial=np.inf)
         return float(gaps.max()) if np.isfinite(gaps).all() else 0.0
 
     @property
     def room(self) -> float:
         """Largest gap of the arc's own stop at which the nearest other one may close."""
-        gaps, slopes, _ = np.split(self.along.gaps, 3)
+        gaps, slopes, _ = self._gaps()
         slopes = np.abs(slopes)
         rooms = np.where(slopes > 0.0, gaps / np.where(slopes > 0.0, slopes, 1.0), np.inf)
         room = float(rooms.min(axis=0, initial=np.inf).max())
         return room if math.isfinite(room) else 0.0
+
+    def _gaps(self) -> FloatArray:
+        """Gaps of other stops along the arc, and their derivatives, shape (3, K - 1, places)."""
+        gaps = self.along.gaps.reshape(3, -1, len(self.places[0]))
+        return gaps[:, : len(self.mechanism.stops) - 1]
 
     def terms(self, w: float) -> FloatArray:
         """Terms of x'' at the begin of the arc with a rate w, at a lively speed."""
@@ -113,10 +117,10 @@ def chart_of(around: ChartSampler, gap: float, w: float, tolerance: float, of_ga
     for halvings in count():
         domain = Domain(float(around.arc.travels[-1]), -MARGIN * gap, gap, count_x=_NODES_X)
         try:
-            kept, tables = chart_over(around.sampler, domain, around.weights(w), tolerance, of_gaps)
+            kept = chart_over(around.sampler, domain, around.weights(w), tolerance, of_gaps)
             break
         except SimulationError:
             if halvings == _HALVINGS:
                 raise
             gap *= 0.5
-    return replace(around.placed(kept), on_rows=on_rows(around.mechanism, domain, tables))
+    return around.placed(kept)

@@ -85,7 +85,7 @@ def _chart(around: ChartSampler, drive: int, domain: Domain) -> Chart:
     fastest = np.abs(around.terms(rate)).sum()
     weights = np.append(factors(around.mechanism, len(functions) - 1, rate), fastest)
     weights = shares(weights, functions)
-    kept, _ = chart_over(sampler, domain, weights, TORQUE_TABLES)
+    kept = chart_over(sampler, domain, weights, TORQUE_TABLES)
     by_a = np.zeros((3, *kept.equation.shape[1:]))
     by_a[0] = kept.equation[-1]
     return replace(
