@@ -23,9 +23,9 @@ from snapshots import Words, blocks
 import nipper_pin as nip
 from nipper_pin import frames
 from nipper_pin.study.sweep import SweepReport
+from nipper_pin.view import local as server
 from nipper_pin.view import scene
 from nipper_pin.view.run import tables
-from nipper_pin.view.scene import server
 from nipper_pin.view.scene.page import scene_page
 
 SWEEP = 'format = 1\nchunk = 2\nquantities = ["duration_s"]\n[case]\nspeed_rpm = 650.0\n'

@@ -14,7 +14,7 @@ from matplotlib.ticker import MaxNLocator
 from nipper_pin.arrays import FloatArray
 from nipper_pin.hybrid.result.quantities import force_unit
 from nipper_pin.units import MS_PER_S
-from nipper_pin.view.naming import coordinate_shown, shown
+from nipper_pin.view.reading import coordinate_shown, shown
 from nipper_pin.view.run.sampling import sample_coordinates
 from nipper_pin.view.style import LINES, MARKERS, SMALL, TITLE, WIDTH_IN, tidy
 

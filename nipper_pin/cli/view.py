@@ -64,7 +64,7 @@ def _run(options: argparse.Namespace) -> None:
     if free:
         ending(unbroken_console(), written=(options.html, options.gif, options.json))
     if served:
-        from ..view.scene.server import serve
+        from ..view.local import serve
 
         serve(show.shown_page(solution, look), port, browser=not options.no_browser)
 

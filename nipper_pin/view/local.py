@@ -1,4 +1,7 @@
-"""What both servers have in common: where they listen, and which requests they answer."""
+"""Serves one page to browsers on this machine, and what the server of the live page shares with it.
+
+That is where they listen, and which requests they answer.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +9,7 @@ import os
 import socket
 import sys
 import webbrowser
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from urllib.parse import urlsplit
 
 from ..errors import InputError
@@ -53,17 +57,12 @@ def listening(port: int) -> socket.socket:
         place.listen()
     except (OSError, OverflowError) as error:
         place.close()
-        raise refused_port(port, error) from error
+        message = (
+            f"port {port} cannot be used ({getattr(error, 'strerror', None) or error}): "
+            "another program may hold it; name another one, or --port 0 for any that is free"
+        )
+        raise InputError(message, port=port) from error
     return place
-
-
-def refused_port(port: int, error: Exception) -> InputError:
-    """The error that says why a port cannot be served at."""
-    message = (
-        f"port {port} cannot be used ({getattr(error, 'strerror', None) or error}): "
-        "another program may hold it; name another one, or --port 0 for any that is free"
-    )
-    return InputError(message, port=port)
 
 
 def announce(what: str, port: int, *, browser: bool) -> None:
@@ -73,3 +72,48 @@ def announce(what: str, port: int, *, browser: bool) -> None:
     sys.stdout.flush()
     if browser:
         webbrowser.open(address)
+
+
+def serve(page: str, port: int, *, browser: bool) -> None:
+    """Serve a page until Ctrl-C, and say where on stdout; at port 0 of any that is free.
+
+    Raises:
+        InputError: The port cannot be used.
+    """
+    place = listening(port)
+    address = place.getsockname()
+
+    class Handler(_Handler):
+        body, port = page.encode(), address[1]
+
+    with ThreadingHTTPServer(address, Handler, bind_and_activate=False) as server:
+        server.socket.close()
+        server.socket = place
+        try:
+            announce("scene", Handler.port, browser=browser)
+            server.serve_forever(poll_interval=0.1)
+        except KeyboardInterrupt:
+            sys.stdout.write("\n")
+
+
+class _Handler(BaseHTTPRequestHandler):
+    body: bytes
+    port: int
+
+    def do_GET(self) -> None:
+        """Send the page."""
+        if not is_local(self.headers["Host"], self.headers["Origin"], self.port):
+            self.send_error(403)
+            return
+        if self.path.partition("?")[0] != "/":
+            self.send_error(404)
+            return
+        self.send_response(200)
+        for name, value in HEADERS.items():
+            self.send_header(name, value)
+        self.send_header("Content-Length", str(len(self.body)))
+        self.end_headers()
+        self.wfile.write(self.body)
+
+    def log_message(self, format: str, *args: object) -> None:  # noqa: A002
+        """Say nothing about every request."""

@@ -66,7 +66,7 @@ def view(
         write(solution, target, look)
         return target
     from ..given import flag, whole
-    from .scene.server import serve
+    from .local import serve
 
     port = whole("port", port, 0, 65535)
     serve(shown_page(solution, look), port, browser=flag("browser", browser))

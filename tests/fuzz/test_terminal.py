@@ -19,7 +19,7 @@ import nipper_pin
 from nipper_pin import Case, InputError, load, save, save_case, simulate
 from nipper_pin.mechanism import find_model
 from nipper_pin.view.console import Terminal, headline, paste, say, show_table
-from nipper_pin.view.plain_texts import plain
+from nipper_pin.view.figure_file import plain
 
 BASES = Path(__file__).parent / "bases"
 # A title, a colour, a line that is cleared and one that is written over, and a turned direction.

@@ -22,11 +22,11 @@ from snapshots import Words
 
 from nipper_pin import Case, InputError, SingularConfigurationError, Solution, load, simulate
 from nipper_pin.view.scene import Film, Look, film, solids
+from nipper_pin.view.scene.film import rebound_flights
 from nipper_pin.view.scene.gif import MovingSketch, write_gif
+from nipper_pin.view.scene.objects import animation
 from nipper_pin.view.scene.pace import pace
 from nipper_pin.view.scene.readings import readings
-from nipper_pin.view.scene.rebounds import rebound_flights
-from nipper_pin.view.scene.tracks import animation
 from nipper_pin.view.sketch import sketch
 
 MODELS = Path(__file__).parents[1] / "verification" / "models"

@@ -22,8 +22,7 @@ from snapshots import Words
 from nipper_pin import Case, EventKind, InputError, Mechanism, Window, load, simulate
 from nipper_pin.view.live import answer as answers
 from nipper_pin.view.live import whole_turn
-from nipper_pin.view.live.answer import Answer, answer
-from nipper_pin.view.live.numbers import Number, Rows, difference
+from nipper_pin.view.live.answer import Answer, Number, Rows, answer, difference
 from nipper_pin.view.live.settings import Knob, knobs
 from nipper_pin.view.live.whole_turn import WholeTurns, turn_rows, unusable
 

@@ -32,7 +32,7 @@ from nipper_pin.view.run import print_solution
 from nipper_pin.view.run.bounces import impulse_figure
 from nipper_pin.view.scene import Look, film
 from nipper_pin.view.scene.readings import readings
-from nipper_pin.view.studies.sweep_columns import short
+from nipper_pin.view.studies.sweep_plots import short
 
 DIGITS = 5.1e-4  # four digits
 PLACES = 5.1e-4  # three decimals

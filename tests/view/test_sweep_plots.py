@@ -22,9 +22,13 @@ from snapshots import Words
 from nipper_pin import InputError, UnknownNameError, read_sweep
 from nipper_pin.cli import main
 from nipper_pin.study.sweep import SweepTable, read_plan, run_sweep
-from nipper_pin.view.studies.sweep_columns import Parameter, Quantity
-from nipper_pin.view.studies.sweep_figures import level_lines, main_effects
-from nipper_pin.view.studies.sweep_plots import plot_sweep
+from nipper_pin.view.studies.sweep_plots import (
+    Parameter,
+    Quantity,
+    level_lines,
+    main_effects,
+    plot_sweep,
+)
 
 Array = Any
 STUDY = """

@@ -13,10 +13,9 @@ from ...terms import digits
 from ..scene import Look, Solid, pictured
 from ..scene.colours import channels
 from ..scene.film import true_size
-from ..scene.objects import ROOT
+from ..scene.objects import ROOT, animation
 from ..scene.page import assembled, cameras, encoded, machine_messages
 from ..scene.readings import curve_record, drawing, readings, rounded
-from ..scene.tracks import animation
 from .pair import COLOUR_A, COLOUR_B, Lane, Pair, clock_text, lanes, pair
 from .table import cells, shown_rows
 from .words import changes_text, finding, names

@@ -13,7 +13,7 @@ from ...study.compare import Comparison
 from ...units import MS_PER_S
 from ..reading import shown_until
 from ..scene import Film, Look, film
-from ..scene.curves import Curve, curves
+from ..scene.film import Curve, curves
 from ..scene.pace import Pace, paced
 
 COLOUR_A, COLOUR_B = "#0072B2", "#CC79A7"

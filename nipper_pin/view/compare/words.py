@@ -11,7 +11,7 @@ from ...hybrid.result.turns import INDICES
 from ...mechanism import Mechanism
 from ...study.compare import Change, Comparison, Row
 from ...terms import Shown, digits, fixed, named
-from ..naming import AT_CONTACT, shown
+from ..reading import AT_CONTACT, shown
 
 # Counts and places on a scale: their difference is told, not its share.
 _COUNTED = ("collisions", "repeats_after")

@@ -1,10 +1,15 @@
-"""The result of one setting: numbers and curves, or the reason why there are none."""
+"""The result of one setting: numbers with their words and curves, or the reason why there are none.
+
+What follows the rest of a transition is among it: the jaw is pressed shut by a force.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,13 +17,107 @@ from ...arrays import FloatArray
 from ...errors import NipperError
 from ...hybrid import Case, Collision, Outcome, Solution, simulate
 from ...hybrid.result.quantities import force_unit
-from ...mechanism import Mechanism
+from ...mechanism import INDEX_PER_TURN, Mechanism, index_difference
 from ...units import MS_PER_S
-from ..naming import coordinate_shown, lips_shown
-from ..naming import shown as words_of
-from .clamping import followed_on, force_line, gap_line
-from .numbers import Number, Rows
+from ..compare.words import index_text, percent_text
+from ..reading import coordinate_shown, lips_shown
+from ..reading import shown as words_of
+from ..run.sampling import sample_coordinates
 from .settings import SPEED, Knob, changed, in_si
+
+
+class Number(NamedTuple):
+    """One row of the page.
+
+    Attributes:
+        key: Its name in the page.
+        label: What it is, with its unit.
+        text: What is shown.
+        value: The value itself, from which differences are computed; None without one.
+        on_scale: Whether it is a place on the comber's scale, whose difference is in indices.
+    """
+
+    key: str
+    label: str
+    text: str
+    value: float | None = None
+    on_scale: bool = False
+
+
+Rows = tuple[Number, ...]
+"""Rows of a table."""
+
+
+def difference(now: Number, other: Number | None) -> str:
+    """The difference of a number to that of another setting, if that has one: per cent, or indices.
+
+    Returns:
+        With its sign; empty where there is nothing to compare, or no number of which it is a part.
+    """
+    if other is None or now.value is None or other.value is None:
+        return ""
+    if not (math.isfinite(now.value) and math.isfinite(other.value)):
+        return ""
+    if now.value == other.value:
+        return "0"
+    if now.on_scale:
+        return index_text(index_difference(now.value, other.value))
+    return "" if other.value == 0.0 else percent_text(100.0 * (now.value / other.value - 1.0))
+
+
+def told(rows: Sequence[Number], others: Sequence[Number] = ()) -> list[tuple[str, ...]]:
+    """Key, label, text and difference of each row, to those of another setting."""
+    known = {item.key: item for item in others}
+    return [
+        (item.key, item.label, item.text, difference(item, known.get(item.key))) for item in rows
+    ]
+
+
+# The force of a closed stop is as smooth as the drives: straight lines between so many of its
+# values are off by less than a line of a plot is wide.
+_POINTS = 9
+
+
+def followed_on(solution: Solution) -> Solution:
+    """A transition to rest and one index more, in which the stop is closed unless it opens before.
+
+    Events stay those of the transition. Where the machine cannot be followed further, so does all
+    else: the transition itself is not in doubt.
+    """
+    end = solution.events[-1].t + solution.shaft.period / INDEX_PER_TURN
+    try:
+        return solution.continued(end)
+    except NipperError:
+        return solution
+
+
+def gap_line(solution: Solution) -> tuple[FloatArray, FloatArray]:
+    """Times [s] and gaps of the transition stop [rad or m], each shape (K,)."""
+    stop = solution.mechanism.stop(solution.mechanism.transition_stop)
+    if not solution.segments:
+        return np.zeros(1), np.zeros(1)
+    t, q = sample_coordinates(solution, 0.0, solution.segments[-1].t_end)
+    # Both limits at a collision have one abscissa, and a line needs only one of them.
+    t, places = np.unique(t, return_index=True)
+    return t, stop.gaps(q[places])
+
+
+def force_line(solution: Solution) -> tuple[FloatArray, FloatArray]:
+    """Times [s] and clamping forces [N; N m along a hinge without contact], each shape (K,).
+
+    The force is zero while the jaw flies, and jumps where it comes to rest.
+    """
+    name, rest = solution.mechanism.transition_stop, solution.events[-1].t
+    end = solution.segments[-1].t_end if solution.segments else 0.0
+    if end <= rest:
+        return np.array([0.0, rest]), np.zeros(2)
+    t = np.linspace(rest, end, _POINTS)
+    inner = solution.trajectory.reactions(t[:-1]).contacts[name]
+    last = solution.trajectory.reactions(t[-1:], left=True).contacts[name]
+    # The foot of the jump stands a hair before it, because times of a line have to increase.
+    foot = rest * (1.0 - 1e-9)
+    return np.array([0.0, foot, *t]), np.concatenate([[0.0, 0.0], inner, last])
+
 
 # A bounce series converges with fewer collisions.
 _MOST_COLLISIONS = 400

@@ -9,8 +9,7 @@ from ...arrays import FloatArray
 from ...hybrid.result.quantities import force_unit
 from ...mechanism import Mechanism
 from ...units import S_PER_MS
-from ..naming import contact_shown, coordinate_shown
-from ..reading import gap_noun
+from ..reading import contact_shown, coordinate_shown, gap_noun
 from ..scene.readings import rounded, ticks
 from .answer import Answer
 from .memory import Kept, Memory

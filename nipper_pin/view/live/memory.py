@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .answer import Answer
-from .numbers import Rows
+from .answer import Answer, Rows
 
 # Moves of a slider that follow each other within this time are one change [s].
 ONE_CHANGE = 0.8

@@ -6,9 +6,9 @@ from ...errors import InputError
 from ...mechanism import Mechanism
 from ..reading import shown_until
 from ..scene import Look, film, pictured
+from ..scene.objects import animation
 from ..scene.pace import round_slow, steady
 from ..scene.page import assembled, cameras, machine_messages
-from ..scene.tracks import animation
 from .answer import answer
 from .session import Session, Shown, read
 from .settings import RESTITUTION, Knob, knobs, larger_knob

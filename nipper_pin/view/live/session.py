@@ -1,4 +1,4 @@
-"""What one browser has set, and what it is shown."""
+"""What one browser has set, by sliders and by numbers that are typed, and what it is shown."""
 
 from __future__ import annotations
 
@@ -13,18 +13,53 @@ import msgspec
 from ...errors import InputError
 from ...hybrid import Solution
 from ...mechanism import Mechanism
+from ...written_units import number_in
 from ..scene import Film, Look, Solid, film
+from ..scene.objects import animation
 from ..scene.pace import steady
 from ..scene.page import encoded
 from ..scene.readings import readings
-from ..scene.tracks import animation
-from .answer import Answer, answer
+from .answer import Answer, answer, told
 from .curves import Curves, legend
-from .fields import LONGEST, field_text, typed
 from .memory import Memory
-from .numbers import told
 from .settings import LARGER, Knob
 from .whole_turn import WholeTurns
+
+LONGEST = 40
+"""Most letters of a field that are read."""
+
+
+def field_text(value: float) -> str:
+    """A number as it stands in a field."""
+    return f"{value:.12g}"
+
+
+def typed(knob: Knob, text: str, shown: float) -> tuple[float | None, str]:
+    """The number that a text in a field means, or why there is none.
+
+    Args:
+        text: The text; the number may have a unit of its own.
+        shown: The number that is shown instead.
+
+    Returns:
+        The number, or None; why it cannot be used, what can, and what is shown: empty of a number.
+    """
+    found = text.strip()
+    value, reason = None, "the field is empty"
+    if found:
+        try:
+            value = number_in(found, knob.shown.unit)
+            side = "too large" if value > knob.high else "too small"
+            reason = f"{found} is {'no number' if math.isnan(value) else side}"
+        except ValueError as error:
+            reason = f"“{found}” is not {error}"
+    if value is not None and knob.low <= value <= knob.high:
+        return value, ""
+    now, low, high = (field_text(item) for item in (shown, knob.low, knob.high))
+    unit = f" {knob.shown.unit}".rstrip()
+    words = f"{knob.shown.words}: {low} to {high}{unit}. Refused: {reason}. Shown: {now}{unit}."
+    return None, words
+
 
 _NOTE = (
     "Every number here is computed from these estimates of the class of machine, also where it "

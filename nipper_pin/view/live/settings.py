@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from ...errors import InputError
 from ...mechanism import Mechanism, Spring, retuned
 from ...terms import Shown
-from ..naming import coordinate_shown, stiffness_shown
+from ..reading import coordinate_shown, stiffness_shown
 
 SPEED = "speed"
 LARGER = "larger"

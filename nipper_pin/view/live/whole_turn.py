@@ -21,7 +21,7 @@ from ...reduced.turns import TurnModel, TurnQuantities, TurnStatus, turn_model, 
 from ...reduced.turns.turn import GAP_SCALES
 from ...terms import TERMS
 from ...units import MS_PER_S
-from .numbers import Number, Rows
+from .answer import Number, Rows
 from .settings import RESTITUTION, SPEED, Knob, changed, in_si
 
 # Turns until they repeat, and collisions of a turn.

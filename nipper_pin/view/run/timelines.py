@@ -15,9 +15,9 @@ from matplotlib.patches import Patch
 from ...hybrid import EventKind, Solution, Window
 from ...mechanism import INDEX_PER_TURN, Stop
 from ...units import MS_PER_S
-from ..naming import coordinate_shown
 from ..phases import intervals
 from ..reading import (
+    coordinate_shown,
     force_name,
     gap_noun,
     in_sight,
@@ -36,7 +36,7 @@ from ..style import (
     shade_phases,
     tidy,
 )
-from .rebounds import TIME, contact_scale, draw_rebounds
+from .bounces import TIME, contact_scale, draw_rebounds
 from .sampling import sample_coordinates, sample_forces
 
 _PANEL_IN = 2.2

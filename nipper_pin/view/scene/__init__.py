@@ -5,8 +5,7 @@ and pillow; each is imported where such a file is written.
 """
 
 from .film import Film, Look, film
-from .solids import CYLINDER, FIXED, Colour, Solid, cylinder_axis, solids
-from .symbols import pictured
+from .solids import CYLINDER, FIXED, Colour, Solid, cylinder_axis, pictured, solids
 
 __all__ = [
     "CYLINDER",

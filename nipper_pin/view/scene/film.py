@@ -1,10 +1,16 @@
-"""A solution sampled for a film: where the links stand in each frame, and what is read off."""
+"""A solution sampled for a film: where the links stand in each frame, and what is read off.
+
+Rebounds are drawn larger: flights of the transition stop from one collision to the next. The curves
+under the picture are gaps and forces of the stops.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,11 +19,86 @@ from ...arrays import FloatArray
 from ...dynamics import close_positions, partition
 from ...errors import ConvergenceError, InputError, SingularConfigurationError
 from ...given import number
-from ...hybrid import Solution
+from ...hybrid import EventKind, Solution
+from ...hybrid.result.quantities import force_unit
 from ...mechanism import Mechanism, Stop
-from ..reading import shown_until
+from ..reading import contact_shown, coordinate_shown, shown_until
 from .pace import Pace, pace
-from .rebounds import factors, rebound_flights
+
+
+@dataclass(frozen=True)
+class Flight:
+    """A rebound, or the last ones of a series together.
+
+    Attributes:
+        begin: Time at which it begins [s].
+        end: Time at which the stop is closed again [s].
+        highest: Largest gap [rad or m].
+    """
+
+    begin: float
+    end: float
+    highest: float
+
+
+def rebound_flights(solution: Solution) -> list[Flight]:
+    """Flights between a collision of the transition stop and its next one, or its rest.
+
+    The closing before the first collision and the opening after the last are none.
+    """
+    stop = solution.mechanism.transition_stop
+    closes = [
+        event
+        for event in solution.events
+        if stop in event.stops and event.kind in (EventKind.COLLISION, EventKind.REST)
+    ]
+    own = (hit for hit in solution.collisions if hit.stop == stop)
+    heights = {hit.event.number: hit.rebound_amplitude or 0.0 for hit in own}
+    return [
+        Flight(first.t, second.t, heights.get(first.number, 0.0))
+        for first, second in pairwise(closes)
+        if first.kind is EventKind.COLLISION
+    ]
+
+
+def highest_drawn(solution: Solution, t: FloatArray, gap: FloatArray) -> float:
+    """Largest gap of a rebound in the frames of a film, in the unit of the gaps.
+
+    Args:
+        t: Times of the frames [s], shape (K,).
+        gap: Gaps of the transition stop there, shape (K,).
+    """
+    flights = rebound_flights(solution)
+    found = (gap[(t >= item.begin) & (t <= item.end)].max(initial=0.0) for item in flights)
+    return float(max(found, default=0.0))
+
+
+def factors(
+    solution: Solution, t: FloatArray, gap: FloatArray, factor: float, limit: float
+) -> FloatArray:
+    """Factor on the gap of the transition stop in every frame.
+
+    A rebound has one factor from its begin to its end, at both of which the gap is zero, so the
+    drawing does not jump. A rebound that would be drawn beyond the limit has a smaller factor; all
+    else is drawn as it is.
+
+    Args:
+        t: Times of the frames [s], shape (K,).
+        gap: Gaps of the transition stop there, shape (K,) [rad or m].
+        factor: Factor on rebounds [-].
+        limit: Largest gap of a rebound that is drawn [rad or m].
+
+    Returns:
+        Shape (K,), at least 1.
+    """
+    found = np.ones(len(t))
+    for flight in rebound_flights(solution):
+        inside = (t >= flight.begin) & (t <= flight.end)
+        highest = max(flight.highest, float(gap[inside].max(initial=0.0)))
+        most = limit / highest if highest > 0.0 else factor
+        found[inside] = max(1.0, min(factor, most))
+    return found
+
 
 _LONGEST_STRETCH = 1e5
 # On rebounds, the largest first.
@@ -236,3 +317,61 @@ def worlds(position: FloatArray, angle: FloatArray) -> FloatArray:
     found[:, :-1, :2, :2] = np.stack([cos, -sin, sin, cos], axis=-1).reshape(count, links, 2, 2)
     found[:, :-1, :2, 2] = position
     return found
+
+
+_GAP, _FORCE, _OTHER = "#0072B2", "#CC79A7", "#009E73"
+# Room above the largest rebound, and curves of other stops.
+_ROOM, _OTHERS = 1.15, 2
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One curve.
+
+    Attributes:
+        label: Lines of its name, the last one the unit.
+        stop: The stop whose collisions are marked at it.
+        colour: As in #RRGGBB.
+        most: Largest value that is drawn, in the unit of the label.
+        values: Values in the frames, shape (K,).
+    """
+
+    label: tuple[str, ...]
+    stop: str
+    colour: str
+    most: float
+    values: FloatArray
+
+
+def curves(film: Film) -> list[Curve]:
+    """Gap and force of the transition stop, then the gaps of others.
+
+    The scale of the first is that of its rebounds; beyond it the curve ends.
+    """
+    mechanism = film.solution.mechanism
+    main = bouncing_stop(mechanism)
+    found = [] if main is None else list(_main(film, main))
+    others = [stop for stop in mechanism.stops if stop is not main]
+    for stop in others[:_OTHERS]:
+        term = coordinate_shown(mechanism, stop.index)
+        values = term.value(stop.gaps(film.q))
+        found.append(Curve((f"{stop.name} {term.words}", f"[{term.unit}]"), stop.name,
+                           _OTHER, _scale(values), values))  # fmt: skip
+    return found
+
+
+def _main(film: Film, stop: Stop) -> Iterator[Curve]:
+    mechanism = film.solution.mechanism
+    term = contact_shown(stop) or coordinate_shown(mechanism, stop.index)
+    values = term.value(stop.gaps(film.q))
+    rebounds = highest_drawn(film.solution, film.pace.machine, values)
+    most = _ROOM * rebounds if rebounds > 0.0 else _scale(values)
+    yield Curve((f"{stop.name} gap", f"[{term.unit}]"), stop.name, _GAP, most, values)
+    force = film.force[stop.name]
+    unit = force_unit(mechanism, stop)
+    yield Curve(("clamping", f"force [{unit}]"), "", _FORCE, _scale(force), force)
+
+
+def _scale(values: FloatArray) -> float:
+    """Largest value of an axis that shows all values."""
+    return _ROOM * float(values.max(initial=0.0)) or 1.0

@@ -37,10 +37,9 @@ from .arrows import (
     arrow_shares,
     arrow_sizes,
 )
-from .closeup import close_up
+from .closeup import close_up, lip_cuts
 from .colours import ARROW
 from .film import Film, Look, bouncing_stop, film, poses, worlds
-from .lip_cuts import lip_cuts
 from .pace import LONGEST
 from .readings import collision_text, columns, note, rounded
 from .solids import solids

@@ -15,13 +15,11 @@ from ...hybrid.result.quantities import force_unit
 from ...mechanism import INDEX_PER_TURN, Mechanism, Stop
 from ...terms import digits
 from ...units import MS_PER_S
-from ..naming import contact_shown, coordinate_shown
 from ..phases import intervals
-from ..reading import case_text, force_name, gap_noun
+from ..reading import case_text, contact_shown, coordinate_shown, force_name, gap_noun
 from .arrows import arrow_body, arrow_place, arrow_stops
 from .closeup import close_up
-from .curves import Curve, curves
-from .film import Film, bouncing_stop, drawn_limit
+from .film import Curve, Film, bouncing_stop, curves, drawn_limit
 from .objects import arrow_path, body_path
 
 _DIGITS = 6

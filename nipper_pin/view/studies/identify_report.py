@@ -15,7 +15,7 @@ from ...study.identify.problem.targets import Condition, Target
 from ...study.identify.record import WORD
 from ...terms import Shown, counted, parameter_shown
 from ..console import headline, say, show_table
-from ..naming import shown
+from ..reading import shown
 
 _SAME = 1e-3
 # Two numbers whose errors go together this far are known as a combination alone.

@@ -9,7 +9,7 @@ from ...study.levers import Bounce, Levers
 from ...terms import TERMS
 from ...units import MS_PER_S
 from ..console import headline, paste, say, show_table
-from ..naming import lips_phrase
+from ..reading import lips_phrase
 
 _HEADINGS = ("change", "from and to", "first rebound", "time to rest", "holds ms")
 
