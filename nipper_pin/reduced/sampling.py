@@ -33,7 +33,7 @@ from .tables.functions import Sampler
 from .tables.tables import Chart, Domain, chart_over, levers, stacked
 from .turns.arcs import ContactArc, ContactContinuation, system_at
 from .turns.charts import ChartSampler
-from .turns.model import charts_of
+from .turns.model import charts_of, unfit_turns
 
 # Least assumed share of a spring's preload in x''.
 _LEAST_SHARE = 0.01
@@ -53,36 +53,25 @@ def unfit(mechanism: Mechanism, drive: DriveMode | str = DriveMode.HELD) -> str 
     """
     if drive != DriveMode.HELD:
         return "the reduced engine needs held drives: inertial shafts move on their own"
+    reason = unfit_turns(mechanism)
+    if reason is not None:
+        return reason
     others = [
         *(f"table of spring {item.name}" for item in mechanism.tabulated_springs),
         *(f"damper {item.name}" for item in mechanism.dampers),
         *(f"{item.kind} {item.name} between two points" for item in mechanism.struts),
-        *(f"{item.kind} {item.name}" for item in mechanism.forces),
     ]
-    pair = next((f"{stop.leader} and {stop.name}" for stop in mechanism.stops if stop.leader), "")
-    if pair:
-        return f"the reduced engine has one stop where {pair} close both"
-    law = next((stop.name for stop in mechanism.stops if stop.law is not None), None)
-    if law is not None:
-        return f"the reduced engine has constant restitutions, and stop {law!r} has a law"
     if others:
         return f"the reduced engine has linear springs on joints only, no {', '.join(others)}"
-    free = mechanism.degrees_of_freedom - len(mechanism.drives)
-    if free != 1:
-        return f"the reduced engine needs one degree of freedom in flight, and {free} are left"
     if not mechanism.transition_stop:
         return "the reduced engine follows the bounces of a stop, and no stop strikes at the touch"
-    driven = {item.index for item in mechanism.drives}
-    column = mechanism.stop(mechanism.transition_stop).index
-    if column in driven:
-        return f"stop {mechanism.transition_stop!r} is on a driven coordinate: it cannot bounce"
     other = next((stop.name for stop in mechanism.stops if not stop.plain), None)
     if other is not None:
         return f"the reduced engine needs lower stops at coordinate zero, and {other!r} is another"
     closed = mechanism.phase(mechanism.initial_phase).closed
     if mechanism.transition_stop in closed:
         return f"stop {mechanism.transition_stop!r} is closed in the initial phase"
-    if free != len(closed):
+    if len(closed) != 1:
         return "the initial phase leaves a freedom: its velocity does not follow from the drives"
     return None
 
@@ -118,7 +107,18 @@ def build(
         InputError: The mechanism or the domain cannot be reduced.
         SimulationError: A point of the domain cannot be reached or is singular.
     """
-    _check_arguments(mechanism, travel_rad, gap_max, tolerance, drive, turn)
+    reason = unfit(mechanism, drive)
+    if reason is not None:
+        message = f"{mechanism.name}: {reason}; use the direct engine"
+        raise InputError(message, model=mechanism.name, drive=str(drive))
+    if travel_rad is not None:
+        number("travel_rad", travel_rad, 0.0, math.tau, open_low=True, allowed="0 to 2 pi",
+               where=_MODEL)  # fmt: skip
+    check_tolerance(tolerance, _MODEL)
+    if gap_max is not None:
+        number("gap_max", gap_max, 0.0, LARGEST, open_low=True, allowed="above zero",
+               where=_MODEL)  # fmt: skip
+    flag("turn", turn, where=_MODEL)
     stop = mechanism.stop(mechanism.transition_stop)
     others = tuple(item for item in mechanism.stops if item.name != stop.name)
     system = system_at(mechanism, 0.0, mechanism.cylinder.angle_at_touch_rad)
@@ -145,28 +145,6 @@ def build(
         if turn
         else Arrival(why="the rest of the turn was not sampled"),
     )
-
-
-def _check_arguments(
-    mechanism: Mechanism,
-    travel_rad: float | None,
-    gap_max: float | None,
-    tolerance: float,
-    drive: DriveMode | str,
-    turn: bool,
-) -> None:
-    reason = unfit(mechanism, drive)
-    if reason is not None:
-        message = f"{mechanism.name}: {reason}; use the direct engine"
-        raise InputError(message, model=mechanism.name, drive=str(drive))
-    if travel_rad is not None:
-        number("travel_rad", travel_rad, 0.0, math.tau, open_low=True, allowed="0 to 2 pi",
-               where=_MODEL)  # fmt: skip
-    check_tolerance(tolerance, _MODEL)
-    if gap_max is not None:
-        number("gap_max", gap_max, 0.0, LARGEST, open_low=True, allowed="above zero",
-               where=_MODEL)  # fmt: skip
-    flag("turn", turn, where=_MODEL)
 
 
 def _check_opening(mechanism: Mechanism, others: tuple[Stop, ...], sampler: Sampler) -> None:

@@ -17,7 +17,7 @@ from nipper_pin.arrays import FloatArray
 from nipper_pin.reduced import ReducedModel, build
 from nipper_pin.reduced.tables import series2d
 from nipper_pin.reduced.tables.functions import Samples
-from nipper_pin.reduced.tables.tables import Domain, checks, residuals, resolved
+from nipper_pin.reduced.tables.tables import Domain, chart_over, checks, misfit, resolved
 
 ARRAYS = ("stiffness", "preload")
 
@@ -175,27 +175,40 @@ def test_residuals_are_twice_the_largest_error_at_the_checks() -> None:
     known, domain = Known(), Domain(1.3, -0.1, 0.5)
     tables, _ = resolved(known, domain, np.ones(2), 1e-12)  # type: ignore[arg-type]
     points = checks(known, domain, tables)  # type: ignore[arg-type]
-    good, relative = residuals(points, domain, tables.equation, tables.inertia)
+    true = points.true.equation
     largest = np.array([1.2, 43.0])
-    assert (good <= 200.0 * EPS * largest).all()
-    assert relative <= 200.0 * EPS
-    wrong, heavy = tables.equation.copy(), tables.inertia.copy()
+    assert (misfit(points, domain, tables.equation, true) <= 200.0 * EPS * largest).all()
+    wrong = tables.equation.copy()
     wrong[0, 2, 0, 0] += 1e-4
     wrong[1, 0, 0, 0] -= 3e-4
-    heavy[1] *= 1.0 - 2e-5
-    found, relative = residuals(points, domain, wrong, heavy)
-    np.testing.assert_allclose(found, [2e-4, 6e-4], rtol=1e-6)
-    assert relative == pytest.approx(4e-5, rel=1e-5)
+    np.testing.assert_allclose(misfit(points, domain, wrong, true), [2e-4, 6e-4], rtol=1e-6)
     # An error that grows towards the edges: they are among the points that are checked.
     wrong = tables.equation.copy()
     wrong[0, 0, 15, 0] += 1e-4
     wrong[1, 2, 0, 11] += 1e-4
-    found, _ = residuals(points, domain, wrong, tables.inertia)
+    found = misfit(points, domain, wrong, true)
     assert found[0] == pytest.approx(2e-4, rel=1e-6)
     assert 1.5e-4 <= found[1] <= 2.0001e-4
     # Lower orders alone are evaluated in the same places.
-    found, _ = residuals(points, domain, tables.equation[:, :, :8, :6], tables.inertia)
-    assert (found < 1e-6).all()
+    assert (misfit(points, domain, tables.equation[:, :, :8, :6], true) < 1e-6).all()
+
+
+@pytest.mark.parametrize(("bent", "least", "most"), [(0.0, 0.0, 1e-9), (1e-3, 1e-6, 1e-4)])
+def test_the_error_of_the_inertia_is_known(bent: float, least: float, most: float) -> None:
+    """By itself; of a corner that its series round off too, which are as fine as the functions."""
+
+    class Heavy(Known):
+        def at(self, u: Any, x: Any, q: Any) -> Samples:
+            found = super().at(u, x, q)
+            return replace(found, inertia=found.inertia + bent * np.abs(u - 0.217))
+
+    domain = Domain(1.3, -0.1, 0.5)
+    chart = chart_over(Heavy(), domain, np.ones(2), 1e-9)  # type: ignore[arg-type]
+    assert least <= chart.inertia_error <= most
+    u = np.linspace(0.0, 1.3 / 3.0, 501)
+    series = chebyshev.chebval(2.0 * u / (1.3 / 3.0) - 1.0, chart.inertia[0])
+    true = 2.0 + np.cos(u) + bent * np.abs(u - 0.217)
+    assert (np.abs(series / true - 1.0) <= chart.inertia_error).all()
 
 
 class Noisy:

@@ -1,4 +1,4 @@
-"""Tensor Chebyshev series on cells: fit, tails, truncation, evaluation and derivatives.
+"""Tensor Chebyshev series on cells: fit, tails, truncation and derivatives.
 
 Source: L. N. Trefethen, Approximation Theory and Approximation Practice, 2013.
 """
@@ -64,22 +64,6 @@ def needed(coefficients: FloatArray, weights: FloatArray, tolerance: float) -> t
 def _kept(size: FloatArray, tolerance: float) -> int:
     dropped = np.cumsum(size[::-1])[::-1]
     return max(int(np.count_nonzero(dropped > tolerance)), 2)
-
-
-def evaluate(coefficients: FloatArray, u: FloatArray, x: FloatArray) -> FloatArray:
-    """Evaluate functions of one cell.
-
-    Args:
-        coefficients: Shape (functions, Nu, Nx).
-        u: Places in [-1, 1], shape (N,).
-        x: Places in [-1, 1], shape (N,).
-
-    Returns:
-        Values, shape (functions, N).
-    """
-    basis_u = chebyshev.chebvander(u, coefficients.shape[1] - 1)
-    basis_x = chebyshev.chebvander(x, coefficients.shape[2] - 1)
-    return np.asarray(np.einsum("ni,fij,nj->fn", basis_u, coefficients, basis_x, optimize=True))
 
 
 def largest(coefficients: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+from numpy.polynomial import chebyshev
 
 from ...arrays import FloatArray
 from ...errors import ConvergenceError
@@ -156,20 +157,6 @@ def checks(sampler: PointSampler, domain: Domain, tables: Tables) -> Checks:
     return Checks(u, x, true, at_rest.inertia)
 
 
-def residuals(
-    points: Checks, domain: Domain, equation: FloatArray, inertia: FloatArray
-) -> tuple[FloatArray, float]:
-    """Bounds on the errors of an equation of motion as of ``misfit``, and the relative of inertia.
-
-    Args:
-        inertia: Coefficients, shape (cells, Nu).
-    """
-    error = misfit(points, domain, equation, points.true.equation)
-    found = _values(points, domain, inertia[None, :, :, None])[0]
-    relative = (np.abs(found - points.inertia) / np.abs(points.inertia)).max()
-    return error, float(TABLE_ERROR_SAFETY * relative + 4.0 * EPS)
-
-
 def misfit(points: Checks, domain: Domain, series: FloatArray, true: FloatArray) -> FloatArray:
     """Bound the errors of series from points off the grid.
 
@@ -191,12 +178,11 @@ def _values(points: Checks, domain: Domain, series: FloatArray) -> FloatArray:
     width = domain.travel / cells
     cell = np.minimum((points.u / width).astype(int), cells - 1)
     place = 2.0 * (points.u - cell * width) / width - 1.0
-    found = np.empty((len(series), len(cell)))
+    found, x = np.empty((len(series), len(cell))), domain.places(points.x)
     for number in range(cells):
-        chosen = cell == number
-        if chosen.any():
-            x = domain.places(points.x[chosen])
-            found[:, chosen] = series2d.evaluate(series[:, number], place[chosen], x)
+        here = cell == number
+        of_cell = np.moveaxis(series[:, number], 0, -1)
+        found[:, here] = chebyshev.chebval2d(place[here], x[here], of_cell)
     return found
 
 
@@ -210,7 +196,7 @@ def _sampled(sampler: PointSampler, domain: Domain, cells: int, count_x: int) ->
     found = sampler.at(np.repeat(u, count_x), np.tile(x, len(u)), flat)
     shape = (-1, cells, _COUNT_U, count_x)
     inertia = series2d.fit(found.inertia.reshape(shape))[0]
-    zero = np.polynomial.chebyshev.chebvander(domain.places(np.zeros(1)), count_x - 1)[0]
+    zero = chebyshev.chebvander(domain.places(np.zeros(1)), count_x - 1)[0]
 
     def fitted(values: FloatArray) -> FloatArray:
         return series2d.fit(values.reshape(len(values), *shape[1:]))
@@ -282,7 +268,9 @@ def chart_over(
     equation = tables.equation[:, :, :count_u, :count_x]
     inertia = tables.inertia[:, :count_u]
     gaps = tables.gaps[:, :, :count_u, :count_x]
-    residual, inertia_error = residuals(points, domain, equation, inertia)
+    residual = misfit(points, domain, equation, points.true.equation)
+    (found,) = _values(points, domain, inertia[None, :, :, None])
+    relative = (np.abs(found - points.inertia) / np.abs(points.inertia)).max()
     width = domain.travel / equation.shape[1]
     largest, steep_u, steep_x = series2d.largest(equation)
     steep_u, steep_x = 2.0 / width * steep_u, 2.0 / (domain.high - domain.low) * steep_x
@@ -294,7 +282,7 @@ def chart_over(
         inertia=inertia,
         bounds=np.array([residual, steep_x, steep_u, largest]),
         gap_bounds=misfit(points, domain, gaps, points.true.gaps),
-        inertia_error=inertia_error,
+        inertia_error=float(TABLE_ERROR_SAFETY * relative + 4.0 * EPS),
     )
 
 
@@ -344,7 +332,7 @@ def stacked(charts: list[Chart], after: list[int], lever: FloatArray) -> Charts:
         padded([getattr(chart, name) for chart in charts]) for name in ("equation", "gaps")
     )
     closed = np.array([chart.domain.places(np.zeros(1))[0] for chart in charts])
-    at_zero = np.polynomial.chebyshev.chebvander(closed, count_x - 1)
+    at_zero = chebyshev.chebvander(closed, count_x - 1)
 
     def along(functions: FloatArray) -> FloatArray:
         return np.ascontiguousarray(np.einsum("cfnij,cj->cfni", functions, at_zero))
