@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from ..arrays import FloatArray
-from ..mechanism import Mechanism, Stop, rad_s_from_rpm
-from .kernels.layout import ARRIVE, ARRIVE_ERROR, HIGH, LOW, OWN, TRAVEL_MOST, Charts
+from ..mechanism import Mechanism, rad_s_from_rpm
+from .kernels.layout import HIGH, TRAVEL_MOST, Charts
 
 # Places of the functions of the equation of motion in a table; two for each spring follow:
 # F_k, and F_k times the coordinate of the spring.
@@ -39,13 +39,6 @@ def factors(mechanism: Mechanism, functions: int, w: float) -> FloatArray:
     return found
 
 
-# Fields of a reduced model that are numbers of its chart.
-_OF_CHART = {
-    "travel_rad": TRAVEL_MOST, "gap_low": LOW, "gap_max": HIGH, "approach_rate": ARRIVE,
-    "approach_residual": ARRIVE_ERROR,
-}  # fmt: skip
-
-
 @dataclass(frozen=True, kw_only=True)
 class Arrival:
     """Tables of a turn from its opening to the touch, for the premise of a transition.
@@ -68,96 +61,68 @@ class Arrival:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ReducedModel:
+class Tabulated:
+    """What tables keep of a mechanism.
+
+    Attributes:
+        name: Its model name.
+        springs: Names of the springs.
+        charts: Its functions.
+        restitutions: e_N of all stops in its file, shape (K,).
+        stiffness: Spring rates likewise, shape (springs,) [N/m or N m/rad].
+        preload: Deflections in the springs at zero likewise, shape (springs,) [m or rad].
+    """
+
+    name: str
+    springs: tuple[str, ...]
+    charts: Charts = field(repr=False, compare=False)
+    restitutions: FloatArray = field(repr=False, compare=False)
+    stiffness: FloatArray = field(repr=False, compare=False)
+    preload: FloatArray = field(repr=False, compare=False)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReducedModel(Tabulated):
     """One degree of freedom x, the coordinate of the transition stop, sampled over a domain.
 
     x'' = F0 w^2 + F1 w x' + F2 x'^2 + Fg g / g0 + sum_k k (F_k p + F_k s_k), all functions of
     (u, x): u is the travel of the cylinder from the touch configuration along its motion, w its
     speed, u' = w > 0. Tables are tensor Chebyshev series in x on the whole domain and in u on equal
-    cells.
+    cells. The functions are one chart, whose stop arrives at the touch in the initial phase.
 
     Attributes:
-        name: Model name of the mechanism.
         stop: Name of the transition stop.
-        springs: Names of the springs.
-        other_stops: Names of the other stops, which have to stay open.
         touch_angle_rad: Cylinder angle psi at u = 0 [rad].
         sense: Sign of the rate of psi.
-        charts: The functions, one chart. Its stop arrives at the touch in the initial phase.
-        restitutions: e_N of all stops in the mechanism's file, shape (K,).
-        stiffness: Spring rates likewise, shape (springs,) [N/m or N m/rad].
-        preload: Deflections in the springs at zero likewise, shape (springs,) [m or rad].
-        gravity_m_s2: Gravity likewise.
+        gravity_m_s2: Gravity in the mechanism's file.
         tolerance: Relative accuracy of the tables.
-        samples: Points of the domain that were sampled.
         arrival: What a turn does between its opening and the touch.
-        travel_rad: Largest u [rad].
-        gap_low: Least x of the tables, below zero by a margin that flights overshoot into.
-        gap_max: Largest x [rad or m].
-        approach_rate: dx/du just before the first collision, negative [1 or m/rad].
-        approach_residual: Bound on its round-off.
-        lever: Rate of the normal gap by that of x [m/rad or 1].
-        restitution: e_N of the transition stop, used where a case gives none.
     """
 
-    name: str
     stop: str
-    springs: tuple[str, ...]
-    other_stops: tuple[str, ...]
     touch_angle_rad: float
     sense: int
-    charts: Charts = field(repr=False, compare=False)
-    restitutions: FloatArray = field(repr=False, compare=False)
-    stiffness: FloatArray = field(repr=False, compare=False)
-    preload: FloatArray = field(repr=False, compare=False)
     gravity_m_s2: float
     tolerance: float
-    samples: int
     arrival: Arrival = field(repr=False, compare=False)
 
-    travel_rad: float = field(init=False)
-    gap_low: float = field(init=False)
-    gap_max: float = field(init=False)
-    approach_rate: float = field(init=False)
-    approach_residual: float = field(init=False)
-    lever: float = field(init=False)
-    restitution: float = field(init=False)
-
-    def __post_init__(self) -> None:
-        """Read what the chart tells of itself."""
-        for name, place in _OF_CHART.items():
-            object.__setattr__(self, name, float(self.charts.numbers[0, place]))
-        own = self.charts.stops[0, OWN]
-        object.__setattr__(self, "lever", float(self.charts.lever[own]))
-        object.__setattr__(self, "restitution", float(self.restitutions[own]))
+    @property
+    def travel_rad(self) -> float:
+        """Largest u [rad]."""
+        return float(self.charts.numbers[0, TRAVEL_MOST])
 
     @property
-    def equation(self) -> FloatArray:
-        """Coefficients of F0, F1, F2, Fg, F_k, F_k s_k, shape (4 + 2 springs, cells, Nu, Nx)."""
-        return np.asarray(self.charts.equation[0])
-
-    @property
-    def cells(self) -> int:
-        """Number of cells along the travel."""
-        return int(self.equation.shape[1])
-
-    @property
-    def degrees(self) -> tuple[int, int]:
-        """Coefficients along the travel in each cell, and along x."""
-        return int(self.equation.shape[2]), int(self.equation.shape[3])
+    def gap_max(self) -> float:
+        """Largest x [rad or m]."""
+        return float(self.charts.numbers[0, HIGH])
 
 
-def numbers_of(mechanism: Mechanism, stop: Stop, others: tuple[Stop, ...]) -> dict[str, Any]:
-    """Return the fields of a reduced model that are those of its mechanism."""
+def numbers_of(mechanism: Mechanism) -> dict[str, Any]:
+    """Return what tables keep of a mechanism, but for its functions."""
     return {
         "name": mechanism.name,
-        "stop": stop.name,
         "springs": tuple(spring.name for spring in mechanism.springs),
-        "other_stops": tuple(item.name for item in others),
-        "touch_angle_rad": mechanism.cylinder.angle_at_touch_rad,
-        "sense": mechanism.cylinder.sense,
         "restitutions": np.array([item.restitution for item in mechanism.stops]),
         "stiffness": np.array([spring.stiffness for spring in mechanism.springs]),
         "preload": np.array([spring.preload for spring in mechanism.springs]),
-        "gravity_m_s2": mechanism.gravity_m_s2,
     }

@@ -137,10 +137,13 @@ def build(
     place = [item.name for item in mechanism.stops].index(stop.name)
     chart = replace(kept, stop=place, meets=(rate, rounded, 0.0, 0.0))
     return ReducedModel(
-        **numbers_of(mechanism, stop, others),
+        **numbers_of(mechanism),
         charts=stacked([chart], [0], levers(mechanism)),
+        stop=stop.name,
+        touch_angle_rad=mechanism.cylinder.angle_at_touch_rad,
+        sense=mechanism.cylinder.sense,
+        gravity_m_s2=mechanism.gravity_m_s2,
         tolerance=tolerance,
-        samples=kept.samples,
         arrival=_arrival(system, chart, arcs, why, tolerance)
         if turn
         else Arrival(why="the rest of the turn was not sampled"),

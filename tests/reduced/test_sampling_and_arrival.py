@@ -64,22 +64,24 @@ def travel_of(e62: Mechanism, angle: float) -> float:
 
 def test_every_number_of_a_model(model: ReducedModel, e62: Mechanism, turn: Solution) -> None:
     """Those of its mechanism, and rate and opening as a simulated turn has them."""
-    jaw = e62.stop("jaw")
-    assert (model.name, model.stop) == ("e62", "jaw")
-    assert (model.springs, model.other_stops) == (("steeve",), ("steeve",))
+    jaw, numbers = e62.stop("jaw"), model.charts.numbers[0]
+    approach = float(numbers[layout.ARRIVE])
+    assert (model.name, model.stop, model.springs) == ("e62", "jaw", ("steeve",))
     assert model.touch_angle_rad == e62.cylinder.angle_at_touch_rad
-    assert (model.sense, model.lever, model.restitution) == (-1, jaw.lever, jaw.restitution)
+    assert model.sense == -1
+    assert model.charts.lever.tolist() == [stop.lever for stop in e62.stops]
+    assert model.restitutions.tolist() == [stop.restitution for stop in e62.stops]
     assert model.stiffness.tolist() == [9000.0]
     assert model.preload == pytest.approx([0.011])
     assert (model.gravity_m_s2, model.tolerance) == (9.81, 1e-11)
     first = hits(turn, "jaw")
-    assert model.approach_rate * SPEED == pytest.approx(first.approach_rate, rel=1e-9)
-    assert 0.0 < model.approach_residual < 1e-13
+    assert approach * SPEED == pytest.approx(first.approach_rate, rel=1e-9)
+    assert 0.0 < numbers[layout.ARRIVE_ERROR] < 1e-13
     opening = hits(turn, "steeve")
     assert model.travel_rad == pytest.approx(travel_of(e62, opening.cylinder_angle), abs=1e-12)
-    assert -0.1 * model.gap_max < model.gap_low < -0.05 * model.gap_max
+    assert -0.1 * model.gap_max < numbers[layout.LOW] < -0.05 * model.gap_max
     # Ballistic from half of the rate at one and a half times the rated speed, and a quarter more.
-    rate = 0.5 * 1.5 * model.approach_rate * SPEED
+    rate = 0.5 * 1.5 * approach * SPEED
     fast = System(e62, ShaftMotion(e62, 1.5 * SPEED, e62.cylinder.angle_at_touch_rad))
     q = np.zeros((1, len(e62.joints)))
     sampler = Sampler(fast, e62.stop("jaw"))
@@ -122,8 +124,9 @@ def test_tables_between_opening_and_touch(
     assert rate == pytest.approx(opening.approach_rate, rel=1e-8)
     assert 0.0 < jaw_numbers[layout.ARRIVE_ERROR] < 1e-13
     wrong = numbers[layout.ARRIVE_ERROR]
-    assert abs(numbers[layout.ARRIVE] - model.approach_rate) <= wrong + model.approach_residual
-    assert 0.0 < model.approach_residual < wrong < 1e-12
+    approach, rounded = model.charts.numbers[0, [layout.ARRIVE, layout.ARRIVE_ERROR]]
+    assert abs(numbers[layout.ARRIVE] - approach) <= wrong + rounded
+    assert 0.0 < rounded < wrong < 1e-12
     assert [e62.stops[place].name for place in stops[:, layout.OWN]] == ["jaw", "steeve"]
     assert stops[:, layout.AFTER].tolist() == [1, 0]
     assert charts.lever.tolist() == [stop.lever for stop in e62.stops]
@@ -283,7 +286,7 @@ def test_the_coarsest_and_the_longest_domain_can_be(e62: Mechanism) -> None:
     """At their limits tolerances are allowed; what is given is taken."""
     model = build(e62, tolerance=1e-3, travel_rad=1.0, gap_max=0.02, turn=False)
     assert (model.tolerance, model.travel_rad, model.gap_max) == (1e-3, 1.0, 0.02)
-    assert model.gap_low == -0.02 / 16.0
+    assert model.charts.numbers[0, layout.LOW] == -0.02 / 16.0
     steepest = bounded(model.charts).bounds[0, layout.BY_U]
     assert model.charts.bounds[0, layout.BY_U] == pytest.approx(steepest, rel=5e-2)
     assert (model.arrival.why, model.arrival.asked) == (
@@ -299,7 +302,9 @@ def test_a_machine_that_opens_at_its_touch_is_refused() -> None:
     with pytest.raises(InputError, match="'jaw' is not closing in the touch configuration") as told:
         build(back)
     assert told.value.evidence["stop"] == "jaw"
-    assert told.value.evidence["rate"] == pytest.approx(-build(load("e62")).approach_rate)
+    assert told.value.evidence["rate"] == pytest.approx(
+        -build(load("e62")).charts.numbers[0, layout.ARRIVE]
+    )
     with pytest.raises(InputError, match=r"not pressed shut .* at 1.5 times the rated") as told:
         build(load("e62", {"springs.steeve.preload_length_mm": -60.0}))
     assert told.value.evidence == {"stop": "jaw"}
@@ -342,12 +347,12 @@ def test_stated_residual(model: ReducedModel, fine: ReducedModel) -> None:
     random = np.random.default_rng(11)
     for u, x in zip(
         random.uniform(0.0, model.travel_rad, 200),
-        random.uniform(model.gap_low, model.gap_max, 200),
+        random.uniform(model.charts.numbers[0, layout.LOW], model.gap_max, 200),
         strict=True,
     ):
         error = np.abs([
             value(model.charts, one, u, x) - value(fine.charts, other, u, x)
-            for one, other in zip(model.equation, fine.equation, strict=True)
+            for one, other in zip(model.charts.equation[0], fine.charts.equation[0], strict=True)
         ])  # fmt: skip
         assert (error <= residual(model) + residual(fine)).all()
     # The bound says something: below the part of x'' that the tables are asked for.
@@ -361,14 +366,14 @@ def test_spring_force_is_the_slope_of_its_stroke(model: ReducedModel) -> None:
     F_k and C come from inverse dynamics, the stroke s from closing the loops, and the slope is the
     exact derivative of its series, so the functions share nothing but the mechanism.
     """
-    span = model.gap_max - model.gap_low
-    across = -(model.gap_low + model.gap_max) / span
-    for cell in range(model.cells):
+    low, high = model.charts.numbers[0, [layout.LOW, layout.HIGH]]
+    span, across = high - low, -(low + high) / (high - low)
+    for cell in range(model.charts.equation.shape[2]):
         for place in (-0.9, 0.1, 0.8):
             slope = chebyshev.chebder(model.charts.gaps[0, 0, cell], axis=1)
             slope_x = 2.0 / span * chebyshev.chebval2d(place, across, slope)
             inertia = chebyshev.chebval(place, model.charts.inertia[0, cell])
-            force = chebyshev.chebval2d(place, across, model.equation[4, cell])
+            force = chebyshev.chebval2d(place, across, model.charts.equation[0, 4, cell])
             # A derivative of a series of degree n loses up to n^2 of its accuracy of 1e-11.
             assert force * inertia == pytest.approx(-slope_x, rel=1e-9)
 

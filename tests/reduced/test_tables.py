@@ -19,29 +19,18 @@ from nipper_pin.reduced.tables import series2d
 from nipper_pin.reduced.tables.functions import Samples
 from nipper_pin.reduced.tables.tables import Domain, chart_over, checks, misfit, resolved
 
-ARRAYS = ("stiffness", "preload")
 
-
-def test_models_are_told_and_compared_without_their_tables(e62: Mechanism) -> None:
-    """A line of plain values; equal if these are, whatever the arrays hold."""
+def test_models_are_told_without_their_tables(e62: Mechanism) -> None:
+    """A line of plain values, and how far the tables reach."""
     one = build(e62, turn=False)
+    hidden = {"stiffness", "preload", "restitutions", "charts", "arrival"}
+    for item in fields(ReducedModel):
+        assert (f"{item.name}={getattr(one, item.name)!r}" in repr(one)) is (
+            item.name not in hidden
+        )
     assert "array" not in repr(one)
-    assert "arrival" not in repr(one)
-    plain = {item.name: item.init for item in fields(ReducedModel)}
-    for name in plain.keys() - {*ARRAYS, "restitutions", "charts", "arrival"}:
-        assert f"{name}={getattr(one, name)!r}" in repr(one)
-        assert not plain[name] or one != replace(one, **{name: "other"})
     other = replace(one, charts=with_numbers(one.charts, high=0.5))
-    assert other != one
-    assert other.gap_max == 0.5
-    livelier = replace(one, restitutions=2.0 * one.restitutions)
-    assert livelier != one
-    assert livelier.restitution == 2.0 * one.restitution
-    for name in ARRAYS:
-        assert f" {name}=" not in repr(one), name
-        assert one == replace(one, **{name: 2.0 * getattr(one, name)})
-    doubled = one.charts._replace(equation=2.0 * one.charts.equation)
-    assert one == replace(one, charts=doubled)
+    assert (other.gap_max, other.travel_rad) == (0.5, one.travel_rad)
     assert repr(one.arrival) == "Arrival(why='the rest of the turn was not sampled', asked=True)"
 
 

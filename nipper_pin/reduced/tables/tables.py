@@ -221,7 +221,6 @@ class Chart:
         meets: Derivative by u of the gap of the stop that takes over at the end, bound on its
             error, rate of x by that of its gap, and bound on the error of the end [rad]; zeros if
             it is the same stop.
-        samples: Points that were sampled.
     """
 
     domain: Domain
@@ -234,7 +233,6 @@ class Chart:
     stop: int = 0
     begin: float = 0.0
     meets: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
-    samples: int = 0
 
 
 def chart_over(
@@ -257,7 +255,7 @@ def chart_over(
     Raises:
         ConvergenceError: The functions are not smooth enough on this domain.
     """
-    tables, samples = resolved(sampler, domain, weights, tolerance)
+    tables, _ = resolved(sampler, domain, weights, tolerance)
     points = checks(sampler, domain, tables)
     kept = zip(
         series2d.needed(tables.equation, weights, TRIMMED_SHARE * tolerance),
@@ -276,7 +274,6 @@ def chart_over(
     steep_u, steep_x = 2.0 / width * steep_u, 2.0 / (domain.high - domain.low) * steep_x
     return Chart(
         domain=domain,
-        samples=samples,
         equation=equation,
         gaps=gaps,
         inertia=inertia,

@@ -89,7 +89,7 @@ def one_turn_case(
     stiffness: ArrayLike | None, preload: ArrayLike | None,
 ) -> Cases:  # fmt: skip
     """Numbers of a single case, as of :func:`turn_cases`."""
-    e_N = model.restitution.copy()
+    e_N = model.restitutions.copy()
     for name, value in _by_stop(model, restitution).items():
         e_N[model.stops.index(name)] = number(f"restitution of {name}", value, 0.0, 1.0)
     return one_case((model.stiffness, model.preload), speed_rpm, e_N, stiffness, preload)
@@ -108,6 +108,6 @@ def turn_cases(
     given = _by_stop(model, restitution)
     columns = [
         column(f"restitution of {name}", given.get(name, own), 0.0, 1.0)
-        for name, own in zip(model.stops, model.restitution, strict=True)
+        for name, own in zip(model.stops, model.restitutions, strict=True)
     ]
     return cases_of((model.stiffness, model.preload), speed_rpm, columns, stiffness, preload)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,8 +13,7 @@ from ...errors import InputError
 from ...hybrid import comes_back, initial_state
 from ...mechanism import Mechanism, Stop
 from ...tolerances.reduced import GAP_SHARE
-from ..kernels.layout import Charts
-from ..model import LIVELY, ROOM, lively_speed
+from ..model import LIVELY, ROOM, Tabulated, lively_speed, numbers_of
 from ..tables.tables import Chart, levers, stacked
 from .arcs import ContactArc, ContactContinuation, system_at
 from .charts import ChartSampler, chart_of
@@ -51,40 +50,20 @@ _LEAST_SHARE = 1.0 / 16.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class TurnModel:
+class TurnModel(Tabulated):
     """Functions of one mechanism around the stretches of a turn on which a stop can be closed.
 
     Attributes:
-        name: Model name of the mechanism.
         stops: Names of the stops.
-        springs: Names of the springs.
         transition_stop: Name of the transition stop.
         start_index: Index at which turns start.
-        start_angle_rad: Cylinder angle there [rad].
-        sense: Sign of the rate of the cylinder angle.
-        charts: The functions.
         begin: Chart, gap, its rate by time and by the cylinder, and whether its stop is closed.
-        restitution: e_N of the stops, shape (K,).
-        stiffness: Spring rates, shape (springs,) [N/m or N m/rad].
-        preload: Deflections in the springs at zero, likewise [m or rad].
-        gravity_m_s2: Gravity along -z.
-        samples: Points that were sampled.
     """
 
-    name: str
     stops: tuple[str, ...]
-    springs: tuple[str, ...]
     transition_stop: str
     start_index: float
-    start_angle_rad: float
-    sense: int
-    charts: Charts = field(repr=False, compare=False)
     begin: tuple[int, float, float, float, bool]
-    restitution: FloatArray = field(repr=False, compare=False)
-    stiffness: FloatArray = field(repr=False, compare=False)
-    preload: FloatArray = field(repr=False, compare=False)
-    gravity_m_s2: float
-    samples: int
 
     @property
     def clamp(self) -> int:
@@ -111,20 +90,12 @@ def build_turns(
     angle = mechanism.cylinder.angle_from_index(start_index)
     charts = charts_of(mechanism, around, after, tolerance, gap_scale=gap_scale)
     return TurnModel(
-        name=mechanism.name,
+        **numbers_of(mechanism),
         stops=tuple(item.name for item in mechanism.stops),
-        springs=tuple(spring.name for spring in mechanism.springs),
         transition_stop=mechanism.transition_stop,
         start_index=start_index,
-        start_angle_rad=angle,
-        sense=mechanism.cylinder.sense,
         charts=stacked(charts, after, levers(mechanism)),
         begin=(0, stop.gap(q), *_rates(mechanism, angle, start_index, stop), closed),
-        restitution=np.array([stop.restitution for stop in mechanism.stops]),
-        stiffness=np.array([spring.stiffness for spring in mechanism.springs]),
-        preload=np.array([spring.preload for spring in mechanism.springs]),
-        gravity_m_s2=mechanism.gravity_m_s2,
-        samples=sum(chart.samples for chart in charts),
     )
 
 
