@@ -14,7 +14,7 @@ from scipy.optimize import minimize_scalar
 
 from nipper_pin import Case, EventKind, InputError, Mechanism, Solution, load, simulate
 from nipper_pin.mechanism.gallery import drawn
-from nipper_pin.reduced.turns import TurnStatus, turn_quantities, turn_torques
+from nipper_pin.reduced.turns import TurnStatus, turn_quantities
 from nipper_pin.reduced.turns import peak_torques as module
 
 REFERENCE = Path(__file__).resolve().parents[1] / "reference/e62_cycle.json"
@@ -200,12 +200,12 @@ def largest(run: Solution, drive: str, begin: float) -> float:
 
 def judged(mechanism: Mechanism, speed: float, turns: int) -> None:
     """The torques of the last turn, within the stated errors."""
-    found = turn_torques(mechanism, speed_rpm=speed, turns=turns)
+    found = turn_quantities(mechanism, torques=True, speed_rpm=speed, turns=turns)
     assert found.status.tolist() == [TurnStatus.FOLLOWED]
     run = simulate(mechanism, Case(speed_rpm=speed, window="cycle", cycles=turns))
     for place, drive in enumerate(found.drives):
         true = largest(run, drive, (turns - 1) * run.shaft.period)
-        value, error = found.largest[0, place], found.error[0, place]
+        value, error = found.largest_torque[0, place], found.largest_torque_error[0, place]
         assert true > 0.0
         assert abs(value - true) <= error + DIRECT * true
         assert error <= 1e-7 * true
@@ -230,24 +230,24 @@ def test_numbers_of_a_case_change_the_torque(e62: Mechanism) -> None:
         "e62",
         {"springs.steeve.stiffness_N_per_m": 13000.0, "springs.steeve.preload_length_mm": 22.0},
     )
-    numbers = turn_torques(e62, speed_rpm=650.0, stiffness=13000.0, preload=0.022)
-    own = turn_torques(changed, speed_rpm=650.0)
-    np.testing.assert_allclose(numbers.largest, own.largest, rtol=1e-9)
-    usual = turn_torques(e62, speed_rpm=650.0)
-    assert np.abs(usual.largest / own.largest - 1.0).min() > 1e-3
+    numbers = turn_quantities(e62, torques=True, speed_rpm=650.0, stiffness=13000.0, preload=0.022)
+    own = turn_quantities(changed, torques=True, speed_rpm=650.0)
+    np.testing.assert_allclose(numbers.largest_torque, own.largest_torque, rtol=1e-9)
+    usual = turn_quantities(e62, torques=True, speed_rpm=650.0)
+    assert np.abs(usual.largest_torque / own.largest_torque - 1.0).min() > 1e-3
 
 
 def test_a_batch_is_its_cases_and_reports_the_last_turns(e62: Mechanism) -> None:
     """At 1,900 r/min two turns alternate, and so do their torques."""
     speeds = np.array([450.0, 1900.0])
-    many = turn_torques(e62, speed_rpm=speeds, turns=60, last=3)
-    assert many.largest.shape == many.error.shape == (2, 3, 2)
+    many = turn_quantities(e62, torques=True, speed_rpm=speeds, turns=60, last=3)
+    assert many.largest_torque.shape == many.largest_torque_error.shape == (2, 3, 2)
     for i, speed in enumerate(speeds):
-        one = turn_torques(e62, speed_rpm=speed, turns=60, last=3)
-        assert one.largest.tobytes() == many.largest[i].tobytes()
+        one = turn_quantities(e62, torques=True, speed_rpm=speed, turns=60, last=3)
+        assert one.largest_torque.tobytes() == many.largest_torque[i].tobytes()
     # The turn at 450 r/min repeats at once: there is one.
-    assert np.isnan(many.largest[0, 1:]).all()
-    last, before, earlier = many.largest[1, :, 0]
+    assert np.isnan(many.largest_torque[0, 1:]).all()
+    last, before, earlier = many.largest_torque[1, :, 0]
     assert last == pytest.approx(earlier, rel=1e-8)
     assert abs(last - before) > 1e-7 * last
 
@@ -256,17 +256,17 @@ def test_cases_that_cannot_be_followed_have_no_torque(
     e62: Mechanism, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Too many collisions, or more panels than there is room for, are told by the status."""
-    few = turn_torques(e62, speed_rpm=650.0, max_collisions=3)
+    few = turn_quantities(e62, torques=True, speed_rpm=650.0, max_collisions=3)
     # Room for four panels of a turn.
     monkeypatch.setattr(module, "BESIDE", 2 - 256)
-    full = turn_torques(e62, speed_rpm=650.0)
-    whole = turn_torques(e62, speed_rpm=650.0, last=1)
+    full = turn_quantities(e62, torques=True, speed_rpm=650.0)
+    whole = turn_quantities(e62, torques=True, speed_rpm=650.0, last=1)
     for found in (few, full):
         assert found.status[0] == TurnStatus.TOO_MANY_COLLISIONS
-        assert np.isnan(found.largest).all()
-    assert whole.largest.shape == (1, 1, 2)
+        assert np.isnan(found.largest_torque).all()
+    assert whole.largest_torque.shape == (1, 1, 2)
     with pytest.raises(InputError, match="turns"):
-        turn_torques(e62, speed_rpm=450.0, turns=0)
+        turn_quantities(e62, torques=True, speed_rpm=450.0, turns=0)
 
 
 @pytest.mark.campaign
@@ -274,6 +274,6 @@ def test_torques_may_have_no_tables_as_wide_as_those_of_a_flight() -> None:
     """Such a case leaves the widest tables, and does not end the others."""
     mechanism = drawn("stephenson_1").mechanism()
     speeds = mechanism.cylinder.rated_speed_rpm * np.array([1.0, 12.0])
-    found = turn_torques(mechanism, speed_rpm=speeds, restitution=0.9)
+    found = turn_quantities(mechanism, torques=True, speed_rpm=speeds, restitution=0.9)
     assert found.status.tolist() == [TurnStatus.FOLLOWED, TurnStatus.LEFT_GAP]
-    assert np.isnan(found.largest).tolist() == [[False], [True]]
+    assert np.isnan(found.largest_torque).tolist() == [[False], [True]]

@@ -2,7 +2,6 @@
 
 from ..results import TURN_REASONS, ReducedTurns, TurnStatus
 from .model import START_INDEX, TurnModel, build_turns
-from .peak_torques import TurnTorques, turn_torques
 from .quantities import TurnQuantities, turn_quantities
 from .turn import turn_model, turns
 
@@ -13,10 +12,8 @@ __all__ = [
     "TurnModel",
     "TurnQuantities",
     "TurnStatus",
-    "TurnTorques",
     "build_turns",
     "turn_model",
     "turn_quantities",
-    "turn_torques",
     "turns",
 ]

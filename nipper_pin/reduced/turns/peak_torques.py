@@ -1,37 +1,35 @@
-"""Largest torques of the drives in the turns of many cases, computed in compiled code.
+"""Largest torques of the drives in the turns of many cases, between events.
 
-They cost about as much as the turns themselves, so they are computed where they are asked for.
+A collision changes the speed of held drives by an impulse, which is no torque. They cost about as
+much as the turns themselves, so they are computed where they are asked for.
 
 Torques of the drives around the stretches of a turn, as series of travel and gap.
 
 T = T0 w^2 + T1 w x' + T2 x'^2 + Tg g / g0 + sum_k k (T_k p + T_ks) + Ta x'': the functions have the
 places of those of the equation of motion, and Ta has that of the gap of another stop. They are
-sampled on the charts of the turns, and only where torques are asked for.
+sampled on the charts of the turns.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from ...arrays import FloatArray
-from ...given import number
 from ...made_once import made_once
 from ...mechanism import Mechanism
 from ...tolerances.reduced import TORQUE_TABLES
 from ..kernels.layout import HIGH, LOW, Cases, Charts
 from ..model import factors
-from ..results import ENGINE
 from ..tables.functions import Samples
 from ..tables.tables import Chart, Domain, chart_over, levers, stacked
 from ..transition import kernel
-from .cases import BESIDE, Run, room_for, run_of, turn_cases
+from .cases import BESIDE, Run, room_for
 from .charts import ChartSampler, shares
-from .model import START_INDEX, TurnModel, surroundings
+from .model import TurnModel, surroundings
 from .turn import turn_model, widening
 
 # Nodes across the gap to start with.
@@ -98,66 +96,20 @@ def _chart(around: ChartSampler, drive: int, domain: Domain) -> Chart:
 _PANELS = 2
 
 
-@dataclass(frozen=True, eq=False)
-class TurnTorques:
-    """Largest torques of the last turn or turns that were followed, of n cases.
-
-    Between events: a collision changes the speed of held drives by an impulse, which is no torque.
-
-    Attributes:
-        model: Name of the model.
-        drives: Names of the drives.
-        status: :class:`TurnStatus` of each case, shape (n,).
-        largest: Largest magnitudes, shape (n, drives), or (n, last, drives) with more than one
-            turn [N m; N of a drive along a slide]; NaN without a turn.
-        error: Bounds on their errors, likewise.
-        engine: The engine that computed them.
-    """
-
-    model: str
-    drives: tuple[str, ...]
-    status: NDArray[np.int64]
-    largest: FloatArray = field(repr=False)
-    error: FloatArray = field(repr=False)
-    engine: str = ENGINE
-
-
-def turn_torques(
-    mechanism: Mechanism,
-    *,
-    speed_rpm: ArrayLike,
-    turns: int = 1,
-    start_index: float = START_INDEX,
-    restitution: ArrayLike | Mapping[str, ArrayLike] | None = None,
-    stiffness: ArrayLike | None = None,
-    preload: ArrayLike | None = None,
-    last: int | None = None,
-    rest_rate: float | None = None,
-    tolerance: float = 1e-10,
-    max_collisions: int = 256,
-) -> TurnTorques:
-    """Largest torque of each drive in the turns of many cases.
-
-    Arguments are those of :func:`~.quantities.turn_quantities`.
+def peak_torques(
+    mechanism: Mechanism, start_index: float, run: Run, cases: Cases, last: int | None
+) -> tuple[NDArray[np.int64], FloatArray]:
+    """Status of each case, shape (n,), and largest torques.
 
     Returns:
-        The torques; cases that could not be followed are marked by their status.
-
-    Raises:
-        InputError: A parameter is out of range, or the mechanism cannot be reduced.
-        SimulationError: A point of the turn cannot be reached or is singular.
+        Largest magnitudes and bounds on their errors, shape (n, turns, 2, drives) [N m; N of a
+        drive along a slide]: the last turn first, or alone; NaN without a turn.
     """
-    run = run_of("turns", turns, rest_rate, tolerance, max_collisions)
-    start_index = number("start_index", start_index)
-    cases = turn_cases(turn_model(mechanism, start_index), speed_rpm, restitution, stiffness,
-                       preload)  # fmt: skip
-    n = len(cases.speed)
-    drives = tuple(item.name for item in mechanism.drives)
+    n, drives = len(cases.speed), len(mechanism.drives)
     told = np.zeros((n, 1), dtype=np.int64)
-    found = room_for(n, last, 2 * len(drives)).reshape(n, -1, 2, len(drives))
+    found = room_for(n, last, 2 * drives).reshape(n, -1, 2, drives)
     widening(mechanism, start_index, cases, told, found, partial(_follow, mechanism, run))
-    table = found[:, 0] if last is None else found
-    return TurnTorques(mechanism.name, drives, told[:, 0], table[..., 0, :], table[..., 1, :])
+    return told[:, 0], found
 
 
 def _follow(

@@ -17,9 +17,10 @@ from ...arrays import FloatArray
 from ...given import number
 from ...mechanism import Mechanism
 from ..kernels import layout as rows
-from ..results import ENGINE, Column
+from ..results import ENGINE, Column, TurnStatus
 from .cases import room_for, run_of, turn_cases
 from .model import START_INDEX
+from .peak_torques import peak_torques
 from .turn import follow, turn_model, widening
 
 
@@ -39,6 +40,8 @@ class TurnQuantities:
             not, shape (n,).
         speed: Cylinder speeds, shape (n,) [rad/s].
         table: All quantities, shape (n, columns), or (n, last, columns) with more than one turn.
+        drives: Names of the drives whose torques were asked for.
+        torques: Those, shape (n, 2, drives), or (n, last, 2, drives).
         engine: The engine that computed them.
     """
 
@@ -49,6 +52,8 @@ class TurnQuantities:
     repeats_after: NDArray[np.int64]
     speed: FloatArray
     table: FloatArray = field(repr=False)
+    drives: tuple[str, ...]
+    torques: FloatArray = field(repr=False)
     engine: str = ENGINE
 
     closed_at = Column(rows.CLOSED_AT)
@@ -123,6 +128,16 @@ class TurnQuantities:
         """Bound on the errors of those."""
         return self._of_stops(rows.MOST_ERROR)
 
+    @property
+    def largest_torque(self) -> FloatArray:
+        """Largest magnitude of a torque between events, shape (n, drives) [N m or N]."""
+        return self.torques[..., 0, :]
+
+    @property
+    def largest_torque_error(self) -> FloatArray:
+        """Bound on the error of that."""
+        return self.torques[..., 1, :]
+
     def _of_stops(self, place: int) -> FloatArray:
         return np.asarray(self.table[..., rows.TURN_NUMBERS + place :: rows.PER_STOP])
 
@@ -137,6 +152,7 @@ def turn_quantities(
     stiffness: ArrayLike | None = None,
     preload: ArrayLike | None = None,
     least_force: float = 0.0,
+    torques: bool = False,
     last: int | None = None,
     rest_rate: float | None = None,
     tolerance: float = 1e-10,
@@ -152,6 +168,7 @@ def turn_quantities(
         stiffness: Spring rates, shape (n,) with one spring or (n, springs) [N/m or N m/rad].
         preload: Deflections in the springs at zero, likewise [m or rad].
         least_force: Force above which the clamping stop clamps [N].
+        torques: Whether to compute the torques of the drives.
         last: How many turns to report, from the last one backwards; None for the last one alone.
         rest_rate: None: series end at their limit. A number: rest at the first slower rebound.
         tolerance: Relative accuracy of flights and of limits.
@@ -164,16 +181,22 @@ def turn_quantities(
         InputError: A parameter is out of range, or the mechanism cannot be reduced.
         SimulationError: A point of the turn cannot be reached or is singular.
     """
-    settings = run_of("turns", turns, rest_rate, tolerance, max_collisions, least_force)
+    run = run_of("turns", turns, rest_rate, tolerance, max_collisions, least_force)
     start_index = number("start_index", start_index)
     model = turn_model(mechanism, start_index)
     cases = turn_cases(model, speed_rpm, restitution, stiffness, preload)
     n = len(cases.speed)
     told = np.zeros((n, 4), dtype=np.int64)
-    columns = rows.TURN_NUMBERS + rows.PER_STOP * len(model.stops)
-    found = room_for(n, last, columns)
-    run = partial(follow, settings, settings.events())
-    widening(mechanism, start_index, cases, told, found, run)
+    table = room_for(n, last, rows.TURN_NUMBERS + rows.PER_STOP * len(model.stops))
+    widening(mechanism, start_index, cases, told, table, partial(follow, run, run.events()))
     status, followed, again, _ = told.T.copy()
-    table = found[:, 0] if last is None else found
-    return TurnQuantities(model.name, model.stops, status, followed, again, cases.speed, table)
+    drives = tuple(item.name for item in mechanism.drives) if torques else ()
+    largest = np.empty((n, last or 1, 2, 0))
+    if torques:
+        of_torques, largest = peak_torques(mechanism, start_index, run, cases, last)
+        status = np.where(status == TurnStatus.FOLLOWED, of_torques, status)
+    if last is None:
+        table, largest = table[:, 0], largest[:, 0]
+    return TurnQuantities(
+        model.name, model.stops, status, followed, again, cases.speed, table, drives, largest
+    )

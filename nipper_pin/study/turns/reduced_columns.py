@@ -9,7 +9,7 @@ import numpy as np
 from ...arrays import FloatArray
 from ...hybrid import START_INDEX
 from ...mechanism import INDEX_PER_TURN, within_turn
-from ...reduced.turns import TurnQuantities, TurnTorques
+from ...reduced.turns import TurnQuantities
 
 _SAME = {
     "clamped_time": "clamped_time",
@@ -25,6 +25,7 @@ _SAME = {
 }
 _EACH = ("collisions", "impulse_sum", "impulse_sum_error", "largest_impulse",
          "largest_impulse_error")  # fmt: skip
+_OF_DRIVES = "largest_torque", "largest_torque_error"
 _INDICES = {
     "closing_index": "closed_at",
     "rest_index": "rests_at",
@@ -41,7 +42,7 @@ _PER_RAD = INDEX_PER_TURN / math.tau
 
 
 def reduced_columns(found: TurnQuantities) -> dict[tuple[str, str], FloatArray]:
-    """Columns by attribute of the table and name of the stop.
+    """Columns by attribute of the table and name of the stop or drive.
 
     Args:
         found: Quantities of the last turn of each case.
@@ -54,23 +55,8 @@ def reduced_columns(found: TurnQuantities) -> dict[tuple[str, str], FloatArray]:
         columns[name, ""] = _PER_RAD * getattr(found, place)
     for name, place in _INDICES.items():
         columns[name, ""] = within_turn(START_INDEX + _PER_RAD * getattr(found, place))
-    for name in _EACH:
-        for number, stop in enumerate(found.stops):
-            columns[name, stop] = np.array(getattr(found, name)[:, number])
+    for names, parts in ((_EACH, found.stops), (_OF_DRIVES, found.drives)):
+        for name in names:
+            for number, part in enumerate(parts):
+                columns[name, part] = np.array(getattr(found, name)[:, number])
     return columns
-
-
-def torque_columns(found: TurnTorques) -> dict[tuple[str, str], FloatArray]:
-    """Columns by attribute of the table and name of the drive.
-
-    Args:
-        found: Torques of the last turn of each case.
-    """
-    return {
-        (name, drive): np.array(values[:, place])
-        for name, values in (
-            ("largest_torque", found.largest),
-            ("largest_torque_error", found.error),
-        )
-        for place, drive in enumerate(found.drives)
-    }

@@ -13,10 +13,10 @@ from ...hybrid import START_INDEX, Case, Outcome, Resolution, Solution, Window, 
 from ...hybrid.result.turns import Turn, of_turn, read_of, reported_turn, turn_names
 from ...mechanism import Mechanism, retuned
 from ...reduced.results import TURN_REASONS
-from ...reduced.turns import TurnStatus, turn_quantities, turn_torques
+from ...reduced.turns import TurnStatus, turn_quantities
 from ..cases import Cases
 from ..transitions import FAILED, REDUCED
-from .reduced_columns import reduced_columns, torque_columns
+from .reduced_columns import reduced_columns
 from .table import FOLLOWED, TurnTable
 
 DIRECT = "direct"
@@ -77,24 +77,22 @@ class Run:
     def reduced(self, *, keep_all: bool) -> list[int]:
         """Follow all cases by the reduced engine; returns those that it leaves to the other."""
         settings = self._settings
-        case: dict[str, Any] = {
-            "speed_rpm": self._cases.speed_rpm,
-            "turns": settings.turns,
-            "start_index": START_INDEX,
-            "restitution": self._restitution,
-            "stiffness": self._cases.stiffness,
-            "preload": self._cases.preload,
-            "rest_rate": settings.rest_rate,
-            "tolerance": settings.tolerance,
-            "max_collisions": settings.max_collisions,
-        }
-        found = turn_quantities(self._mechanism, least_force=settings.least_force, **case)
+        found = turn_quantities(
+            self._mechanism,
+            speed_rpm=self._cases.speed_rpm,
+            turns=settings.turns,
+            start_index=START_INDEX,
+            restitution=self._restitution,
+            stiffness=self._cases.stiffness,
+            preload=self._cases.preload,
+            least_force=settings.least_force,
+            torques=settings.torques,
+            rest_rate=settings.rest_rate,
+            tolerance=settings.tolerance,
+            max_collisions=settings.max_collisions,
+        )
         status = found.status
         self._found |= reduced_columns(found)
-        if settings.torques:
-            torques = turn_torques(self._mechanism, **case)
-            status = np.where(status == TurnStatus.FOLLOWED, torques.status, status)
-            self._found |= torque_columns(torques)
         self._engine[:] = REDUCED
         self._outcome[:] = [_STATUS[number] for number in status.tolist()]
         self._turns = np.where(status == TurnStatus.FOLLOWED, found.turns, 0)
