@@ -13,8 +13,9 @@ from held_turn import HeldTurn, quantities
 from scipy.optimize import minimize_scalar
 
 from nipper_pin import Case, EventKind, InputError, Mechanism, Solution, load, simulate
+from nipper_pin.arrays import FloatArray
 from nipper_pin.mechanism.gallery import drawn
-from nipper_pin.reduced.turns import TurnStatus, turn_quantities
+from nipper_pin.reduced.turns import TurnQuantities, TurnStatus, turn_quantities
 from nipper_pin.reduced.turns import peak_torques as module
 
 REFERENCE = Path(__file__).resolve().parents[1] / "reference/e62_cycle.json"
@@ -27,6 +28,11 @@ def true() -> dict[str, Any]:
     return document
 
 
+def both(found: TurnQuantities, quantity: str) -> tuple[FloatArray, FloatArray]:
+    """Values, and bounds on their errors."""
+    return getattr(found, quantity), getattr(found, f"{quantity}_error")
+
+
 @pytest.mark.parametrize("name", SPEEDS)
 def test_certified_quantities(e62: Mechanism, true: dict[str, Any], name: str) -> None:
     """Rests, forces at the lips and losses of an independent solution in 60 digits."""
@@ -37,20 +43,23 @@ def test_certified_quantities(e62: Mechanism, true: dict[str, Any], name: str) -
     held = next(row for row in case["phases"] if row["closed"] == "jaw")
     rest = next(row for row in case["rests"] if row["stop"] == "jaw")
     start, end = float(held["start_s"]), float(held["end_s"])
-    for value, error, wanted in (
-        (found.closed_at, found.closed_error, speed * float(hits[0]["time_s"])),
-        (found.rests_at, found.rests_error, speed * float(rest["time_s"])),
-        (found.opened_at, found.opened_error, speed * end),
-        (found.clamped, found.clamped_error, speed * (end - start)),
-        (found.clamped_time, found.clamped_time_error, end - start),
-        (found.least_force, found.least_force_error, float(held["lip_force_min_N"])),
-        (found.most_force, found.most_force_error, float(held["lip_force_max_N"])),
-        (found.largest_gap, found.gap_error, max(float(row["rebound_amplitude"]) for row in hits)),
-        (found.energy_lost, found.energy_lost_error, float(case["energy_lost_total_J"])),
-    ):
-        assert abs(value[0] - wanted) <= error[0] <= 1e-7 * wanted
+    for quantity, wanted in {
+        "closed_at": speed * float(hits[0]["time_s"]),
+        "rests_at": speed * float(rest["time_s"]),
+        "opened_at": speed * end,
+        "clamped": speed * (end - start),
+        "clamped_time": end - start,
+        "least_clamping_force": float(held["lip_force_min_N"]),
+        "largest_clamping_force": float(held["lip_force_max_N"]),
+        "largest_gap": max(float(row["rebound_amplitude"]) for row in hits),
+        "energy_lost": float(case["energy_lost_total_J"]),
+    }.items():
+        (value,), (error,) = both(found, quantity)
+        assert abs(value - wanted) <= error <= 1e-7 * wanted, quantity
     assert math.isnan(found.lost_at[0])
-    assert found.force_error[0] == max(found.least_force_error[0], found.most_force_error[0])
+    assert found.clamping_force_error[0] == max(
+        found.least_clamping_force_error[0], found.largest_clamping_force_error[0]
+    )
     assert found.clamped_share[0] == pytest.approx((end - start) * SPEEDS[name] / 60.0, rel=1e-9)
     for place, stop in enumerate(("jaw", "steeve")):
         rows = [row for row in case["collisions"] if row["stop"] == stop]
@@ -138,20 +147,20 @@ def test_quantities_within_their_stated_errors(
         found = turn_quantities(mechanism, speed_rpm=float(speed), tolerance=tolerance,
                                 least_force=true["level"])  # fmt: skip
         values = [
-            ("closed", found.closed_at, found.closed_error, true["closed_at"], rate),
-            ("rests", found.rests_at, found.rests_error, true["rests_at"], rate),
-            ("lost", found.lost_at, found.lost_error, true["lost_at"], rate),
-            ("opened", found.opened_at, found.opened_error, true["opened_at"], rate),
-            ("clamped", found.clamped, found.clamped_error, true["clamped"], rate),
-            ("time", found.clamped_time, found.clamped_time_error, true["clamped"], 1),
-            ("least", found.least_force, found.least_force_error, true["least_force"], 1),
-            ("most", found.most_force, found.most_force_error, true["most_force"], 1),
-            ("gap", found.largest_gap, found.gap_error, true["largest_gap"], 1),
-            ("energy", found.energy_lost, found.energy_lost_error, true["energy_lost"], 1),
+            (quantity, *both(found, quantity), true[key], by)
+            for quantity, key, by in (
+                *((name, name, rate) for name in ("closed_at", "rests_at", "lost_at", "opened_at")),
+                ("clamped", "clamped", rate),
+                ("clamped_time", "clamped", 1),
+                ("least_clamping_force", "least_force", 1),
+                ("largest_clamping_force", "most_force", 1),
+                ("largest_gap", "largest_gap", 1),
+                ("energy_lost", "energy_lost", 1),
+            )
         ]
         for place, (stop, by) in enumerate((("jaw", 1.0 / lever), ("steeve", 1.0))):
             for key in ("impulse_sum", "largest_impulse"):
-                value, error = (getattr(found, f"{key}{end}")[:, place] for end in ("", "_error"))
+                value, error = (rows[:, place] for rows in both(found, key))
                 values.append((f"{key} {stop}", value, error, true[f"{key}_{stop}"], by))
         for what, value, error, wanted, scale in values:
             if wanted is None:

@@ -58,31 +58,31 @@ class TurnQuantities:
 
     closed_at = Column(rows.CLOSED_AT)
     """Travel to the first collision of the clamping stop [rad]."""
-    closed_error = Column(rows.CLOSED_ERROR)
+    closed_at_error = Column(rows.CLOSED_ERROR)
     """Bound on the error of that; so are the others called."""
     rests_at = Column(rows.RESTS_AT)
     """Travel to its first rest [rad]; NaN where it does not settle."""
-    rests_error = Column(rows.RESTS_ERROR)
+    rests_at_error = Column(rows.RESTS_ERROR)
     lost_at = Column(rows.LOST_AT)
     """Travel to where its force falls to zero [rad]; NaN where that does not happen."""
-    lost_error = Column(rows.LOST_ERROR)
+    lost_at_error = Column(rows.LOST_ERROR)
     opened_at = Column(rows.OPENED_AT)
     """Travel to where another stop throws it open [rad]; NaN where none does."""
-    opened_error = Column(rows.OPENED_ERROR)
+    opened_at_error = Column(rows.OPENED_ERROR)
     clamped = Column(rows.CLAMPED)
     """Travel with the stop closed and its force above the given one [rad]."""
     clamped_error = Column(rows.CLAMPED_ERROR)
-    least_force = Column(rows.LEAST_FORCE)
+    least_clamping_force = Column(rows.LEAST_FORCE)
     """Smallest force while it is closed [N]; along the joint of a stop without a contact point."""
-    most_force = Column(rows.MOST_FORCE)
+    largest_clamping_force = Column(rows.MOST_FORCE)
     """Largest force while it is closed [N]."""
-    force_error = Column(rows.FORCE_ERROR)
+    clamping_force_error = Column(rows.FORCE_ERROR)
     """Bound on the errors of both [N]; the next two are those of each."""
-    least_force_error = Column(rows.LEAST_ERROR)
-    most_force_error = Column(rows.LARGEST_ERROR)
+    least_clamping_force_error = Column(rows.LEAST_ERROR)
+    largest_clamping_force_error = Column(rows.LARGEST_ERROR)
     largest_gap = Column(rows.LARGEST_GAP)
     """Largest gap of rebounds that end at the same stop [rad or m]; NaN without one."""
-    gap_error = Column(rows.GAP_ERROR)
+    largest_gap_error = Column(rows.GAP_ERROR)
     """Bound on the error of that."""
     energy_lost = Column(rows.LOST_ENERGY)
     """Kinetic energy lost in all collisions [J], those of a series beyond the last too."""

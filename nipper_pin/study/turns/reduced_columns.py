@@ -11,18 +11,11 @@ from ...hybrid import START_INDEX
 from ...mechanism import INDEX_PER_TURN, within_turn
 from ...reduced.turns import TurnQuantities
 
-_SAME = {
-    "clamped_time": "clamped_time",
-    "clamped_share": "clamped_share",
-    "least_clamping_force": "least_force",
-    "largest_clamping_force": "most_force",
-    "clamping_force_error": "force_error",
-    "largest_gap": "largest_gap",
-    "largest_gap_error": "gap_error",
-    "energy_lost": "energy_lost",
-    "clamped_time_error": "clamped_time_error",
-    "energy_lost_error": "energy_lost_error",
-}
+_OF_CLAMP = (
+    "clamped_time", "clamped_time_error", "clamped_share", "least_clamping_force",
+    "largest_clamping_force", "clamping_force_error", "largest_gap", "largest_gap_error",
+    "energy_lost", "energy_lost_error",
+)  # fmt: skip
 _EACH = ("collisions", "impulse_sum", "impulse_sum_error", "largest_impulse",
          "largest_impulse_error")  # fmt: skip
 _OF_DRIVES = "largest_torque", "largest_torque_error"
@@ -31,12 +24,6 @@ _INDICES = {
     "rest_index": "rests_at",
     "loss_index": "lost_at",
     "opening_index": "opened_at",
-}
-_INDEX_ERRORS = {
-    "closing_index_error": "closed_error",
-    "rest_index_error": "rests_error",
-    "loss_index_error": "lost_error",
-    "opening_index_error": "opened_error",
 }
 _PER_RAD = INDEX_PER_TURN / math.tau
 
@@ -49,12 +36,11 @@ def reduced_columns(found: TurnQuantities) -> dict[tuple[str, str], FloatArray]:
     """
     again = found.repeats_after.astype(np.float64)
     columns: dict[tuple[str, str], FloatArray] = {("repeats_after", ""): again}
-    for name, place in _SAME.items():
-        columns[name, ""] = np.array(getattr(found, place))
-    for name, place in _INDEX_ERRORS.items():
-        columns[name, ""] = _PER_RAD * getattr(found, place)
+    for name in _OF_CLAMP:
+        columns[name, ""] = np.array(getattr(found, name))
     for name, place in _INDICES.items():
         columns[name, ""] = within_turn(START_INDEX + _PER_RAD * getattr(found, place))
+        columns[f"{name}_error", ""] = _PER_RAD * getattr(found, f"{place}_error")
     for names, parts in ((_EACH, found.stops), (_OF_DRIVES, found.drives)):
         for name in names:
             for number, part in enumerate(parts):

@@ -11,20 +11,20 @@ from .found import TOLERANCES, Ratios, following
 from .truth import Trial
 
 _MOST_COLLISIONS = 250
-# Quantities: name in a table of ratios, key of the truth, value, stated error, and its unit by the
-# truth's, which has times in seconds and impulses of the jaw along its joint.
+# Quantities: name in a table of ratios, key of the truth, and value. The truth
+# has times in seconds and impulses of the jaw along its joint.
 _TIMES = (
-    ("closing", "closed_at", "closed_at", "closed_error"),
-    ("rest", "rests_at", "rests_at", "rests_error"),
-    ("loss", "lost_at", "lost_at", "lost_error"),
-    ("opening", "opened_at", "opened_at", "opened_error"),
-    ("clamped time", "clamped", "clamped", "clamped_error"),
+    ("closing", "closed_at", "closed_at"),
+    ("rest", "rests_at", "rests_at"),
+    ("loss", "lost_at", "lost_at"),
+    ("opening", "opened_at", "opened_at"),
+    ("clamped time", "clamped", "clamped"),
 )
 _NUMBERS = (
-    ("least force", "least_force", "least_force", "least_force_error"),
-    ("largest force", "most_force", "most_force", "most_force_error"),
-    ("largest gap", "largest_gap", "largest_gap", "gap_error"),
-    ("energy lost", "energy_lost", "energy_lost", "energy_lost_error"),
+    ("least force", "least_force", "least_clamping_force"),
+    ("largest force", "most_force", "largest_clamping_force"),
+    ("largest gap", "largest_gap", "largest_gap"),
+    ("energy lost", "energy_lost", "energy_lost"),
 )
 _STOPS = ("jaw", "steeve")
 
@@ -109,13 +109,13 @@ def of_quantities(
         max_collisions=_MOST_COLLISIONS,
     )  # fmt: skip
     speed = np.longdouble(one.speed_rpm) * 8 * np.arctan(np.longdouble(1)) / 60
-    for name, key, value, error in (*_TIMES, *_NUMBERS):
-        have, stated = getattr(mine, value)[0], float(getattr(mine, error)[0])
+    for name, key, value in (*_TIMES, *_NUMBERS):
+        have, stated = getattr(mine, value)[0], float(getattr(mine, f"{value}_error")[0])
         if true[key] is None or math.isnan(have):
             if (true[key] is None) != math.isnan(have):
                 found.add(where, name, math.inf, 1.0)
             continue
-        times = speed if (name, key, value, error) in _TIMES else 1
+        times = speed if (name, key, value) in _TIMES else 1
         times = one.of_force_m if name.endswith("force") else times
         found.add(where, name, have - np.longdouble(true[key]) * times, stated)
     for place, stop in enumerate(_STOPS):
