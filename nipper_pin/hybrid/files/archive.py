@@ -10,7 +10,7 @@ from __future__ import annotations
 import hashlib
 import tokenize
 import zipfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import IO, Any
 
@@ -92,7 +92,20 @@ def mesh_digests(name: str, urdf: str, folder: Path) -> dict[str, str]:
     Raises:
         ModelError: A mesh lies outside the folder.
     """
-    return dict(_found(name, urdf, folder))
+    file, digests = f"{name}.urdf", dict[str, str]()
+    named = {item.get("filename", "") for item in parse_xml(urdf, file).iterfind(".//mesh")}
+    for mesh in sorted(named):
+        # Names are checked before files are touched.
+        if not (folder / path_inside(mesh, "", file)).is_file():
+            continue
+        path = mesh_path(mesh, folder, "", file)
+        try:
+            with opened(path) as stream:
+                digests[mesh] = hashlib.file_digest(stream, "sha256").hexdigest()
+        except OSError as error:
+            value, allowed = str(error), "a mesh that can be read"
+            raise ModelError(file=file, key=mesh, value=value, allowed=allowed) from error
+    return digests
 
 
 def need_own_files(
@@ -116,26 +129,10 @@ def need_own_files(
                     f"{section}.{key} names a file, and a saved run holds its tables; save it again"
                 )
                 raise InputError(message, table=key)
-    for mesh, digest in _found(name, urdf, folder):
+    for mesh, digest in mesh_digests(name, urdf, folder).items():
         if digest != digests.get(mesh):
             message = (
                 f"{mesh} in {folder} is not the mesh that this was saved with; put that one back, "
                 "or simulate the model again"
             )
             raise InputError(message, mesh=mesh, folder=str(folder))
-
-
-def _found(name: str, urdf: str, folder: Path) -> Iterator[tuple[str, str]]:
-    """Name and digest of each mesh that is there; names are checked before files are touched."""
-    file = f"{name}.urdf"
-    named = {item.get("filename", "") for item in parse_xml(urdf, file).iterfind(".//mesh")}
-    for mesh in sorted(named):
-        if not (folder / path_inside(mesh, "", file)).is_file():
-            continue
-        path = mesh_path(mesh, folder, "", file)
-        try:
-            with opened(path) as stream:
-                yield mesh, hashlib.file_digest(stream, "sha256").hexdigest()
-        except OSError as error:
-            value, allowed = str(error), "a mesh that can be read"
-            raise ModelError(file=file, key=mesh, value=value, allowed=allowed) from error

@@ -16,7 +16,7 @@ from dataclasses import asdict, fields
 from importlib.metadata import version
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar
 
 import msgspec
 import numpy as np
@@ -57,6 +57,11 @@ LARGEST = 1e30
 """Largest number of a run, in SI units: products of a few larger ones overflow."""
 _Number = Annotated[float, Meta(ge=-LARGEST, le=LARGEST)]
 _Above = Annotated[float, Meta(gt=0.0, le=LARGEST)]
+# A panel: start and length [s], dependent coordinates, integrated or not, place of its arrays.
+_Panel = tuple[_Number, _Above, tuple[_Count, ...], bool, _Count]
+
+
+_Kind = TypeVar("_Kind", bound="Setting")
 
 
 class _Record(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -113,16 +118,6 @@ class ShaftRecord(_Record, frozen=True, kw_only=True):
     start_angle_rad: _Number
 
 
-class PanelRecord(_Record, frozen=True, kw_only=True, array_like=True):
-    """A panel: start and length [s], its coordinates, and the place of its arrays."""
-
-    t: _Number
-    h: _Above
-    dependent: tuple[_Count, ...]
-    integrated: bool
-    place: _Count
-
-
 class SegmentRecord(_Record, frozen=True, kw_only=True):
     """Fields of ``Segment``."""
 
@@ -130,7 +125,7 @@ class SegmentRecord(_Record, frozen=True, kw_only=True):
     t_end: _Number
     closed: frozenset[str]
     kinematic: bool
-    panels: Annotated[tuple[PanelRecord, ...], Meta(min_length=1)]
+    panels: Annotated[tuple[_Panel, ...], Meta(min_length=1)]
     source: _Count
 
 
@@ -184,10 +179,7 @@ def save(solution: Solution, path: str | Path) -> Path:
     states: _Stored = {}
     document = {
         **_setting(solution.mechanism, solution.case),
-        "shaft": {
-            "speed_rad_s": solution.shaft.speed_rad_s,
-            "start_angle_rad": solution.shaft.start_angle_rad,
-        },
+        "shaft": _fields(ShaftRecord, solution.shaft),
         "segments": [_segment_record(segment, panels) for segment in solution.segments],
         "events": [_event_record(event, states) for event in solution.events],
         "outcome": solution.outcome.name,
@@ -222,9 +214,7 @@ def load_solution(path: str | Path) -> Solution:
         # A file of our own is closed whatever is wrong with its content.
         with opened(_file(path, "solution.npz")) as stream:
             stored = read_archive(stream)
-        text = str(stored.pop("document"))
-        _check_format(text, path)
-        return _solution(msgspec.json.decode(text, type=Run), stored)
+        return _solution(_decoded(str(stored.pop("document")), Run, path), stored)
     except _DAMAGE as error:
         message = f"{path}: not a saved solution, or a damaged one ({error}); simulate again"
         raise InputError(message, file=str(path)) from error
@@ -251,9 +241,7 @@ def load_case(path: str | Path) -> tuple[Mechanism, Case]:
         InputError: The file is missing, damaged or of another format.
     """
     try:
-        text = read_text(_file(path, "case.json"), MOST_JSON)
-        _check_format(text, path)
-        setting = msgspec.json.decode(text, type=SavedCase)
+        setting = _decoded(read_text(_file(path, "case.json"), MOST_JSON), SavedCase, path)
         return _mechanism(setting), _case(setting.case)
     except _DAMAGE as error:
         message = f"{path}: not a saved case, or a damaged one ({error})"
@@ -282,7 +270,7 @@ def _setting(mechanism: Mechanism, case: Case) -> dict[str, Any]:
     }
 
 
-def _check_format(text: str, path: str | Path) -> None:
+def _decoded(text: str, kind: type[_Kind], path: str | Path) -> _Kind:
     found = msgspec.json.decode(text, type=AnyFormat).format
     if found != FORMAT:
         message = (
@@ -290,6 +278,7 @@ def _check_format(text: str, path: str | Path) -> None:
             "the case again"
         )
         raise InputError(message, file=str(path), format=found)
+    return msgspec.json.decode(text, type=kind)
 
 
 def _mechanism(setting: Setting) -> Mechanism:
@@ -316,13 +305,13 @@ def _segment_record(segment: Segment, panels: _Stored) -> dict[str, Any]:
         key = segment.source, number, panel.q[0].tobytes()
         place = _place(panels, key, panel.q, panel.v, panel.a)
         records.append([panel.t, panel.h, panel.split.dependent, panel.integrated, place])
-    return _record(segment, SegmentRecord, panels=records)
+    return _fields(SegmentRecord, segment, panels=records)
 
 
 def _event_record(event: Event, states: _Stored) -> dict[str, Any]:
     key = event.source, event.q.tobytes()
     place = _place(states, key, event.q, event.v_before, event.v_after, event.delta)
-    return _record(event, EventRecord, state=place)
+    return _fields(EventRecord, event, state=place)
 
 
 def _place(stored: _Stored, key: tuple[object, ...], *arrays: FloatArray) -> int:
@@ -330,11 +319,9 @@ def _place(stored: _Stored, key: tuple[object, ...], *arrays: FloatArray) -> int
     return stored.setdefault(key, (len(stored), arrays))[0]
 
 
-def _record(
-    item: Event | Segment, layout: type[msgspec.Struct], **others: object
-) -> dict[str, Any]:
-    """Fields of the layout, in its order: the item's own, but for those that are given."""
-    names = layout.__struct_fields__
+def _fields(kind: type, item: object, **others: object) -> dict[str, Any]:
+    """Fields that a kind of records has, in its order: the item's own, but for those given."""
+    names = kind.__annotations__
     return {name: others[name] if name in others else getattr(item, name) for name in names}
 
 
@@ -350,7 +337,7 @@ def _solution(run: Run, stored: dict[str, Any]) -> Solution:
     # Copies of a turn share their arrays again, as they did when they were written.
     nodes = {
         place: tuple(_numbers(stored[f"panel{place}"], 3, None, size))
-        for place in {panel.place for segment in run.segments for panel in segment.panels}
+        for place in {place for segment in run.segments for *_, place in segment.panels}
     }
     states = [tuple(row) for row in _numbers(stored["events"], None, 4, size)] if run.events else []
     places = {event.state for event in run.events}
@@ -359,7 +346,7 @@ def _solution(run: Run, stored: dict[str, Any]) -> Solution:
         mechanism=mechanism,
         case=_case(run.case),
         shaft=ShaftMotion(mechanism, run.shaft.speed_rad_s, run.shaft.start_angle_rad),
-        events=tuple(_event(item, *states[item.state]) for item in run.events),
+        events=tuple(_event(item, states[item.state]) for item in run.events),
         segments=tuple(_segment(item, nodes, size) for item in run.segments),
         outcome=Outcome[run.outcome],
         evaluations=run.evaluations,
@@ -370,18 +357,15 @@ def _solution(run: Run, stored: dict[str, Any]) -> Solution:
 
 def _segment(record: SegmentRecord, nodes: dict[int, tuple[FloatArray, ...]], size: int) -> Segment:
     panels = []
-    for t, h, dependent, integrated, place in map(msgspec.structs.astuple, record.panels):
+    for t, h, dependent, integrated, place in record.panels:
         q, v, a = nodes[place]
         panels.append(Panel(t, h, q, v, a, Partition.of(dependent, size), integrated))
-    return Segment(**{**msgspec.structs.asdict(record), "panels": tuple(panels)})
+    return Segment(**_fields(Segment, record, panels=tuple(panels)))
 
 
-def _event(
-    record: EventRecord, q: FloatArray, v_before: FloatArray, v_after: FloatArray, delta: FloatArray
-) -> Event:
-    values = {**msgspec.structs.asdict(record), "P_g": np.array(record.P_g)}
-    del values["state"]
-    return Event(**values, q=q, v_before=v_before, v_after=v_after, delta=delta)
+def _event(record: EventRecord, state: tuple[FloatArray, ...]) -> Event:
+    arrays = dict(zip(("q", "v_before", "v_after", "delta"), state, strict=True))
+    return Event(**_fields(Event, record, P_g=np.array(record.P_g), **arrays))
 
 
 def _need(right: bool, message: str) -> None:
@@ -397,10 +381,10 @@ def _check(run: Run, mechanism: Mechanism) -> None:
     for place, segment in enumerate(run.segments):
         stops |= segment.closed
         _need(segment.source <= place, f"segment {place} is a copy of {segment.source}")
-        for panel in segment.panels:
-            chosen = set(panel.dependent)
-            right = chosen <= set(range(size)) and len(chosen) == len(panel.dependent) == rows
-            _need(right, f"{panel.dependent} are not the dependent coordinates of a panel")
+        for _, _, dependent, *_ in segment.panels:
+            chosen = set(dependent)
+            right = chosen <= set(range(size)) and len(chosen) == len(dependent) == rows
+            _need(right, f"{dependent} are not the dependent coordinates of a panel")
     for event in run.events:
         stops |= {*event.stops, *event.P_N, *event.closed_before, *event.closed_after}
         _need(event.source <= event.number, f"event {event.number} is a copy of {event.source}")
