@@ -13,9 +13,11 @@ import numpy as np
 from ..arrays import FloatArray
 from ..dynamics import Driven, System
 from ..mechanism import Mechanism, Stop
-from .contact.active_set import Closed
 from .contact.bounce_series import BounceSeries
 from .motion.panel import Panel
+
+Closed = frozenset[str]
+"""Names of closed stops."""
 
 
 class EventKind(StrEnum):

@@ -11,7 +11,7 @@ from ..arrays import FloatArray
 from ..dynamics import DriveMode, System, assemble
 from ..errors import InputError, NipperError, SimulationError
 from ..given import LARGEST, flag, number
-from ..hybrid import comes_back
+from ..hybrid import State, comes_back
 from ..hybrid.error_estimate.local_error import at_start
 from ..made_once import made_once
 from ..mechanism import Mechanism, Stop
@@ -237,7 +237,7 @@ def _approach_rate(
             "cylinder angle); check cylinder.angle_at_touch_deg and cylinder.direction"
         )
         raise InputError(message, stop=name, rate=rate)
-    rounded = at_start(system, closed, 0.0, np.zeros_like(v), v)
+    rounded = at_start(system, State.at(system, 0.0, np.zeros_like(v), v, closed))
     return rate, rounded.size(len(v) + column)
 
 

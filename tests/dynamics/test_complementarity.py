@@ -32,6 +32,7 @@ from nipper_pin.dynamics import (
 )
 from nipper_pin.dynamics.complementarity import complementary
 from nipper_pin.dynamics.impact_laws import solve_impact
+from nipper_pin.hybrid import State
 from nipper_pin.hybrid.contact.active_set import active_set
 from nipper_pin.mechanism import Stop
 
@@ -249,7 +250,8 @@ def test_resting_contacts_are_the_only_complementary_ones(seed: int) -> None:
     assert len(solutions) == 1
     names = frozenset(stop.name for stop in contacts)
     motion = system.shaft.driven(NOW)
-    found = active_set(system, motion, meeting.q, v, meeting.jacobian, names)
+    state = State(0.0, meeting.q, v, meeting.jacobian, motion, names)
+    found = active_set(system, state, names)
     assert found == {contacts[i].name for i in solutions[0][0]}
 
 

@@ -13,7 +13,7 @@ from nipper_pin import Case, Event, EventKind, Mechanism, Outcome, Solution, Win
 from nipper_pin.dynamics import Impact
 from nipper_pin.dynamics.constraint_set import parts as parts_of
 from nipper_pin.hybrid import State
-from nipper_pin.hybrid.contact.active_set import Closed
+from nipper_pin.hybrid.history import Closed
 from nipper_pin.hybrid.run.phase_manager import EventLog
 
 GRAVITY = 9.81

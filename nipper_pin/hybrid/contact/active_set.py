@@ -10,7 +10,7 @@ from collections.abc import Collection, Iterable
 import numpy as np
 
 from ...arrays import FloatArray, Jacobian, Vector
-from ...dynamics import ConstraintSet, Driven, System
+from ...dynamics import ConstraintSet, System
 from ...dynamics.complementarity import (
     complementary,
     delassus,
@@ -22,19 +22,12 @@ from ...errors import SimulationError
 from ...mechanism import Stop
 from ...tolerances.hybrid import ACCELERATION_LOOKAHEAD, ACTIVE_SET_ROUND_OFF, GAP_ROUND_OFF
 from ...tolerances.mechanics import STILL_GAP_RATE
-from ..motion.panel import Panel, one_state_at
-
-Closed = frozenset[str]
+from ..history import Closed, State
+from ..motion.panel import Exact, Panel, one_state_at
 
 
 def active_set(
-    system: System,
-    motion: Driven,
-    q: Vector,
-    v: Vector,
-    jacobian: Jacobian,
-    at_rest: Closed,
-    about: Collection[str] | None = None,
+    system: System, state: State | Exact, at_rest: Closed, about: Collection[str] | None = None
 ) -> Closed:
     """Stops at rest (zero gap and rate) that stay closed, by complementarity of accelerations.
 
@@ -43,7 +36,6 @@ def active_set(
     that depend on one another as many close as can carry a force.
 
     Args:
-        motion: Driven coordinates at this time, as one row.
         about: Names of stops whose parts are asked for, all by default; what rests in others stays
             closed.
 
@@ -53,6 +45,7 @@ def active_set(
     concerned = at_rest if about is None else at_rest & system.coupled(about)
     if not concerned:
         return at_rest
+    q, v, jacobian, motion = state.q, state.v, state.jacobian, state.motion
     stops = [stop for stop in system.mechanism.stops if stop.name in concerned]
     free = system.constraint_set(frozenset())
     a = system.accelerations(motion, q[None], v[None], free)[0]
@@ -82,8 +75,7 @@ def active_set_next(
     Where forces vanish together, so do all accelerations: what comes next tells which stops open.
     """
     later = t + ACCELERATION_LOOKAHEAD * system.shaft.period
-    q, v, jacobian, motion = one_state_at(system, phase, panel, later)
-    return active_set(system, motion, q, v, jacobian, phase.closed, about)
+    return active_set(system, one_state_at(system, phase, panel, later), phase.closed, about)
 
 
 def _of_one_part(matrix: FloatArray, leaving: FloatArray, nothing: FloatArray) -> list[int] | None:

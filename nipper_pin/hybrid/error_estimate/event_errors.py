@@ -26,7 +26,7 @@ from ...tolerances.hybrid import (
     ROOT_RESOLUTION,
     SERIES_ERROR_SAFETY,
 )
-from ..history import Event, EventKind, Segment
+from ..history import Event, EventKind, Segment, State
 from ..motion.panel import forces_at
 from .linear_maps import ImpactMap, LinearMaps, PanelMaps, pushing
 from .local_error import at_start, of_closures, round_off, unsure
@@ -179,9 +179,9 @@ def _at_start(system: System, segments: Sequence[Segment], first: Event) -> Zono
     """Round-off with which a run begins: before an event that it begins with."""
     if segments and segments[0].t_start < first.t:
         panel = segments[0].panels[0]
-        state = panel.t, panel.q[0], panel.v[0]
-        return at_start(system, segments[0].closed, *state, panel.split)
-    return at_start(system, first.closed_before, first.t, first.q, first.v_before)
+        state = State.at(system, panel.t, panel.q[0], panel.v[0], segments[0].closed)
+        return at_start(system, state, panel.split)
+    return at_start(system, State.at(system, first.t, first.q, first.v_before, first.closed_before))
 
 
 class _State(NamedTuple):

@@ -28,7 +28,7 @@ from ...tolerances.hybrid import (
     POLYNOMIAL_ROUND_OFF,
     RATE_ROUND_OFF,
 )
-from ..history import Segment
+from ..history import Segment, State
 from ..motion.panel import Panel, defect, nearby, one_state_at
 from .zonotope import Zonotope
 
@@ -78,23 +78,16 @@ def unresolved(system: System, phase: ConstraintSet, panel: Panel) -> tuple[Floa
     )
 
 
-def at_start(
-    system: System,
-    closed: frozenset[str],
-    t: float,
-    q: Vector,
-    v: Vector,
-    split: Partition | None = None,
-) -> Zonotope:
-    """Deviations of a state with which a motion begins, at time t [s]."""
-    split = _split(system, closed, q) if split is None else split
+def at_start(system: System, state: State, split: Partition | None = None) -> Zonotope:
+    """Deviations of a state with which a motion begins."""
+    q, split = state.q, _split(system, state) if split is None else split
     # In the touch configuration nothing is turned, and only lengths and their sums are rounded.
     length = INDEPENDENT_ROUND_OFF if q.any() else LENGTH_ROUND_OFF
     # The independent ones are given.
     by = np.zeros(len(q))
     by[split.columns] = length * system.body.reach_m
-    found = of_closures(system, split, q, v, by)
-    return of_rates(system, closed, t, q, v, split).joined(Zonotope.of(found))
+    found = of_closures(system, split, q, state.v, by)
+    return of_rates(system, state, split).joined(Zonotope.of(found))
 
 
 def at_end(system: System, segment: Segment) -> Zonotope:
@@ -108,31 +101,24 @@ def at_end(system: System, segment: Segment) -> Zonotope:
     by = unsure(system, panel.split)
     by[panel.split.columns] += np.abs(system.body.closures(q[None])[0][0])
     found = of_closures(system, panel.split, q, v, by)
-    return of_rates(system, segment.closed, t, q, v, panel.split).joined(Zonotope.of(found))
+    state = State.at(system, t, q, v, segment.closed)
+    return of_rates(system, state, panel.split).joined(Zonotope.of(found))
 
 
-def of_rates(
-    system: System,
-    closed: frozenset[str],
-    t: float,
-    q: FloatArray,
-    v: FloatArray,
-    split: Partition | None = None,
-) -> Zonotope:
-    """Round-off of rates that follow from drives and closures; arguments as :func:`at_start`.
+def of_rates(system: System, state: State, split: Partition | None = None) -> Zonotope:
+    """Round-off of rates that follow from drives and closures.
 
     That of the rates of drives, which the others follow; of the terms of the closure rates; and
     what the round-off of the cylinder angle does to all: with accelerations a and cylinder speed W
     it is a dpsi / W, also where a rate passes through zero.
     """
-    shaft, nv = system.shaft, len(q)
-    split = _split(system, closed, q) if split is None else split
-    phase, motion = system.constraint_set(closed), shaft.driven(np.array([t]))
+    shaft, (t, q, v, jacobian, *_), nv = system.shaft, state, len(state.q)
+    split = _split(system, state) if split is None else split
+    phase, motion = system.constraint_set(state.closed), shaft.driven(np.array([t]))
     a = system.accelerations(motion, q[None], v[None], phase)[0]
     shifted = ANGLE_ROUND_OFF * max(abs(float(shaft.angle(t))), 1.0) / shaft.speed_rad_s
     following = np.diag(RATE_ROUND_OFF * np.abs(v))
     if split.dependent:
-        _, (jacobian,) = system.body.closures(q[None])
         by_closures, free = opened(jacobian, split), np.array(split.independent, dtype=np.intp)
         terms = LEVER_ROUND_OFF * (np.abs(jacobian) @ np.abs(v))
         following[np.ix_(split.columns, free)] = -by_closures @ jacobian @ following[:, free]
@@ -164,6 +150,6 @@ def of_closures(
     return np.vstack([moved, turned @ moved]) * by
 
 
-def _split(system: System, closed: frozenset[str], q: FloatArray) -> Partition:
-    phase, (_, jacobians) = system.constraint_set(closed), system.body.closures(q[None])
-    return system.split(jacobians[0], phase.given, phase.yielding)
+def _split(system: System, state: State) -> Partition:
+    phase = system.constraint_set(state.closed)
+    return system.split(state.jacobian, phase.given, phase.yielding)

@@ -28,7 +28,7 @@ from ...tolerances.mechanics import FAINT_GAP_RATE
 from ...units import MS_PER_S
 from ..case import Case, Resolution, Window
 from ..contact.active_set import active_set
-from ..history import Event, EventKind, Segment, State
+from ..history import Event, EventKind, State
 from ..run.phase_manager import go_on
 from ..run.windows import comes_back, winding
 from .trajectory import Trajectory
@@ -52,11 +52,7 @@ class Premise:
 
 
 def premise_of(
-    system: System,
-    case: Case,
-    events: Sequence[Event],
-    segments: Sequence[Segment],
-    trajectory: Trajectory,
+    system: System, case: Case, events: Sequence[Event], trajectory: Trajectory
 ) -> Premise:
     """Follow a transition to the next touch and see in which phase the machine arrives.
 
@@ -69,7 +65,7 @@ def premise_of(
     if reason:
         return Premise(None, reason)
     before = (1.0 - REST_BEFORE_TOUCH) * system.shaft.period
-    start = _end(system, events[-1], segments, trajectory)
+    start = _end(system, events[-1], trajectory)
     further = replace(
         case,
         max_collisions=MOST_IN_TURN,
@@ -98,11 +94,11 @@ def _unanswerable(system: System, touch: Event) -> str:
     return ""
 
 
-def _end(system: System, last: Event, segments: Sequence[Segment], trajectory: Trajectory) -> State:
+def _end(system: System, last: Event, trajectory: Trajectory) -> State:
     """State at the end of a run, from which it can be followed on."""
     t, q, v = last.t, last.q, last.v_after
-    if segments:
-        t = segments[-1].t_end
+    if trajectory.segments:
+        _, t = trajectory.span
         if t > last.t:
             state = trajectory.evaluate(np.array([t]), left=True)
             q, v = state.q[0], state.v[0]
@@ -124,9 +120,7 @@ def _judged(system: System, touch: Event, end: State, events: tuple[Event, ...])
     arrived = touch.q - left * touch.v_before
     if winding(system.mechanism, arrived, end.q, SAME_ASSEMBLY) is None:
         return Premise(False, f"the links stand in another assembly {there}.")
-    motion = system.shaft.driven_at(0.0)
-    jacobian = system.body.closures(touch.q[None])[1][0]
-    stay = active_set(system, motion, touch.q, touch.v_before, jacobian, names)
+    stay = active_set(system, State.at(system, 0.0, touch.q, touch.v_before, names), names)
     if off := sorted(names - stay):
         return Premise(False, f"{_listed(off)} just leaving its stop {there}.")
     return Premise(True, "The machine arrives at the next touch as at this one.")

@@ -171,9 +171,7 @@ class Simulated:
         """Premise of a transition: whether a whole turn arrives in its start state, and why not."""
         from .premise import premise_of
 
-        return premise_of(
-            self.led_system, self.case, self.led_events, self.segments, self.trajectory
-        )
+        return premise_of(self.led_system, self.case, self.led_events, self.trajectory)
 
     @property
     def premise_holds(self) -> bool | None:

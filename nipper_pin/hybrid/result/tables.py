@@ -8,6 +8,7 @@ from __future__ import annotations
 from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import islice
 
 import numpy as np
 
@@ -22,26 +23,20 @@ from ..motion.panel import Panel
 from ..run.phase_manager import PhaseManager
 
 
+@dataclass(frozen=True, eq=False)
 class Rebounds:
     """Amplitudes and times of rebounds, found when asked for; those of copied turns only once.
 
-    Args:
+    Attributes:
         case: The case, for motion that a run has left out.
         led: The system with leaders alone.
     """
 
-    def __init__(
-        self,
-        system: System,
-        segments: Sequence[Segment],
-        events: Sequence[Event],
-        case: Case,
-        led: System,
-    ) -> None:
-        """Store what a rebound is looked up in."""
-        self._system, self._case, self._led = system, case, led
-        self._segments, self._events = segments, events
-        self._starts = [segment.t_start for segment in segments]
+    system: System
+    segments: Sequence[Segment]
+    events: Sequence[Event]
+    case: Case
+    led: System
 
     def time(self, event: Event, name: str) -> float | None:
         """Time of the rebound of a stop that a collision struck [s]; None if unknown."""
@@ -58,11 +53,11 @@ class Rebounds:
         if end is None:
             return None
         if left_out is not None:
-            stop = self._system.mechanism.stop(name)
+            stop = self.system.mechanism.stop(name)
             return max((_highest_of(segment, stop) for segment in left_out), default=None)
         highest = 0.0
-        for place in range(bisect_left(self._starts, event.t), len(self._segments)):
-            segment = self._segments[place]
+        first = bisect_left(self.segments, event.t, key=lambda segment: segment.t_start)
+        for segment in islice(self.segments, first, None):
             if segment.t_end > end.t:
                 break
             highest = max(highest, self._highest(segment, name))
@@ -73,9 +68,9 @@ class Rebounds:
 
         It is the next event at which the stop takes part, and the same one if it does not open.
         """
-        if self._system.mechanism.stop(name).rate(event.v_after) <= 0.0:
+        if self.system.mechanism.stop(name).rate(event.v_after) <= 0.0:
             return event, None
-        later = (self._events[place] for place in range(event.number, len(self._events)))
+        later = (self.events[place] for place in range(event.number, len(self.events)))
         end = next((item for item in later if name in item.P_N), None)
         if end is None or end.kind is not EventKind.REST or not np.array_equal(end.q, event.q):
             return end, None
@@ -84,24 +79,24 @@ class Rebounds:
 
     @once_a_source
     def _highest(self, segment: Segment, name: str) -> float:
-        return _highest_of(segment, self._system.mechanism.stop(name))
+        return _highest_of(segment, self.system.mechanism.stop(name))
 
     @once_a_source
     def _flight(self, event: Event, name: str) -> tuple[Segment, ...]:
         """The flight of a rebound that a run leaves out; empty if it does not end."""
-        system, leader = self._led, self._system.mechanism.stop(name).leader or name
+        system, leader = self.led, self.system.mechanism.stop(name).leader or name
         leaders = {item.name for item in system.mechanism.stops}
         closed = (event.closed_after & leaders) - {leader}
         start = State.at(system, event.t, event.q, event.v_after, closed)
         phase = system.constraint_set(closed)
         a = system.accelerations(start.motion, start.q[None], start.v[None], phase)[0]
         limit, part = event.t + system.shaft.period, system.coupled([leader])
-        reached = advance(system, start, a, limit, self._case.resolution, watched=part)
+        reached = advance(system, start, a, limit, self.case.resolution, watched=part)
         struck = [trigger.stop for trigger in reached.triggers]
         if leader in struck or not struck:
             return (reached.segment,) if struck else ()
         # Of stops that bounce in step another one is back first: on to this one past their events.
-        manager = PhaseManager(system, self._case, start)
+        manager = PhaseManager(system, self.case, start)
         while manager.step(limit):
             if any(leader in event.P_N for event in manager.events):
                 return tuple(manager.segments)

@@ -15,14 +15,8 @@ from ...errors import ConvergenceError, SimulationError, SingularConfigurationEr
 from ...tolerances.hybrid import TIME_ROUND_OFF
 from ..advance import advance
 from ..case import Case
-from ..contact.active_set import (
-    Closed,
-    active_set,
-    active_set_next,
-    stilled,
-    touching,
-)
-from ..history import Event, EventKind, Segment, State
+from ..contact.active_set import active_set, active_set_next, stilled, touching
+from ..history import Closed, Event, EventKind, Segment, State
 from ..motion.panel import Panel
 from .series.bounces import ImpactOutcome, Rest, Series
 from .series.rules import NestedBounces, need_no_jam, series_rules
@@ -178,7 +172,7 @@ class PhaseManager:
         self.collisions = 0
         self.end = math.inf
         self._log = EventLog(system.coupled)
-        self.events, self._nested = self._log.events, NestedBounces(system, case)
+        self.events, self._nested = self._log.events, NestedBounces(system)
         self._rules = series_rules(system, case, self._nested)
         self._known: tuple[FloatArray | None, FloatArray] = (None, np.empty(0))
 
@@ -200,10 +194,7 @@ class PhaseManager:
     def _settle(self, still: Closed) -> None:
         """Close the open stops with neither gap nor rate that are pressed shut."""
         state = self.state
-        at_rest = state.closed | still
-        closed = active_set(
-            self.system, state.motion, state.q, state.v, state.jacobian, at_rest, still
-        )
+        closed = active_set(self.system, state, state.closed | still, still)
         opened = state.closed - closed
         if opened:
             state = self._open(opened)
@@ -283,21 +274,21 @@ class PhaseManager:
         # Those in contact that do not separate may stay closed, and all that is closed elsewhere.
         still = (name for name, rate in rates.items() if rate == 0.0)
         at_rest = state.closed.difference(rates).union(still)
-        closed = active_set(
-            self.system, state.motion, state.q, impact.v_after, state.jacobian, at_rest, met
-        )
+        after = state._replace(v=impact.v_after)
+        closed = active_set(self.system, after, at_rest, met)
         struck = _struck(impact, hit)
         number = self._log.record(EventKind.COLLISION, state, state.t, struck, impact, closed)
-        after = State(
-            state.t, state.q, impact.v_after, state.jacobian, state.motion, closed, self._apart(met)
-        )
+        after = after._replace(closed=closed, series=self._apart(met))
         newly = met & closed
         if newly:
             # Without rebound, the collision is the end of its own series.
             self._close(after, newly, closed)
         self.state = after
         rebounding = [s for s in contacts if s.name in hit and rates[s.name] > 0.0]
-        self._go_on(ImpactOutcome(number, state, after, hit, rates, rebounding))
+        outcome = ImpactOutcome(
+            self.system, self.case, number, state, after, hit, rates, rebounding, self._acceleration
+        )
+        self._go_on(outcome)
 
     def _lying(self, state: State, hit: Set[str] = frozenset()) -> tuple[State, Set[str]]:
         """The state without the round-off of stops that touch beside those that close; these."""
@@ -318,7 +309,7 @@ class PhaseManager:
         if len(self.mechanism.stops) > 1:
             need_no_jam(self.system, self.events, struck.number)
         for follow in self._rules:
-            series, rests = follow(struck, self._acceleration)
+            series, rests = follow(struck)
             rests = [rest for rest in rests if rest.t <= self.end]
             if series is not self.state.series:
                 self.state = self.state._replace(series=series)

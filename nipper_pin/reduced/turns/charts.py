@@ -10,6 +10,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...errors import SimulationError
+from ...hybrid import State
 from ...hybrid.error_estimate.local_error import of_rates
 from ...mechanism import Mechanism
 from ...tolerances.reduced import CORNER_ROUND_OFF
@@ -45,9 +46,9 @@ class ChartSampler:
             return 0.0, 0.0, 0.0, 0.0
         end = arc.travels[-1:]
         n, m = self.sampler.rates(end, arc.path[-1:])
-        rounded = of_rates(
-            self.system, frozenset({arc.stop.name}), float(end[0]), arc.path[-1], m[0]
-        )
+        closed = frozenset({arc.stop.name})
+        state = State.at(self.system, float(end[0]), arc.path[-1], m[0], closed)
+        rounded = of_rates(self.system, state)
         rate = arc.after.rate(m[0])
         kind = next(j.kind for j in self.mechanism.joints if j.index == arc.after.index)
         extent = 1.0 if kind == "revolute" else self.mechanism.reach_m

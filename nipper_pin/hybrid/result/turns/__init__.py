@@ -1,24 +1,12 @@
 """Quantities of one turn, read off a run of whole turns."""
 
-from .quantities import (
-    INDICES,
-    TURN,
-    TURN_DRIVE,
-    TURN_STOP,
-    is_of_drive,
-    of_turn,
-    read_of,
-    turn_names,
-)
-from .turn import DriveTurn, StopTurn, Turn, reported_turn
+from .quantities import INDICES, TURN, TURN_STOP, is_of_drive, of_turn, read_of, turn_names
+from .turn import Turn, reported_turn
 
 __all__ = [
     "INDICES",
     "TURN",
-    "TURN_DRIVE",
     "TURN_STOP",
-    "DriveTurn",
-    "StopTurn",
     "Turn",
     "is_of_drive",
     "of_turn",

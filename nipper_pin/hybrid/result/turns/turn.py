@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 
 import numpy as np
 
@@ -117,14 +117,15 @@ _ENDED = (Outcome.COMPLETED, Outcome.STILL_BOUNCING)
 
 
 class _Index:
-    """Index of the event that is found in a turn, or its estimated error; None without one."""
+    """Index of the first event of a kind that tells, or its estimated error; None without one."""
 
-    def __init__(self, find: Callable[[Turn], Event | None], error: bool) -> None:
-        self._find, self._error = find, error
+    def __init__(self, kind: EventKind, tells: Callable[[Turn, Event], bool], error: bool) -> None:
+        self._kind, self._tells, self._error = kind, tells, error
 
     def __get__(self, turn: Turn, owner: type[Turn]) -> float | None:
         """Read it off a turn."""
-        event, run, period = self._find(turn), turn.solution, turn.solution.shaft.period
+        found = (e for e in turn.events if e.kind is self._kind and self._tells(turn, e))
+        event, run, period = next(found, None), turn.solution, turn.solution.shaft.period
         if event is None:
             return None
         if self._error:
@@ -133,27 +134,11 @@ class _Index:
         return float(within_turn(run.case.start_index + INDEX_PER_TURN * travel))
 
 
-def _index_of(find: Callable[[Turn], Event | None]) -> tuple[_Index, _Index]:
-    return _Index(find, error=False), _Index(find, error=True)
-
-
-def _first(kind: EventKind, turn: Turn) -> Event | None:
-    """The first event of a kind that concerns the transition stop."""
-    found = (item for item in turn.events if item.kind is kind and turn.stop in item.stops)
-    return next(found, None)
-
-
-def _closing(turn: Turn) -> Event | None:
-    """The first collision that strikes it."""
-    hits = (event for event in turn.events if event.kind is EventKind.COLLISION)
-    return next((event for event in hits if turn.stop in turn.struck(event)), None)
-
-
-def _opening(turn: Turn) -> Event | None:
-    """The collision of another stop that throws it open."""
-    hits = (event for event in turn.events if event.kind is EventKind.COLLISION)
-    thrown = (item for item in hits if turn.stop in item.closed_before - item.closed_after)
-    return next(thrown, None)
+def _index_of(
+    kind: EventKind,
+    tells: Callable[[Turn, Event], bool] = lambda turn, event: turn.stop in event.stops,
+) -> tuple[_Index, _Index]:
+    return _Index(kind, tells, error=False), _Index(kind, tells, error=True)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -175,13 +160,18 @@ class Turn:
     repeats_after: int
     least_force: float = 0.0
 
-    closing_index, closing_index_error = _index_of(_closing)
+    closing_index, closing_index_error = _index_of(
+        EventKind.COLLISION, lambda turn, event: turn.stop in turn.struck(event)
+    )
     """Index of the first collision of the transition stop; and the estimated error of that."""
-    rest_index, rest_index_error = _index_of(partial(_first, EventKind.REST))
+    rest_index, rest_index_error = _index_of(EventKind.REST)
     """Index of its first rest."""
-    loss_index, loss_index_error = _index_of(partial(_first, EventKind.RELEASE))
+    loss_index, loss_index_error = _index_of(EventKind.RELEASE)
     """Index at which its force falls to zero and it opens by itself."""
-    opening_index, opening_index_error = _index_of(_opening)
+    opening_index, opening_index_error = _index_of(
+        EventKind.COLLISION,
+        lambda turn, event: turn.stop in event.closed_before - event.closed_after,
+    )
     """Index at which a collision of another stop throws it open."""
 
     @property

@@ -21,9 +21,9 @@ from ....tolerances.hybrid import (
 )
 from ....tolerances.mechanics import EPS
 from ...case import Case
-from ...contact.active_set import Closed, active_set
+from ...contact.active_set import active_set
 from ...contact.bounce_series import BounceSeries
-from ...history import State
+from ...history import Closed, State
 
 Series = tuple[BounceSeries, ...]
 
@@ -37,14 +37,23 @@ class ImpactOutcome(NamedTuple):
         hit: Names of the stops that have just closed.
         rates: Rate of every stop in contact after it, by name [rad/s or m/s].
         rebounding: The stops that have just closed and open again.
+        acceleration: Acceleration of a state, shape (nv,).
     """
 
+    system: System
+    case: Case
     number: int
     before: State
     after: State
     hit: set[str]
     rates: Mapping[str, float]
     rebounding: Sequence[Stop]
+    acceleration: Callable[[State], FloatArray]
+
+    @property
+    def a(self) -> FloatArray:
+        """Acceleration just after it, shape (nv,): found only where a rule asks for it."""
+        return self.acceleration(self.after)
 
 
 class Rest(NamedTuple):
@@ -86,11 +95,9 @@ class Limit(NamedTuple):
         return frozenset(stop.name for stop in self.stops)
 
 
-Acceleration = Callable[[State], FloatArray]
-"""Acceleration of a state, shape (nv,): found only where a rule asks for it."""
 Followed = tuple[Series, Sequence[Rest]]
 """All series of bounces after a collision; and the ends that are known, in order of time."""
-Rule = Callable[[ImpactOutcome, Acceleration], Followed]
+Rule = Callable[[ImpactOutcome], Followed]
 UNKNOWN = inf, inf
 
 
@@ -99,13 +106,12 @@ def knot_between(system: System, before: float, t: float) -> bool:
     return before + system.shaft.smooth_for(before) < t
 
 
-def other_stop_meets(
-    system: System, state: State, a: FloatArray, bouncing: Collection[str], t_rest: float
-) -> bool:
+def other_stop_meets(struck: ImpactOutcome, bouncing: Collection[str], t_rest: float) -> bool:
     """True if another stop of their part may close while the bounces that are left out go on.
 
     It would meet a stop that still bounces, not one at rest.
     """
+    system, state, a = struck.system, struck.after, struck.a
     left, part = t_rest - state.t, system.coupled(bouncing)
     return any(
         lowest_gap(stop.gap(state.q), stop.rate(state.v), stop.rate(a), left) <= 0.0
@@ -156,10 +162,8 @@ def _rest(system: System, state: State, limits: Sequence[Limit]) -> Rest | None:
     for name in state.closed - part:
         # Round-off in a part that the impact does not reach.
         impact.v_after[system.mechanism.stop(name).index] = 0.0
-    at_rest = state.closed | names
-    closed = active_set(
-        system, state.motion, state.q, impact.v_after, state.jacobian, at_rest, names
-    )
+    after = state._replace(v=impact.v_after)
+    closed = active_set(system, after, state.closed | names, names)
     if names <= closed:
         newly = sorted(names - state.closed)
         return Rest(latest(limits), latest_error(limits), newly, impact, closed)
@@ -183,19 +187,17 @@ def latest_error(limits: Sequence[Limit]) -> float:
 _MANY = 200
 
 
-def bounces(
-    system: System, case: Case, struck: ImpactOutcome, acceleration: Acceleration
-) -> Followed:
+def bounces(struck: ImpactOutcome) -> Followed:
     """Bounces of stops, each of which has a series of its own, in the state of a run.
 
     A collision goes on with the series of every stop that it throws open, and ends those of the
     other stops in its part of the machine, whose motion it changes. So stops that do not touch one
     another bounce each for itself, and stops of one part that are struck together, again and again.
     """
-    state = struck.after
+    system, state = struck.system, struck.after
     if not struck.rebounding:
         return state.series, ()
-    a, found, known = acceleration(state), list[BounceSeries](), list[Limit]()
+    a, found, known = struck.a, list[BounceSeries](), list[Limit]()
     for stop in struck.rebounding:
         own = [item for item in struck.before.series if item.stop == stop.name]
         series = own[0] if own else BounceSeries(stop.name, state.t)
@@ -203,7 +205,7 @@ def bounces(
             series = series.anew()
         series = series.bounced(state.t, stop.rate(state.v), -stop.rate(a))
         found.append(series)
-        t_rest, error = accumulation_point(system, case, state, a, stop, series, struck.rebounding)
+        t_rest, error = accumulation_point(struck, stop, series)
         if isfinite(t_rest):
             known.append(Limit((stop,), t_rest, error, series.start))
     parts: dict[frozenset[str], list[Limit]] = {}
@@ -214,34 +216,26 @@ def bounces(
     at_rest = [
         limits
         for part, limits in parts.items()
-        if len(limits) == len(bouncing & part)
-        and (len(limits) == 1 or _as_one(system, case, limits))
+        if len(limits) == len(bouncing & part) and (len(limits) == 1 or _as_one(struck, limits))
     ]
     return (*state.series, *found), rests_of(system, state, at_rest) if at_rest else ()
 
 
-def _as_one(system: System, case: Case, limits: Sequence[Limit]) -> bool:
+def _as_one(struck: ImpactOutcome, limits: Sequence[Limit]) -> bool:
     """True if stops of one part come to rest at one time, as far as the tolerance tells."""
+    case = struck.case
     if case.rest_rate is not None:
         return True
     lasts = latest(limits) - min(limit.start for limit in limits)
-    shortest = TIME_ROUND_OFF * system.shaft.period
+    shortest = TIME_ROUND_OFF * struck.system.shaft.period
     return latest_error(limits) <= max(case.resolution.tolerance * lasts, shortest)
 
 
 def accumulation_point(
-    system: System,
-    case: Case,
-    state: State,
-    a: FloatArray,
-    stop: Stop,
-    series: BounceSeries,
-    mates: Sequence[Stop],
+    struck: ImpactOutcome, stop: Stop, series: BounceSeries
 ) -> tuple[float, float]:
-    """Time at which a bouncing stop comes to rest, and its error [s]; infinite if not known yet.
-
-    The state is that after a bounce of all its mates, itself among them, with its acceleration.
-    """
+    """Time at which a bouncing stop comes to rest, and its error [s]; infinite if not known yet."""
+    system, case, state = struck.system, struck.case, struck.after
     e_N, rate, deceleration = stop.restitution, series.rates[-1], series.decelerations[-1]
     if case.rest_rate is not None:
         return (state.t if rate < case.rest_rate else inf), 0.0
@@ -252,10 +246,9 @@ def accumulation_point(
     if remaining <= tolerance * period:
         # Accelerations change at the rate of the turning; a deceleration that is small beside them
         # does so faster, and near a dead centre everything does.
-        changes = tau * max(2.0, float(np.abs(a).max()) / deceleration) / period * remaining
-        changes += abs(
-            _deceleration_at_rest(system, state, a, stop, mates, remaining) / deceleration - 1
-        )
+        fastest = max(2.0, float(np.abs(struck.a).max()) / deceleration)
+        changes = tau * fastest / period * remaining
+        changes += abs(_deceleration_at_rest(struck, stop, remaining) / deceleration - 1)
         if changes < CONSTANT_DECELERATION or remaining <= TIME_ROUND_OFF * period:
             return t + remaining, min(changes, 1.0) * remaining
     large = rate**3 > DROPPED_SERIES * tolerance * series.fastest**3
@@ -266,28 +259,25 @@ def accumulation_point(
         return UNKNOWN
     t_rest, error = series.limit(e_N)
     if series.uneven <= STEADY_DECELERATION:
-        there = _deceleration_at_rest(system, state, a, stop, mates, remaining)
+        there = _deceleration_at_rest(struck, stop, remaining)
         changes = max(abs(there / deceleration - 1.0), series.uneven) + 4.0 * EPS
         # A law of the rate has e_N in the limit only.
         changes += abs(stop.coefficient(-rate) - e_N) / (1.0 - e_N)
         if changes * remaining <= error:
             t_rest, error = t + remaining, changes * remaining
     known = error <= tolerance * (t - series.start + remaining)
-    bouncing = [item.name for item in mates]
-    if not known or other_stop_meets(system, state, a, bouncing, t_rest):
+    bouncing = [item.name for item in struck.rebounding]
+    if not known or other_stop_meets(struck, bouncing, t_rest):
         return UNKNOWN
     return t_rest, error
 
 
-def _deceleration_at_rest(
-    system: System,
-    state: State,
-    a: FloatArray,
-    stop: Stop,
-    mates: Sequence[Stop],
-    remaining: float,
-) -> float:
-    """Deceleration of a stop where it will be at rest [rad/s^2 or m/s^2]; infinite if unknown."""
+def _deceleration_at_rest(struck: ImpactOutcome, stop: Stop, remaining: float) -> float:
+    """Deceleration of a stop where it will be at rest [rad/s^2 or m/s^2]; infinite if unknown.
+
+    All that bounce with it will be at rest then.
+    """
+    system, state, a, mates = struck.system, struck.after, struck.a, struck.rebounding
     phase, t = system.constraint_set(state.closed), state.t + remaining
     columns = [item.index for item in mates]
     try:

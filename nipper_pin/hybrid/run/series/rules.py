@@ -17,7 +17,6 @@ do so for ever.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
-from functools import partial
 from math import inf, isfinite
 
 from ....arrays import FloatArray
@@ -33,12 +32,10 @@ from ....tolerances.hybrid import (
     VANISHED_REBOUND,
 )
 from ...case import Case
-from ...contact.active_set import Closed
 from ...contact.bounce_series import NestedSeries
-from ...history import Event, EventKind, State
+from ...history import Closed, Event, EventKind, State
 from .bounces import (
     UNKNOWN,
-    Acceleration,
     Followed,
     ImpactOutcome,
     Limit,
@@ -100,22 +97,22 @@ _MANY_EVENTS = 1000
 class NestedBounces:
     """Collisions, one in a part, that throw others open, which were at rest."""
 
-    def __init__(self, system: System, case: Case) -> None:
+    def __init__(self, system: System) -> None:
         """Begin without any series."""
-        self._system, self._case = system, case
+        self._system = system
         self._known: dict[tuple[str, Closed], NestedSeries] = {}
 
-    def followed(self, struck: ImpactOutcome, acceleration: Acceleration) -> Followed:
+    def followed(self, struck: ImpactOutcome) -> Followed:
         """Add such collisions, one a part."""
         state = struck.after
         if not any(struck.rates.get(name, 0.0) > 0.0 for name in struck.before.closed):
             return state.series, ()
-        a, hit = acceleration(state), [self._system.mechanism.stop(name) for name in struck.hit]
+        hit = [self._system.mechanism.stop(name) for name in struck.hit]
         alone = [group[0] for group in self._system.apart(hit) if len(group) == 1]
-        limits = [limit for stop in alone if (limit := self._limit(struck, a, stop)) is not None]
+        limits = [limit for stop in alone if (limit := self._limit(struck, stop)) is not None]
         return state.series, rests_of(self._system, state, [[limit] for limit in limits])
 
-    def _limit(self, struck: ImpactOutcome, a: FloatArray, stop: Stop) -> Limit | None:
+    def _limit(self, struck: ImpactOutcome, stop: Stop) -> Limit | None:
         """Where the collisions of a stop end that throw others of its part open, once known."""
         system, before, state = self._system, struck.before, struck.after
         closed = before.closed & system.coupled([stop.name])
@@ -131,7 +128,7 @@ class NestedBounces:
         series = series.struck(state.t, -stop.rate(before.v), struck.number)
         self._known[key] = series
         fastest = max(rate for name, rate in struck.rates.items() if name in names)
-        t, error = rest_of_nested(system, self._case, state, a, names, fastest, series)
+        t, error = rest_of_nested(struck, names, fastest, series)
         if not isfinite(t):
             return None
         stops = tuple(item for item in system.mechanism.stops if item.name in names)
@@ -144,17 +141,11 @@ class NestedBounces:
 
 
 def rest_of_nested(
-    system: System,
-    case: Case,
-    state: State,
-    a: FloatArray,
-    names: Collection[str],
-    fastest: float,
-    series: NestedSeries,
+    struck: ImpactOutcome, names: Collection[str], fastest: float, series: NestedSeries
 ) -> tuple[float, float]:
     """Time [s] at which stops that throw one another open come to rest together, and its error.
 
-    The state is that after a collision at one of them, the others having been at rest.
+    The collision is one at one of them, the others having been at rest.
 
     Args:
         names: Names of all of them.
@@ -164,6 +155,7 @@ def rest_of_nested(
     Returns:
         Both are infinite while not known yet.
     """
+    system, case, state = struck.system, struck.case, struck.after
     if case.rest_rate is not None:
         return (state.t if fastest < case.rest_rate else inf), 0.0
     if any(system.mechanism.stop(name).restitution >= 1.0 for name in names):
@@ -178,28 +170,26 @@ def rest_of_nested(
     if series.events >= _MANY_EVENTS:
         allowed = NESTED_AT_LAST * tolerance * system.shaft.period
     unknown = not error <= allowed or t_rest <= state.t
-    if unknown or other_stop_meets(system, state, a, names, t_rest):
+    if unknown or other_stop_meets(struck, names, t_rest):
         return UNKNOWN
     if system.shaft.smooth_for(state.t) < t_rest - state.t:
         return UNKNOWN
     return t_rest, error
 
 
-def vanishing_bounces(
-    system: System, struck: ImpactOutcome, acceleration: Acceleration
-) -> Followed:
+def vanishing_bounces(struck: ImpactOutcome) -> Followed:
     """Rests after collisions after which no stop of a part opens further than by round-off."""
-    state = struck.after
+    system, state = struck.system, struck.after
     if not struck.rebounding:
         return state.series, ()
-    a = acceleration(state)
     parts = [system.coupled([group[0].name]) for group in system.apart(struck.rebounding)]
-    limits = [limit for part in parts if (limit := _vanished(system, state, a, part))]
+    limits = [limit for part in parts if (limit := _vanished(struck, part))]
     return state.series, rests_of(system, state, [[limit] for limit in limits])
 
 
-def _vanished(system: System, state: State, a: FloatArray, part: Closed) -> Limit | None:
+def _vanished(struck: ImpactOutcome, part: Closed) -> Limit | None:
     """Where a part comes to rest; None if one of its open stops is still on its way."""
+    system, state, a = struck.system, struck.after, struck.a
     stops = [stop for stop in system.mechanism.stops if stop.name in part]
     still = [stop for stop in stops if stop.name not in state.closed]
     if any(stop.restitution >= 1.0 for stop in still):
@@ -229,10 +219,8 @@ def _rise(stop: Stop, state: State, a: FloatArray, lasts: float) -> float:
 
 def series_rules(system: System, case: Case, nested: NestedBounces) -> tuple[Rule, ...]:
     """Return the rules of a machine, in the order in which they are asked."""
-    single = partial(bounces, system, case)
     if len(system.mechanism.stops) < 2:
-        return (single,)
-    rules: list[Rule] = [nested.followed]
+        return (bounces,)
     if case.rest_rate is None and any(stop.at for stop in system.mechanism.stops):
-        rules.append(partial(vanishing_bounces, system))
-    return (*rules, single)
+        return nested.followed, vanishing_bounces, bounces
+    return nested.followed, bounces
