@@ -192,12 +192,10 @@ def value(charts: Charts, table: FloatArray, u: float, x: float) -> float:
     return float(chebyshev.chebval2d(place, across, table[cell]))
 
 
-def x_dd(
-    charts: Charts, u: float, x: float, v: float, w: float, gravity: float, springs: Any
-) -> float:
+def x_dd(charts: Charts, u: float, x: float, v: float, w: float, springs: Any) -> float:
     """x'' as the model's docstring writes it; springs are pairs (k, p)."""
     f = [value(charts, table, u, x) for table in charts.equation[0]]
-    total = f[0] * w**2 + f[1] * w * v + f[2] * v**2 + f[3] * gravity
+    total = f[0] * w**2 + f[1] * w * v + f[2] * v**2 + f[3]
     for number, (k, p) in enumerate(springs):
         total += k * (f[4 + 2 * number] * p + f[5 + 2 * number])
     return total
@@ -224,9 +222,9 @@ def bounded(charts: Charts) -> Charts:
     )
 
 
-def case(speed: float, gravity: float, stiffness: Any, preload: Any, e_N: float = 0.0) -> Case:
+def case(speed: float, stiffness: Any, preload: Any, e_N: float = 0.0) -> Case:
     """Numbers of a case with one restitution for all stops."""
-    return Case(speed, np.full(4, e_N), np.array(stiffness), np.array(preload), gravity)
+    return Case(speed, np.full(4, e_N), np.array(stiffness), np.array(preload))
 
 
 def work_of(charts: Charts, one: Case, *, most: int = 8) -> tuple[Work, panel.Source]:

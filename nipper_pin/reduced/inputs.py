@@ -17,8 +17,6 @@ from .kernels.layout import Cases
 
 Springs = tuple[FloatArray, FloatArray]
 _RAD_S = math.tau / S_PER_MIN
-# Gravity of a case by that of the model.
-_ALL = np.ones(1)
 # Scratch of so many collisions takes 24 MB.
 _MOST_COLLISIONS = 1_000_000
 
@@ -40,7 +38,7 @@ def check_tolerance(tolerance: float, where: str = "") -> None:
 
 def one_case(
     springs: Springs, speed_rpm: float, restitutions: FloatArray, stiffness: ArrayLike | None,
-    preload: ArrayLike | None, gravity: FloatArray = _ALL,
+    preload: ArrayLike | None,
 ) -> Cases:  # fmt: skip
     """Numbers of a single case: as :func:`cases_of`, in less time.
 
@@ -60,13 +58,12 @@ def one_case(
         restitutions[None],
         row("stiffness", stiffness, springs[0]),
         row("preload", preload, springs[1]),
-        gravity,
     )
 
 
 def cases_of(
     springs: Springs, speed_rpm: ArrayLike, restitutions: list[FloatArray],
-    stiffness: ArrayLike | None, preload: ArrayLike | None, gravity: FloatArray = _ALL,
+    stiffness: ArrayLike | None, preload: ArrayLike | None,
 ) -> Cases:  # fmt: skip
     """Numbers of n cases; a single number stands for all of them.
 
@@ -75,15 +72,12 @@ def cases_of(
         restitutions: e_N of every stop, checked, each (1,) or (n,).
         stiffness: Spring rates, shape (n,) with one spring or (n, springs); None: the model's.
         preload: Deflections in the springs at zero, likewise.
-        gravity: By the gravity of the model, checked, shape (1,) or (n,).
     """
     speed, count = speeds_of(speed_rpm) * _RAD_S, len(springs[0])
     rates = spring_rows("stiffness", springs[0] if stiffness is None else stiffness, count)
     lengths = spring_rows("preload", springs[1] if preload is None else preload, count)
-    speed, rates, lengths, gravity, *columns = of_all_cases(
-        speed, rates, lengths, gravity, *restitutions
-    )
-    return Cases(speed, np.stack(columns, axis=1), rates, lengths, gravity)
+    speed, rates, lengths, *columns = of_all_cases(speed, rates, lengths, *restitutions)
+    return Cases(speed, np.stack(columns, axis=1), rates, lengths)
 
 
 def speeds_of(value: ArrayLike) -> FloatArray:

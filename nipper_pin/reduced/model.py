@@ -85,7 +85,7 @@ class Tabulated:
 class ReducedModel(Tabulated):
     """One degree of freedom x, the coordinate of the transition stop, sampled over a domain.
 
-    x'' = F0 w^2 + F1 w x' + F2 x'^2 + Fg g / g0 + sum_k k (F_k p + F_k s_k), all functions of
+    x'' = F0 w^2 + F1 w x' + F2 x'^2 + Fg + sum_k k (F_k p + F_k s_k), all functions of
     (u, x): u is the travel of the cylinder from the touch configuration along its motion, w its
     speed, u' = w > 0. Tables are tensor Chebyshev series in x on the whole domain and in u on equal
     cells. The functions are one chart, whose stop arrives at the touch in the initial phase.
@@ -94,7 +94,6 @@ class ReducedModel(Tabulated):
         stop: Name of the transition stop.
         touch_angle_rad: Cylinder angle psi at u = 0 [rad].
         sense: Sign of the rate of psi.
-        gravity_m_s2: Gravity in the mechanism's file.
         tolerance: Relative accuracy of the tables.
         arrival: What a turn does between its opening and the touch.
     """
@@ -102,7 +101,6 @@ class ReducedModel(Tabulated):
     stop: str
     touch_angle_rad: float
     sense: int
-    gravity_m_s2: float
     tolerance: float
     arrival: Arrival = field(repr=False, compare=False)
 

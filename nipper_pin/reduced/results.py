@@ -55,8 +55,8 @@ REASONS = {
     Status.UNRESOLVED: "a flight cannot be resolved; use the direct engine",
     Status.UNTOLD: (
         "the tables cannot tell how the machine arrives ({why}); simulate whole turns with the "
-        "direct engine, use nipper_pin.reduced.build with turn=True and a larger gap_max, or take "
-        "the transition as assumed, by nipper_pin.reduced.transition with assumed=True"
+        "direct engine, use nipper_pin.reduced.build with a larger gap_max, or take the "
+        "transition as assumed, by nipper_pin.reduced.transition with assumed=True"
     ),
 }
 

@@ -10,7 +10,7 @@ import numpy as np
 from ..arrays import FloatArray
 from ..dynamics import DriveMode, System, assemble
 from ..errors import InputError, NipperError, SimulationError
-from ..given import LARGEST, flag, number
+from ..given import LARGEST, number
 from ..hybrid import State, comes_back
 from ..hybrid.error_estimate.local_error import at_start
 from ..made_once import made_once
@@ -83,7 +83,6 @@ def build(
     gap_max: float | None = None,
     tolerance: float = 1e-11,
     drive: DriveMode | str = DriveMode.HELD,
-    turn: bool = True,
 ) -> ReducedModel:
     """Sample the reduced model of a mechanism.
 
@@ -98,7 +97,6 @@ def build(
             restitution 0.5 at one and a half times the rated speed.
         tolerance: Relative accuracy of the tables.
         drive: Behaviour of the driven shafts; only held ones can be reduced.
-        turn: Whether to sample the rest of the turn, too, which determines the arrival.
 
     Returns:
         The model.
@@ -118,7 +116,6 @@ def build(
     if gap_max is not None:
         number("gap_max", gap_max, 0.0, LARGEST, open_low=True, allowed="above zero",
                where=_MODEL)  # fmt: skip
-    flag("turn", turn, where=_MODEL)
     stop = mechanism.stop(mechanism.transition_stop)
     others = tuple(item for item in mechanism.stops if item.name != stop.name)
     system = system_at(mechanism, 0.0, mechanism.cylinder.angle_at_touch_rad)
@@ -128,7 +125,7 @@ def build(
     _check_opening(mechanism, others, sampler)
     weights, room = _nominal(mechanism, sampler, rate)
     gap_max = _pressed(mechanism, room) if gap_max is None else gap_max
-    arcs, why = _turn(mechanism, stop, turn) if turn or travel_rad is None else ([], "")
+    arcs, why = _turn(mechanism, stop)
     if travel_rad is None:
         opening = next((arc.end for arc in arcs if arc.after.name != stop.name), _USUAL)
         travel_rad = min(opening, _LONGEST)
@@ -142,11 +139,8 @@ def build(
         stop=stop.name,
         touch_angle_rad=mechanism.cylinder.angle_at_touch_rad,
         sense=mechanism.cylinder.sense,
-        gravity_m_s2=mechanism.gravity_m_s2,
         tolerance=tolerance,
-        arrival=_arrival(system, chart, arcs, why, tolerance)
-        if turn
-        else Arrival(why="the rest of the turn was not sampled"),
+        arrival=_arrival(system, chart, arcs, why, tolerance),
     )
 
 
@@ -174,15 +168,13 @@ def _pressed(mechanism: Mechanism, gap_max: float) -> float:
     return gap_max
 
 
-def _turn(mechanism: Mechanism, stop: Stop, whole: bool) -> tuple[list[ContactArc], str]:
-    """Stretches of a turn, or up to the opening, as far as can be followed, and why no further."""
+def _turn(mechanism: Mechanism, stop: Stop) -> tuple[list[ContactArc], str]:
+    """Stretches of a turn, as far as can be followed, and why no further."""
     arcs: list[ContactArc] = []
     walk = ContactContinuation(mechanism, mechanism.cylinder.angle_at_touch_rad)
     try:
         for arc in walk.around(stop, np.zeros(len(mechanism.joints))):
             arcs.append(arc)
-            if not whole and arc.after.name != stop.name:
-                break
     except SimulationError as error:
         return arcs, error.message
     return arcs, ""

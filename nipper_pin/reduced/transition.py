@@ -42,8 +42,6 @@ _MOST_BOUNCES = 64
 # Collisions that nearly all transitions have less of.
 _USUAL = 32
 _ENGINE = "the reduced engine"
-# Gravity of a case by that of the model.
-_ALL = np.ones(1)
 
 
 def transition(
@@ -53,7 +51,6 @@ def transition(
     restitution: float | None = None,
     stiffness: ArrayLike | None = None,
     preload: ArrayLike | None = None,
-    gravity: float | None = None,
     rest_rate: float | None = None,
     tolerance: float = 1e-10,
     max_collisions: int = 256,
@@ -65,7 +62,6 @@ def transition(
         restitution: e_N of the transition stop; by default that of the mechanism.
         stiffness: Spring rates, one number or shape (springs,) [N/m or N m/rad].
         preload: Deflections in the springs at zero, likewise [m or rad].
-        gravity: Gravity along -z [m/s^2].
         rest_rate: None: the limit of the series. A number: rest at the first slower rebound.
         tolerance: Relative accuracy of flights and of the limit.
         max_collisions: Largest number of collisions.
@@ -85,9 +81,8 @@ def transition(
     if restitution is not None:
         e_N = number("restitution", restitution, 0.0, 1.0)
         restitutions[model.charts.stops[0, OWN]] = e_N
-    weight = _weight(model, gravity)[:1]
     springs = model.stiffness, model.preload
-    cases = one_case(springs, speed_rpm, restitutions, stiffness, preload, weight)
+    cases = one_case(springs, speed_rpm, restitutions, stiffness, preload)
     # Few transitions need the room for all collisions, which takes time to clear.
     for most in sorted({min(_USUAL, max_collisions), max_collisions}):
         found, tell = _solved(model, cases, rest_rate, tolerance, assumed, most)
@@ -108,7 +103,6 @@ def transitions(
     restitution: ArrayLike | None = None,
     stiffness: ArrayLike | None = None,
     preload: ArrayLike | None = None,
-    gravity: ArrayLike | None = None,
     rest_rate: float | None = None,
     tolerance: float = 1e-10,
     max_collisions: int = 32,
@@ -137,9 +131,8 @@ def transitions(
     if restitution is not None:
         e_N = column("restitution", restitution, 0.0, 1.0)
         restitutions[model.charts.stops[0, OWN]] = e_N
-    weight = _weight(model, gravity)
     springs = model.stiffness, model.preload
-    cases = cases_of(springs, speed_rpm, restitutions, stiffness, preload, weight)
+    cases = cases_of(springs, speed_rpm, restitutions, stiffness, preload)
     require("study", "numba", what=_ENGINE)
     check_run(rest_rate, tolerance, max_collisions)
     found, tell = _solved(model, cases, rest_rate, tolerance, assumed, max_collisions)
@@ -231,16 +224,3 @@ def _refusal(
     kind = InputError if outside else SimulationError
     message = f"{model.name} at {speed_rpm:g} r/min, after {count} collisions: {reason}"
     return kind(message, status=status.name, collisions=count, speed_rpm=speed_rpm)
-
-
-def _weight(model: ReducedModel, gravity: ArrayLike | None) -> FloatArray:
-    """Gravity by that of the model."""
-    if gravity is None:
-        return _ALL
-    values = column("gravity", gravity, -math.inf, math.inf)
-    if model.gravity_m_s2 == 0.0:
-        if values.any():
-            message = "the model was sampled without gravity; build it from a mechanism that has it"
-            raise InputError(message, gravity=gravity)
-        return np.zeros(1)
-    return np.asarray(values / model.gravity_m_s2)

@@ -234,7 +234,7 @@ def test_the_command_line_says_it(
 def test_laws_agree_in_the_reduced_engine(e62: nip.Mechanism) -> None:
     """One freedom, in which the strike at the jaw throws the steeve off: both laws are one."""
     other = changed(e62, {"simultaneous": "sequential"})
-    found = [transition(build(item, turn=False), speed_rpm=450.0).table for item in (e62, other)]
+    found = [transition(build(item), speed_rpm=450.0).table for item in (e62, other)]
     assert np.array_equal(*found)
     runs = [nip.simulate(item, nip.Case(speed_rpm=450.0)) for item in (e62, other)]
     for one, two in zip(*(run.events for run in runs), strict=True):

@@ -12,6 +12,7 @@ from written_tables import lowered
 from nipper_pin import Case, Mechanism, Resolution, SimulationError, load, transition_table
 from nipper_pin.mechanism import retuned
 from nipper_pin.reduced import ReducedModel, Status, build, transition, transitions
+from nipper_pin.reduced.model import Arrival
 from nipper_pin.study.true_transition import true_transition
 
 # Fast, soft and little preloaded: many of them arrive with their steeve off its stop.
@@ -147,7 +148,7 @@ def test_the_transition_of_the_turn_is_refused_where_the_tables_cannot_tell_it(
     assert flying.any()
     low = replace(model, arrival=lowered(model.arrival))
     for narrow, why in (
-        (build(e62, turn=False), "was not sampled"),
+        (replace(model, arrival=Arrival(why="it was not sampled")), "was not sampled"),
         (low, "leaves them"),
     ):
         lost = flying if narrow is low else np.full(8, True)

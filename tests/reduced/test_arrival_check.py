@@ -60,7 +60,7 @@ def arrival(
     """The premise, and x, x' and their errors at the touch."""
     turn = turning(travel, push, **more) if turn is None else turn
     none = np.empty((1, 0))
-    cases = Cases(np.array([SPEED]), np.array([[0.3, e]]), none, none, np.ones(1))
+    cases = Cases(np.array([SPEED]), np.array([[0.3, e]]), none, none)
     settings = Settings(rest_rate, tolerance)
     _, rest, told = solve(turn, cases, settings, 0, ask=True, premise=layout.NOT_ASKED)
     return int(told[0, 2]), *rest[0, 0, layout.OVER :]
@@ -174,7 +174,7 @@ def test_a_series_that_is_surely_over(change: dict[str, float], over: bool) -> N
     charts = tables_of(
         level(given["a"] / SPEED**2), travel=travel, steepest_u=np.array([steepest, *[0.0] * 5])
     )
-    work, source = work_of(charts, case(SPEED, 1.0, [], []))
+    work, source = work_of(charts, case(SPEED, [], []))
     panel.contract(source.mixed, work.poly, 0, 1.0 / travel, u)
     until = u + given["let_go"] * 2.0 * SPEED * ahead
     line = np.array([[0.5 * travel - until, 0.5 * travel]])
@@ -204,7 +204,7 @@ def test_motion_at_the_touch(part: float, wrong: float) -> None:
     if part > 1.0:
         T = 2.0 * w / A
         sizes = np.zeros((4, 3))
-        flight_errors.sizes_of(turn.bounds[1], sizes, case(SPEED, 1.0, [], []))
+        flight_errors.sizes_of(turn.bounds[1], sizes, case(SPEED, [], []))
         dt, rate, _ = flight_errors.flight_errors(
             sizes, SPEED, T, -w, -A, 0.5 * T, w, 0.0, 0.0, 0.0, dw
         )
@@ -232,14 +232,14 @@ def test_errors_of_a_short_flight_that_starts_above_its_stop(
     """Gronwall's lemma for errors of place, rate and time at its start."""
     random = np.random.default_rng(9)
     bounds = random.uniform(0.1, 0.5, (4, 6))
-    sizes, one = np.zeros((4, 3)), case(SPEED, 0.0, [], [])
+    sizes, one = np.zeros((4, 3)), case(SPEED, [], [])
     flight_errors.sizes_of(bounds, sizes, one)
     T, v, a, fastest = 0.3, -1.4, -9.0, 1.6
     (dx, dw), (changed, left) = given, solver
 
     def bound(name: str) -> float:
         f = bounds[BOUNDS[name]]
-        return float(SPEED**2 * f[0] + SPEED * f[1] * fastest + f[2] * fastest**2)
+        return float(SPEED**2 * f[0] + f[3] + SPEED * f[1] * fastest + f[2] * fastest**2)
 
     largest = bounds[BOUNDS["largest"]]
     by_rate = SPEED * largest[1] + 2.0 * largest[2] * fastest

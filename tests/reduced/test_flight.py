@@ -38,7 +38,7 @@ from nipper_pin.tolerances.mechanics import EPS
 
 pytestmark = pytest.mark.usefixtures("plain")
 
-SPEED, GRAVITY, SPRINGS = 3.0, 0.8, [(40.0, 0.05)]
+SPEED, SPRINGS = 3.0, [(40.0, 0.05)]
 LOW, HIGH, TRAVEL = -0.5, 2.0, 6.0
 
 
@@ -90,7 +90,7 @@ def solved(tables: Charts, u: float, x: float, v: float) -> Any:
     def rates(t: float, state: Any) -> list[float]:
         return [
             state[1],
-            x_dd(tables, u + SPEED * t, state[0], state[1], SPEED, GRAVITY, SPRINGS),
+            x_dd(tables, u + SPEED * t, state[0], state[1], SPEED, SPRINGS),
         ]
 
     def closes(t: float, state: Any) -> float:
@@ -107,7 +107,7 @@ def solved(tables: Charts, u: float, x: float, v: float) -> Any:
 
 def flown(tables: Charts, u: float, x: float, v: float, tolerance: float = 1e-10) -> Any:
     k, p = np.array(SPRINGS).T
-    work, source = work_of(tables, case(SPEED, GRAVITY, k, p))
+    work, source = work_of(tables, case(SPEED, k, p))
     panel.contract(source.mixed, work.poly, 0, work.case[0, PER_RAD], u)
     found = flight.flight(
         grids(), work.case[0], source, work.poly, work.nodes, tables.equation.shape[4], u, x,
@@ -137,7 +137,7 @@ def test_every_number_of_a_flight(name: str, tolerance: float) -> None:
     times = np.linspace(0.0, end, 4001)
     path, rates = motion(times)
     if back:
-        expected = x_dd(tables, u + SPEED * end, 0.0, motion(end)[1], SPEED, GRAVITY, SPRINGS)
+        expected = x_dd(tables, u + SPEED * end, 0.0, motion(end)[1], SPEED, SPRINGS)
         assert a == pytest.approx(expected, rel=1e4 * tolerance + 1e-9, abs=1e-9)
         assert top == pytest.approx(path.max(), rel=1e4 * tolerance + 1e-6)
         assert abs(peak - times[path.argmax()]) <= 2.0 * end / 4000.0
@@ -184,7 +184,7 @@ def test_accelerations_without_a_bound_are_no_flight() -> None:
 def sizes() -> Any:
     """Bounds by residuals, slopes and largest values, and the polynomials that they have to give.
 
-    Polynomials of the rate v: w^2 F0 + w F1 v + F2 v^2 + |g| Fg + |k| (|p| F_k + F_ks).
+    Polynomials of the rate v: w^2 F0 + w F1 v + F2 v^2 + Fg + |k| (|p| F_k + F_ks).
     """
     random = np.random.default_rng(8)
     rows = {
@@ -194,11 +194,11 @@ def sizes() -> Any:
     found = np.zeros((4, 3))
     k, p = np.array([40.0]), np.array([-0.05])
     (bounds,) = tables_of(level(-1.0), **rows).bounds
-    flight_errors.sizes_of(bounds, found, case(SPEED, -0.8, k, p))
+    flight_errors.sizes_of(bounds, found, case(SPEED, k, p))
 
     def bound(name: str, v: float) -> float:
         f = rows[name]
-        still = SPEED**2 * f[0] + 0.8 * f[3] + 40.0 * (0.05 * f[4] + f[5])
+        still = SPEED**2 * f[0] + f[3] + 40.0 * (0.05 * f[4] + f[5])
         return float(still + SPEED * f[1] * v + f[2] * v**2)
 
     def by_rate(v: float) -> float:
@@ -418,7 +418,7 @@ def test_a_panel_is_as_accurate_as_it_says(
     No grid can be as fine as the least tolerance; what is at round-off counts as resolved.
     """
     tables, motion = oscillator(1.5, 0.2, -0.5, 2.0)
-    work, source = work_of(tables, case(QUICK, 1.0, [], []))
+    work, source = work_of(tables, case(QUICK, [], []))
     nodes = work.nodes
     a0 = -(QUICK**2) * (1.5 * x0 + 1.0) - 0.4 * QUICK * v0
     panel.contract(source.mixed, work.poly, 0, work.case[0, PER_RAD], 0.0)
@@ -448,7 +448,7 @@ def test_a_panel_is_as_accurate_as_it_says(
 def test_the_length_of_a_panel_meets_the_next_zero(guess: float, left_over: float) -> None:
     """From a guess that is too long or too short, but never beyond the travel."""
     tables, motion = oscillator(1.5, 0.2, -0.5, 2.0)
-    work, source = work_of(tables, case(QUICK, 1.0, [], []))
+    work, source = work_of(tables, case(QUICK, [], []))
     panel.contract(source.mixed, work.poly, 0, work.case[0, PER_RAD], 30.0 - left_over)
     level, length, _, _ = panel.solve_panel(
         grids(), work.case[0], source, work.poly, work.nodes, 3, 30.0 - left_over, guess,

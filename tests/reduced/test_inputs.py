@@ -82,7 +82,6 @@ def test_rows_of_springs_that_do_not_fit(parallel: ReducedModel) -> None:
         ("restitution", (0.0, 0, np.float32(0.25)), (1.1, -0.1, math.nan)),
         ("stiffness", (9000.0, 9000), (-1.0, math.nan, math.inf, [[1.0, 2.0]])),
         ("preload", (0.011, np.float64(0.011)), (math.nan, math.inf)),
-        ("gravity", (9.81, 0.0, -4.0), (math.nan, math.inf)),
         ("tolerance", (1e-13, 1e-3), (0.9e-13, 1.1e-3, math.nan)),
         ("max_collisions", (32,), (0, -1)),
         ("rest_rate", (1e-3, None), (0.0, -1.0, math.inf, math.nan)),
@@ -106,22 +105,13 @@ def test_one_case_a_call(model: ReducedModel) -> None:
 
 def test_cases_of_a_batch_go_together(model: ReducedModel) -> None:
     """One number counts for all of them; rows of two lengths do not."""
-    many = transitions(model, speed_rpm=RPM, gravity=[1.0, 2.0, 3.0])
+    preloads = [0.010, 0.011, 0.012]
+    many = transitions(model, speed_rpm=RPM, preload=preloads)
     assert many.duration.tolist() == [
-        transition(model, speed_rpm=RPM, gravity=gravity).duration for gravity in (1.0, 2.0, 3.0)
+        transition(model, speed_rpm=RPM, preload=preload).duration for preload in preloads
     ]
     with pytest.raises(InputError, match="need the same number of cases"):
-        transitions(model, speed_rpm=[300.0, 400.0], gravity=[1.0, 2.0, 3.0])
-
-
-def test_gravity_of_a_model_without_it(model: ReducedModel) -> None:
-    """None can be given but none."""
-    bare = replace(model, gravity_m_s2=0.0)
-    assert transition(bare, speed_rpm=RPM, gravity=0.0) is not None
-    assert transition(bare, speed_rpm=RPM).duration == transition(model, speed_rpm=RPM).duration
-    with pytest.raises(InputError, match="sampled without gravity") as caught:
-        transitions(bare, speed_rpm=RPM, gravity=[0.0, 1.0])
-    assert caught.value.evidence["gravity"] == [0.0, 1.0]
+        transitions(model, speed_rpm=[300.0, 400.0], preload=preloads)
 
 
 def test_one_transition_may_have_more_collisions_than_most(model: ReducedModel) -> None:
@@ -153,7 +143,7 @@ def without_rest(e62: Mechanism, model: ReducedModel) -> list[tuple[Any, dict[st
         (model, {"restitution": 0.0, "preload": -0.05}, Status.NOT_PRESSED),
         (model, {"restitution": 0.6, "max_collisions": 3}, Status.TOO_MANY_COLLISIONS),
         (replace(model, charts=charts._replace(equation=jump)), {}, Status.UNRESOLVED),
-        (build(e62, turn=False), {"assumed": False}, Status.UNTOLD),
+        (replace(model, arrival=Arrival(why="stops jam")), {"assumed": False}, Status.UNTOLD),
         (replace(model, arrival=low), flying, Status.UNTOLD),
     ]
 

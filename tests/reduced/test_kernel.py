@@ -75,7 +75,6 @@ def run(
     e: float = E_N,
     rest_rate: float = 0.0,
     most: int = 24,
-    gravity: float = 1.0,
     turn: Any = None,
     assumed: bool = True,
 ) -> Any:
@@ -83,7 +82,7 @@ def run(
     if charts is None:
         charts = tables_of(EQUATION, **TABLES)
     stops = np.array([[e, WAITING_E_N]])
-    cases = Cases(np.array([SPEED]), stops, K[None], P[None], np.array([gravity]))
+    cases = Cases(np.array([SPEED]), stops, K[None], P[None])
     settings, asked = Settings(rest_rate, 1e-9), None
     if not assumed:
         asked = solve(turn, cases, settings, 0, ask=True, premise=NOT_ASKED)
@@ -110,7 +109,7 @@ def expected(count: int) -> dict[int, Any]:
     C = chebyshev.chebval(2.0 * u / 5.0 - 1.0, TABLES["inertia"][0])
     sizes = np.zeros((4, 3))
     (bounds,) = tables_of(EQUATION, **TABLES).bounds
-    flight_errors.sizes_of(bounds, sizes, case(SPEED, 1.0, K, P))
+    flight_errors.sizes_of(bounds, sizes, case(SPEED, K, P))
     dt, dv = np.zeros(count), np.zeros(count)
     duration, height = np.zeros(count), np.zeros(count)
     dv[0] = 3e-8 * SPEED
@@ -232,7 +231,7 @@ def test_rest_by_a_rate() -> None:
 def test_a_stop_that_is_pulled_open_does_not_rest(rest_rate: float) -> None:
     """However slow it is: it flies on, to the end of the travel."""
     tables = tables_of(level(0.02), **{**TABLES, "approach": -0.05})
-    status, summary, _, table = run(tables, gravity=0.0, rest_rate=rest_rate)
+    status, summary, _, table = run(tables, rest_rate=rest_rate)
     assert status == LEFT_TRAVEL
     assert np.isnan(summary).all()
     assert table.shape[1] == 1
@@ -245,7 +244,7 @@ def test_a_stop_that_is_pulled_open_does_not_rest(rest_rate: float) -> None:
 def test_without_rebound(a: float, expected: int) -> None:
     """The collision is all there is; a stop that nothing presses does not rest there."""
     tables = tables_of(level(a), **TABLES)
-    status, (rest, error, share, bound), _, table = run(tables, e=0.0, gravity=0.0)
+    status, (rest, error, share, bound), _, table = run(tables, e=0.0)
     assert status == expected
     assert table.shape[1] == 1
     assert table[[TIME, SEPARATION, AMPLITUDE, REBOUND, AMPLITUDE_ERROR, REBOUND_ERROR], 0] == (

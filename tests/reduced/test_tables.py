@@ -22,7 +22,7 @@ from nipper_pin.reduced.tables.tables import Domain, chart_over, checks, misfit,
 
 def test_models_are_told_without_their_tables(e62: Mechanism) -> None:
     """A line of plain values, and how far the tables reach."""
-    one = build(e62, turn=False)
+    one = build(e62)
     hidden = {"stiffness", "preload", "restitutions", "charts", "arrival"}
     for item in fields(ReducedModel):
         assert (f"{item.name}={getattr(one, item.name)!r}" in repr(one)) is (
@@ -31,7 +31,7 @@ def test_models_are_told_without_their_tables(e62: Mechanism) -> None:
     assert "array" not in repr(one)
     other = replace(one, charts=with_numbers(one.charts, high=0.5))
     assert (other.gap_max, other.travel_rad) == (0.5, one.travel_rad)
-    assert repr(one.arrival) == "Arrival(why='the rest of the turn was not sampled', asked=True)"
+    assert repr(one.arrival) == "Arrival(why='', asked=True)"
 
 
 def test_stops_that_cannot_move_freely() -> None:

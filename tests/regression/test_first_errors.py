@@ -128,7 +128,7 @@ def test_of_the_reduced_engine(number: int) -> None:
     true = of_transition(one)
     assert true is not None
     batch = transitions(
-        build(machine(one.numbers), turn=False), speed_rpm=one.speed_rpm, max_collisions=5,
+        build(machine(one.numbers)), speed_rpm=one.speed_rpm, max_collisions=5,
         assumed=True,
     )  # fmt: skip
     rate = float(abs(batch.approach_rate[0, 0] - true.approach)) / batch.rate_error[0, 0]

@@ -6,7 +6,7 @@ signs, so what becomes of them is added by absolute values.
 
 Error of a case, as the kernel propagates it: an error of x'' of at most
 
-    eps = r0 w^2 + r1 w |x'| + r2 x'^2 + rg g / g0 + sum_k k (r_k |p| + r_ks) + solver's
+    eps = r0 w^2 + r1 w |x'| + r2 x'^2 + rg + sum_k k (r_k |p| + r_ks) + solver's
 
 (r the residuals) and errors dt, dw of time and rate at the start of a flight of length T that
 ends with rate v and acceleration a change, by Gronwall's lemma with F = Lv T + Lx T^2 / 2,
@@ -117,7 +117,7 @@ def sizes_of(bounds: FloatArray, sizes: FloatArray, one: Case) -> None:
     first = 4 + 2 * len(stiffness)
     for row in range(3):
         values = bounds[row]
-        total = speed * speed * values[0] + abs(one.gravity) * values[3]
+        total = speed * speed * values[0] + values[3]
         for k in range(len(stiffness)):
             total += abs(stiffness[k]) * (abs(preload[k]) * values[4 + 2 * k] + values[5 + 2 * k])
         sizes[row, 0], sizes[row, 1], sizes[row, 2] = total, speed * values[1], values[2]

@@ -165,14 +165,12 @@ class Cases(NamedTuple):
         restitution: e_N of all stops, shape (n, K).
         stiffness: Spring rates, shape (n, springs).
         preload: Deflections in the springs at zero, likewise.
-        gravity: By the gravity of the model, shape (n,).
     """
 
     speed: FloatArray
     restitution: FloatArray
     stiffness: FloatArray
     preload: FloatArray
-    gravity: FloatArray
 
 
 class Case(NamedTuple):
@@ -182,7 +180,6 @@ class Case(NamedTuple):
     restitution: FloatArray
     stiffness: FloatArray
     preload: FloatArray
-    gravity: float
 
 
 class Settings(NamedTuple):

@@ -65,7 +65,7 @@ def _mix(source: Source, cell: int) -> None:
     for i in range(count_u):
         row = source.mixed[cell, i]
         for m in range(count_x):
-            row[m] = speed * speed * f[0, cell, i, m] + one.gravity * f[3, cell, i, m]
+            row[m] = speed * speed * f[0, cell, i, m] + f[3, cell, i, m]
             row[count_x + m] = speed * f[1, cell, i, m]
             row[2 * count_x + m] = f[2, cell, i, m]
         for k in range(len(stiffness)):

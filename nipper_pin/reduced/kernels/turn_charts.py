@@ -47,7 +47,6 @@ def case_of(cases: Cases, i: int) -> Case:
     """One of the cases."""
     return Case(
         cases.speed[i], cases.restitution[i], cases.stiffness[i], cases.preload[i],
-        cases.gravity[i],
     )  # fmt: skip
 
 
@@ -79,7 +78,7 @@ def line(functions: FloatArray, one: Case, found: FloatArray) -> None:
     first = 4 + 2 * len(stiffness)
     for cell in range(functions.shape[1]):
         for i in range(functions.shape[2]):
-            value = speed * speed * functions[0, cell, i] + one.gravity * functions[3, cell, i]
+            value = speed * speed * functions[0, cell, i] + functions[3, cell, i]
             for k in range(len(stiffness)):
                 unit = preload[k] * functions[4 + 2 * k, cell, i] + functions[5 + 2 * k, cell, i]
                 value += stiffness[k] * unit

@@ -5,7 +5,7 @@ much as the turns themselves, so they are computed where they are asked for.
 
 Torques of the drives around the stretches of a turn, as series of travel and gap.
 
-T = T0 w^2 + T1 w x' + T2 x'^2 + Tg g / g0 + sum_k k (T_k p + T_ks) + Ta x'': the functions have the
+T = T0 w^2 + T1 w x' + T2 x'^2 + Tg + sum_k k (T_k p + T_ks) + Ta x'': the functions have the
 places of those of the equation of motion, and Ta has that of the gap of another stop. They are
 sampled on the charts of the turns.
 """
