@@ -135,7 +135,7 @@ def _run(options: argparse.Namespace) -> None:
     if options.html is not None:
         show.view(comparison, options.html, **look)
     if write_document(comparison.record, options.json):
-        from ..view.compare.table import print_comparison
+        from ..view.compare.words import print_comparison
         from ..view.console import Terminal, ending
 
         console = Terminal()

@@ -76,7 +76,6 @@ def show_table(
     """Print a table; one that is wider than the terminal becomes several with the first columns.
 
     Args:
-        headings: Headings of the columns.
         rows: Texts of the cells; brackets and colons in them are printed.
         text: Places of columns of text; all others are numbers.
         keys: Number of first columns that name a row.

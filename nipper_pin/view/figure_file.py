@@ -17,6 +17,10 @@ from matplotlib.ticker import FixedLocator
 from ..errors import InputError
 from ..outputs import complete_file
 
+FORMATS = ("svg", "png", "pdf")
+"""Suffixes of files that a figure can be written to."""
+_UNDATED = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
+
 
 def plain(figure: Figure) -> Figure:
     """Have the texts of a figure read as they stand; powers of ten beside axes stay formulas."""
@@ -36,11 +40,6 @@ def _make_plain(artist: Artist) -> None:
         artist.set_parse_math(False)
     for child in artist.get_children():
         _make_plain(child)
-
-
-FORMATS = ("svg", "png", "pdf")
-"""Suffixes of files that a figure can be written to."""
-_UNDATED = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
 
 
 def figure_format(path: str | Path) -> str:

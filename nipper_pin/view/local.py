@@ -33,7 +33,6 @@ def is_local(host: str | None, origin: str | None, port: int) -> bool:
     Args:
         host: Its header Host.
         origin: Its header Origin; None for a program, and where a page is asked for by its address.
-        port: Port of the server.
     """
     if host not in {f"{name}:{port}" for name in _NAMES}:
         return False

@@ -31,8 +31,6 @@ def progress(what: str, total: int | None = None, *, alike: bool = True) -> Iter
     """Show a line of progress where stderr is a terminal, and lines of text now and then elsewhere.
 
     Args:
-        what: What the parts are.
-        total: All parts, as far as known at the start.
         alike: Whether all parts take about the same time: only then is the time left told.
     """
     shown = _bar if sys.stderr.isatty() else _lines

@@ -16,6 +16,8 @@ from ..units import MM_PER_M
 # As fine as what can be made.
 AT_CONTACT = Shown(words="gap at the contact", unit="mm", factor=MM_PER_M, decimals=4)
 """Of a gap at a contact point [m]."""
+TURNS_SHOWN = 2
+Item = TypeVar("Item", Collision, Event, PhaseInterval, Transition)
 
 
 def shown(mechanism: Mechanism, name: str) -> Shown:
@@ -66,10 +68,6 @@ def rate_shown(mechanism: Mechanism, index: int) -> Shown:
     """How people read the rate of a coordinate, by its place in q."""
     unit, factor = shown_in(f"{coordinate_unit(mechanism, index)}/s")
     return Shown(words="rate", unit=unit, factor=factor)
-
-
-TURNS_SHOWN = 2
-Item = TypeVar("Item", Collision, Event, PhaseInterval, Transition)
 
 
 def spring_text(mechanism: Mechanism) -> str:

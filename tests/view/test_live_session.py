@@ -21,8 +21,7 @@ pytest.importorskip("meshcat", reason="meshcat is not installed (extra `live`)")
 from nipper_pin import Case, InputError, Mechanism, load, simulate
 from nipper_pin.view.live import session as sessions
 from nipper_pin.view.live.curves import BEFORE, NOW, PINNED
-from nipper_pin.view.live.page import shown_live
-from nipper_pin.view.live.session import Session, Shown
+from nipper_pin.view.live.session import Session, Shown, shown_live
 
 Json = dict[str, Any]
 

@@ -82,8 +82,6 @@ class Constraints(NamedTuple):
     """What holds the coordinates of a mechanism.
 
     Attributes:
-        couplings: The joints that follow others.
-        drives: The driven joints.
         loops: Closures and couplings.
         jacobian: Theirs in the touch configuration, shape (rows, nv).
     """

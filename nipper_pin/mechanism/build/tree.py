@@ -26,10 +26,8 @@ class Tree(NamedTuple):
     Attributes:
         joints: The tree joints in the order of their coordinates.
         placements: World placement of every joint at q = 0.
-        urdf: The checked URDF.
         geometry: Collision shapes named like their elements; without any if no stop has a contact.
-        file: Name of the TOML file.
-        urdf_file: Name of the URDF file.
+        file: Name of the TOML file, for messages.
     """
 
     model: pin.Model

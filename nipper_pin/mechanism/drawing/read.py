@@ -37,7 +37,6 @@ class Drawn:
     """What a drawing says.
 
     Attributes:
-        name: Name of the machine.
         file: Name of its file, for messages.
         table: Its own tables.
         points: Places by name [mm].

@@ -3,8 +3,8 @@
 from .describe import Refusal, first_refusal, member_of
 from .description import Positive, Restitution
 from .toml_text import need_plain_text, read_toml, toml
-from .urdf_shapes import check_corners, check_size, mesh_path, path_inside
-from .urdf_values import finite, origin, rotation_from_rpy
+from .urdf_shapes import check_corners, check_size, mesh_path, path_inside, shape_sizes
+from .urdf_values import origin, rotation_from_rpy
 from .xml_text import parse_xml
 
 __all__ = [
@@ -13,7 +13,6 @@ __all__ = [
     "Restitution",
     "check_corners",
     "check_size",
-    "finite",
     "first_refusal",
     "member_of",
     "mesh_path",
@@ -23,5 +22,6 @@ __all__ = [
     "path_inside",
     "read_toml",
     "rotation_from_rpy",
+    "shape_sizes",
     "toml",
 ]

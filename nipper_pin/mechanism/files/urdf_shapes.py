@@ -60,18 +60,15 @@ def read_shapes(
             key = f"link {name} {tag} {shape}"
             at = placement(element, key, file)
             solid = _solid(element, key, file)
-            path = None
+            path, sizes = None, shape_sizes(solid, key, file)
             if solid.tag == "mesh":
                 filename = solid.get("filename", "")
-                sizes = finite(solid, "scale", 3, "1 1 1", f"{key} mesh scale", file)
                 if tag == "collision":
                     path = mesh_path(filename, mesh_folder, key, file)
                 else:
                     # Only a viewer opens it. A run, also one saved on another machine, does not
                     # depend on pictures, and a load does not wait for the file system.
                     path_inside(filename, key, file)
-            else:
-                sizes = _sizes(solid, key, file)
             if tag == "collision":
                 found.append(
                     UrdfShape(
@@ -92,8 +89,10 @@ def _solid(element: ElementTree.Element, key: str, file: str) -> ElementTree.Ele
     return solids[0]
 
 
-def _sizes(solid: ElementTree.Element, key: str, file: str) -> list[float]:
-    """Sizes of a primitive, which are positive [m]."""
+def shape_sizes(solid: ElementTree.Element, key: str, file: str) -> list[float]:
+    """Sizes of a primitive, which are positive [m], or the scale of a mesh [-]."""
+    if solid.tag == "mesh":
+        return finite(solid, "scale", 3, "1 1 1", f"{key} mesh scale", file)
     found = []
     for attribute in _ATTRIBUTES[solid.tag]:
         count = 3 if attribute == "size" else 1

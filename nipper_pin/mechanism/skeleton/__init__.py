@@ -35,6 +35,9 @@ from ..load import from_sources
 from ..mechanism import Mechanism
 from ..model_files import check_model_folder, new_folder, new_model, read_model_text
 
+# A frame may have a mass, by that of the machine: some programs write no link without one.
+_LIGHT = 1e-3
+
 
 def write_skeleton(target: str | Path) -> Path:
     """Write a model that can be checked and simulated, with a comment for every decision in it.
@@ -42,10 +45,6 @@ def write_skeleton(target: str | Path) -> Path:
     Target, what is returned, and errors as of :func:`new_model`.
     """
     return new_model(target, Path(__file__).with_name("press.toml").read_text(encoding="utf-8"))
-
-
-# A frame may have a mass, by that of the machine: some programs write no link without one.
-_LIGHT = 1e-3
 
 
 @dataclass(frozen=True)

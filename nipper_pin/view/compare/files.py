@@ -19,8 +19,7 @@ from ..figure_file import save_figure
 from ..scene import Look
 from ..style import SMALL, TEXT, blank
 from .pair import COLOUR_A, COLOUR_B, Lane, Pair, clock_text, lanes, pair
-from .table import comparison_csv
-from .words import changes_text, names
+from .words import changes_text, comparison_csv, names
 
 _FILES = ("comparison.csv", "curves.png", "curves.svg")
 _LANE_IN, _HEAD_IN, _COLUMNS = 1.5, 1.5, 100

@@ -17,8 +17,7 @@ from ..scene.objects import ROOT, animation
 from ..scene.page import assembled, cameras, encoded, machine_messages
 from ..scene.readings import curve_record, drawing, readings, rounded
 from .pair import COLOUR_A, COLOUR_B, Lane, Pair, clock_text, lanes, pair
-from .table import cells, shown_rows
-from .words import changes_text, finding, names
+from .words import cells, changes_text, finding, names, shown_rows
 
 _OTHER = "other"
 _OPACITY = 0.45

@@ -25,7 +25,6 @@ class Pair:
     """Films of two runs.
 
     Attributes:
-        a: Film of A.
         b: Film of B, with a frame for each of A's.
         later: What is added to a time of A to find that of B in the same frame [s].
         inside: By run: whether a frame lies in it, shape (K,); outside it stands still.

@@ -25,6 +25,13 @@ from ..reading import shown as words_of
 from ..run.sampling import sample_coordinates
 from .settings import SPEED, Knob, changed, in_si
 
+# The force of a closed stop is as smooth as the drives: straight lines between so many of its
+# values are off by less than a line of a plot is wide.
+_POINTS = 9
+# A bounce series converges with fewer collisions.
+_MOST_COLLISIONS = 400
+_NO_LINE = partial(np.zeros, (2, 0))
+
 
 class Number(NamedTuple):
     """One row of the page.
@@ -73,11 +80,6 @@ def told(rows: Sequence[Number], others: Sequence[Number] = ()) -> list[tuple[st
     ]
 
 
-# The force of a closed stop is as smooth as the drives: straight lines between so many of its
-# values are off by less than a line of a plot is wide.
-_POINTS = 9
-
-
 def followed_on(solution: Solution) -> Solution:
     """A transition to rest and one index more, in which the stop is closed unless it opens before.
 
@@ -117,11 +119,6 @@ def force_line(solution: Solution) -> tuple[FloatArray, FloatArray]:
     # The foot of the jump stands a hair before it, because times of a line have to increase.
     foot = rest * (1.0 - 1e-9)
     return np.array([0.0, foot, *t]), np.concatenate([[0.0, 0.0], inner, last])
-
-
-# A bounce series converges with fewer collisions.
-_MOST_COLLISIONS = 400
-_NO_LINE = partial(np.zeros, (2, 0))
 
 
 @dataclass(frozen=True, eq=False)

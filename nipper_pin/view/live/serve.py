@@ -22,8 +22,7 @@ from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
 from ...mechanism import Mechanism
 from ..local import HEADERS, announce, is_local, listening
-from .page import shown_live
-from .session import Session, Shown
+from .session import Session, Shown, shown_live
 
 # A browser sends the value of a control.
 _MOST_BYTES = 4 * 1024
@@ -32,11 +31,10 @@ _QUIET = 0.25
 
 
 def serve_live(mechanism: Mechanism, speed_rpm: float, port: int, *, browser: bool) -> None:
-    """Serve the page until Ctrl-C, and say where on stdout.
+    """Serve the page until Ctrl-C, and say where on stdout; arguments as of `serve`.
 
     Args:
         speed_rpm: Speed at which the slider starts [r/min].
-        port: Port of this machine; 0 for any that is free.
 
     Raises:
         InputError: The port cannot be used, or the mechanism has no transition.

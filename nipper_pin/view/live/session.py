@@ -1,4 +1,7 @@
-"""What one browser has set, by sliders and by numbers that are typed, and what it is shown."""
+"""What one browser has set, by sliders and by numbers that are typed, and what it is shown.
+
+The page is the viewer's, with a panel of sliders, numbers and curves that follow them.
+"""
 
 from __future__ import annotations
 
@@ -14,19 +17,26 @@ from ...errors import InputError
 from ...hybrid import Solution
 from ...mechanism import Mechanism
 from ...written_units import number_in
-from ..scene import Film, Look, Solid, film
+from ..reading import shown_until
+from ..scene import Film, Look, Solid, film, pictured
 from ..scene.objects import animation
-from ..scene.pace import steady
-from ..scene.page import encoded
+from ..scene.pace import round_slow, steady
+from ..scene.page import assembled, cameras, encoded, machine_messages
 from ..scene.readings import readings
 from .answer import Answer, answer, told
-from .curves import Curves, legend
-from .memory import Memory
-from .settings import LARGER, Knob
+from .curves import Curves, Memory, legend
+from .settings import LARGER, RESTITUTION, Knob, knobs, larger_knob
 from .whole_turn import WholeTurns
 
 LONGEST = 40
 """Most letters of a field that are read."""
+_NOTE = (
+    "Every number here is computed from these estimates of the class of machine, also where it "
+    "agrees with a publication; none is the maker's. "
+)
+_LONGEST = 20.0  # seconds of the first film
+# Its own server alone, over a WebSocket.
+_CONNECT = "data: blob: 'self'"
 
 
 def field_text(value: float) -> str:
@@ -61,12 +71,6 @@ def typed(knob: Knob, text: str, shown: float) -> tuple[float | None, str]:
     return None, words
 
 
-_NOTE = (
-    "Every number here is computed from these estimates of the class of machine, also where it "
-    "agrees with a publication; none is the maker's. "
-)
-
-
 class _Message(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag_field="kind"):
     """What a page sends."""
 
@@ -99,7 +103,6 @@ class Shown:
     """What all browsers are shown.
 
     Attributes:
-        mechanism: The mechanism as loaded.
         controls: What the sliders set.
         drawn: What the mechanism is drawn with.
         slow: Seconds of a film in a second of the machine.
@@ -135,11 +138,7 @@ class Session:
         self._filmed: tuple[Answer, float] = (self._answer, self._values[LARGER])
 
     def take(self, raw: str | bytes) -> bool:
-        """Take a message of a page; what is none changes nothing.
-
-        Returns:
-            Whether it was one.
-        """
+        """Take a message of a page, and say whether it was one; what is none changes nothing."""
         try:
             message = _MESSAGE.decode(raw)
         except (msgspec.MsgspecError, UnicodeError, RecursionError):
@@ -240,3 +239,40 @@ def read(shown: Film, remark: str = "") -> dict[str, object]:
     found = readings(shown)
     estimate = _NOTE if "estimate" in shown.solution.mechanism.title else ""
     return {**found, "note": f"{estimate}{found['note']} {remark}".rstrip()}
+
+
+def shown_live(mechanism: Mechanism, speed_rpm: float) -> tuple[Shown, str]:
+    """What all browsers are shown, and the page that they begin with, at a speed [r/min].
+
+    Raises:
+        InputError: The mechanism has no transition, or cannot be drawn.
+    """
+    controls = knobs(mechanism, speed_rpm)
+    start = {item.key: item.start for item in controls}
+    first = answer(mechanism, controls, start)
+    # In the place of a setting without motion stands one with the same touch configuration.
+    still = answer(mechanism, controls, {**start, RESTITUTION: 0.0})
+    solution = first.solution or still.solution
+    if solution is None:
+        raise InputError(first.message, model=mechanism.name)
+    slow = round_slow(shown_until(solution), _LONGEST)
+    turns = WholeTurns(mechanism, controls)
+    played = film(solution, Look(), steady(solution, slow))
+    larger, drawn = larger_knob(played.larger), pictured(mechanism)
+    shown = Shown(mechanism, controls, drawn, slow, turns, larger)
+    found = {
+        **read(played),
+        "cameras": cameras((played, drawn)),
+        "live": {
+            "controls": [_control(item) for item in (*controls, larger)],
+            "state": Session(shown).state(),
+        },
+    }
+    messages = [*machine_messages(mechanism, drawn), animation(played, drawn)]
+    page = assembled(messages, found, __package__, _CONNECT)
+    return shown, page
+
+
+def _control(knob: Knob) -> dict[str, object]:
+    return {"key": knob.key, "name": knob.shown.words, "label": knob.shown.label,
+            "low": knob.low, "high": knob.high, "step": knob.step}  # fmt: skip

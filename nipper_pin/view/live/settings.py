@@ -32,8 +32,6 @@ class Knob:
     Attributes:
         key: Name of the number among the values of a setting.
         shown: What the slider is called, and the unit of the values below.
-        low: Left end.
-        high: Right end.
         start: Where the slider stands at first.
     """
 

@@ -22,6 +22,8 @@ TIME = "time from the start of the run [ms]"
 # Heights are written at as many rebounds as have room for it.
 _MOST_HEIGHTS = 3
 _NARROWEST = 0.03
+# A gap on a log axis is cut below this part of its rebound's height, where it falls to zero.
+_DEPTH = 4e-3
 
 
 def series(solution: Solution, transition: Transition) -> list[Collision]:
@@ -89,10 +91,6 @@ def contact_scale(axes: Axes, stop: Stop, factor: float) -> None:
     )
     beside.set_ylabel(lips.label, fontsize=TEXT)
     beside.tick_params(labelsize=SMALL)
-
-
-# A gap on a log axis is cut below this part of its rebound's height, where it falls to zero.
-_DEPTH = 4e-3
 
 
 def transition_figure(solution: Solution, transition: Transition) -> Figure:

@@ -36,6 +36,47 @@ from ..reading import (
 from .sampling import sample_coordinates, sample_forces, sample_motion
 
 _TOLD = ("First", "second")
+MOST_ROWS = 100
+"""Rows of one kind that are printed: a stop can collide thousands of times in a turn."""
+_HELD_SAMPLES = 1441
+_KEPT = (
+    "index", "t_s", "approach_rate", "separation_rate", "impulse_N_s", "impulse_N_m_s",
+    "energy_lost_J", "rebound_amplitude", "rebound_time_s",
+)  # fmt: skip
+# Rebounds below this part of the largest one of their stop are told together, in one line.
+_MICRO = 1e-3
+
+
+def print_solution(
+    solution: Solution,
+    console: Console,
+    *,
+    with_forces: bool = False,
+    turns: str = "",
+) -> None:
+    """Print the results of a run: what its transition came to, then tables.
+
+    Times count from the start of the run. Of many turns the first two are printed.
+
+    Args:
+        with_forces: Print the ranges of the forces of closed stops, too.
+        turns: The command that simulates whole turns of the same settings.
+    """
+    header(solution, console)
+    if solution.mechanism.transition_stop:
+        transitions(solution, console)
+        premise(solution, console, turns)
+    for text in solution.warnings:
+        say(console, text, style="bold")
+    _collisions(solution, console)
+    _phases(solution, console)
+    releases(solution, console)
+    if not solution.system.held:
+        shafts(solution, console)
+    if with_forces:
+        forces(solution, console)
+    checks(solution, console)
+    headline(console, solution.outcome.value)
 
 
 def header(solution: Solution, console: Console) -> None:
@@ -119,11 +160,6 @@ def _how_ended(solution: Solution) -> str:
         return "The bounces go on for ever; the time of rest is their limit, by extrapolation."
     rate = rate_shown(mechanism, stop.index).phrase(threshold)
     return f"It was ended by a threshold: the first rebound slower than {rate}."
-
-
-MOST_ROWS = 100
-"""Rows of one kind that are printed: a stop can collide thousands of times in a turn."""
-_HELD_SAMPLES = 1441
 
 
 def more(console: Console, count: int, noun: str) -> None:
@@ -227,46 +263,6 @@ def checks(solution: Solution, console: Console) -> None:
         f"direct engine: {solution.evaluations} evaluations of the dynamics, "
         f"{MS_PER_S * solution.wall_s:.1f} ms",
     )
-
-
-_KEPT = (
-    "index", "t_s", "approach_rate", "separation_rate", "impulse_N_s", "impulse_N_m_s",
-    "energy_lost_J", "rebound_amplitude", "rebound_time_s",
-)  # fmt: skip
-# Rebounds below this part of the largest one of their stop are told together, in one line.
-_MICRO = 1e-3
-
-
-def print_solution(
-    solution: Solution,
-    console: Console,
-    *,
-    with_forces: bool = False,
-    turns: str = "",
-) -> None:
-    """Print the results of a run: what its transition came to, then tables.
-
-    Times count from the start of the run. Of many turns the first two are printed.
-
-    Args:
-        with_forces: Print the ranges of the forces of closed stops, too.
-        turns: The command that simulates whole turns of the same settings.
-    """
-    header(solution, console)
-    if solution.mechanism.transition_stop:
-        transitions(solution, console)
-        premise(solution, console, turns)
-    for text in solution.warnings:
-        say(console, text, style="bold")
-    _collisions(solution, console)
-    _phases(solution, console)
-    releases(solution, console)
-    if not solution.system.held:
-        shafts(solution, console)
-    if with_forces:
-        forces(solution, console)
-    checks(solution, console)
-    headline(console, solution.outcome.value)
 
 
 def _collisions(solution: Solution, console: Console) -> None:

@@ -68,7 +68,10 @@ def motion_figure(solution: Solution) -> Figure:
     rows = count + len(enlarged)
     t, q = sample_coordinates(solution, 0.0, shown_until(solution))
     figure = new_figure(solution, "Motion at the stops", 1.5 + _PANEL_IN * rows)
-    panels = _panels(figure, count, rows)
+    every = list[Axes](figure.subplots(rows, 1, squeeze=False).flat)
+    panels, below = every[:count], every[count:]
+    for axes in panels[1:]:
+        axes.sharex(panels[0])
     for axes, stop in zip(panels, mechanism.stops, strict=True):
         small = stop.name == mechanism.transition_stop
         small &= solution.case.window is Window.TRANSITION
@@ -84,8 +87,7 @@ def motion_figure(solution: Solution) -> Figure:
         _mark_events(solution, axes, stop)
         shade_phases(solution, axes, numbered=True)
     _time_axes(solution, panels)
-    for transition in enlarged:
-        axes = figure.add_subplot(rows, 1, rows)
+    for axes, transition in zip(below, enlarged, strict=True):
         draw_rebounds(axes, solution, transition)
         axes.set_title(f"rebounds of the {mechanism.transition_stop}, enlarged", fontsize=TEXT)
     legend_below(figure, phase_patches(solution), _event_handles(solution))
@@ -99,7 +101,7 @@ def force_figure(solution: Solution) -> Figure:
         solution, "Forces of closed stops (normal, between collisions)",
         1.3 + _PANEL_IN * len(mechanism.stops),
     )  # fmt: skip
-    panels = _panels(figure, len(mechanism.stops))
+    panels = list[Axes](figure.subplots(len(mechanism.stops), 1, sharex=True, squeeze=False).flat)
     sampled = sample_forces(solution, 0.0, shown_until(solution))
     for axes, stop in zip(panels, mechanism.stops, strict=True):
         t, force = sampled[stop.name]
@@ -138,15 +140,6 @@ def phase_figure(solution: Solution) -> Figure:
         )
     legend_below(figure, phase_patches(solution), others)
     return figure
-
-
-def _panels(figure: Figure, count: int, rows: int | None = None) -> list[Axes]:
-    """Panels below one another with one time, in the first of ``rows`` places."""
-    panels: list[Axes] = []
-    for row in range(count):
-        shared = panels[0] if panels else None
-        panels.append(figure.add_subplot(rows or count, 1, row + 1, sharex=shared))
-    return panels
 
 
 def _time_axes(solution: Solution, panels: list[Axes]) -> None:

@@ -24,6 +24,8 @@ from .solids import FIXED, Solid, across_plane
 _BY_GAP, _LEAST_M = 4.0, 0.012
 # Steps of the scale [mm].
 _STEPS_MM = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
+# A plane through corners of a mesh cuts none of their edges: it is moved by this part of the size.
+_ASIDE = 1e-7
 
 
 @dataclass(frozen=True)
@@ -76,10 +78,6 @@ def close_up(film: Film) -> CloseUp | None:
         stop.name, place, turned + opening, float(stop.contact.point[1]), height,
         steps[-1] if steps else _STEPS_MM[0],
     )  # fmt: skip
-
-
-# A plane through corners of a mesh cuts none of their edges: it is moved by this part of the size.
-_ASIDE = 1e-7
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,6 +25,18 @@ from ...mechanism import Mechanism, Stop
 from ..reading import contact_shown, coordinate_shown, shown_until
 from .pace import Pace, pace
 
+_LONGEST_STRETCH = 1e5
+# On rebounds, the largest first.
+_FACTORS = (1000.0, 500.0, 200.0, 100.0, 50.0, 20.0, 10.0, 5.0, 2.0)
+# A rebound is drawn no larger than this.
+_DRAWN_ANGLE = math.radians(6.0)
+_DRAWN_STROKE = 0.03  # of the reach of the mechanism
+_SEEN = 0.6  # of these, for the highest rebound where nobody asks for a factor
+# Of curves: gap and force of the transition stop, and gaps of others.
+_GAP, _FORCE, _OTHER = "#0072B2", "#CC79A7", "#009E73"
+# Room above the largest rebound, and curves of other stops.
+_ROOM, _OTHERS = 1.15, 2
+
 
 @dataclass(frozen=True)
 class Flight:
@@ -98,15 +110,6 @@ def factors(
         most = limit / highest if highest > 0.0 else factor
         found[inside] = max(1.0, min(factor, most))
     return found
-
-
-_LONGEST_STRETCH = 1e5
-# On rebounds, the largest first.
-_FACTORS = (1000.0, 500.0, 200.0, 100.0, 50.0, 20.0, 10.0, 5.0, 2.0)
-# A rebound is drawn no larger than this.
-_DRAWN_ANGLE = math.radians(6.0)
-_DRAWN_STROKE = 0.03  # of the reach of the mechanism
-_SEEN = 0.6  # of these, for the highest rebound where nobody asks for a factor
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -317,11 +320,6 @@ def worlds(position: FloatArray, angle: FloatArray) -> FloatArray:
     found[:, :-1, :2, :2] = np.stack([cos, -sin, sin, cos], axis=-1).reshape(count, links, 2, 2)
     found[:, :-1, :2, 2] = position
     return found
-
-
-_GAP, _FORCE, _OTHER = "#0072B2", "#CC79A7", "#009E73"
-# Room above the largest rebound, and curves of other stops.
-_ROOM, _OTHERS = 1.15, 2
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,6 @@ from meshcat.path import Path
 from numpy.typing import NDArray
 
 from ...arrays import FloatArray
-from ...errors import InputError
 from ...mechanism import Mechanism, Stop, Strut
 from ..phases import intervals
 from .arrows import JUMP, arrow_body, arrow_place, arrow_scale, arrow_shares, arrow_sizes
@@ -29,9 +28,10 @@ from .solids import CYLINDER, FIXED, THICK, Colour, Solid, across_plane, cylinde
 
 ROOT = "nipper"
 LINE_WIDTH = 0.003  # of the extent of the mechanism
-_SUFFIXES = (".stl", ".obj", ".dae")
 # meshcat's cylinders stand along y, those of a URDF along z.
 _UPRIGHT = np.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]], dtype=float)
+_SHORTEST = 1e-6  # m
+_FLOAT32 = 0x17  # meshcat's code for a typed array in a message
 
 
 def body_path(mechanism: Mechanism, body: int) -> str:
@@ -49,7 +49,7 @@ def solid_commands(mechanism: Mechanism, solid: Solid) -> Iterator[dict[str, obj
     """Commands that put a solid in its place.
 
     Raises:
-        InputError: The mesh is of a format that meshcat does not read.
+        InputError: The mesh cannot be read.
     """
     path = solid_path(mechanism, solid)
     place = solid.placement.copy()
@@ -110,12 +110,6 @@ def _shape(solid: Solid) -> geometry.Geometry:
         if solid.kind == "sphere":
             return geometry.Sphere(solid.sizes[0])
         return geometry.Cylinder(solid.sizes[1], solid.sizes[0])
-    if solid.path.suffix.lower() not in _SUFFIXES:
-        message = (
-            f"{solid.path.name}: the viewer reads meshes in {', '.join(_SUFFIXES)}; convert this "
-            "one"
-        )
-        raise InputError(message, file=str(solid.path))
     # Read also where the viewer reads it: a file that cannot be drawn is refused.
     corners, faces = solid.mesh
     if solid.path.suffix.lower() == ".stl":
@@ -148,10 +142,6 @@ def _transform(path: str, place: FloatArray) -> dict[str, object]:
     return command
 
 
-_SHORTEST = 1e-6  # m
-_FLOAT32 = 0x17  # meshcat's code for a typed array in a message
-
-
 def animation(film: Film, solids: Sequence[Solid]) -> dict[str, object]:
     """The command that loads and plays the animation of a film."""
     clips = [*_bodies(film), *_springs(film, solids), *_struts(film), *_phases(film, solids),
@@ -167,30 +157,23 @@ def animation(film: Film, solids: Sequence[Solid]) -> dict[str, object]:
 def _bodies(film: Film) -> Iterator[dict[str, object]]:
     """Position and rotation of all links and of the cylinder."""
     mechanism, t = film.solution.mechanism, film.pace.playback
-    heights = across_plane(mechanism)
-    for body in range(len(mechanism.joints)):
-        x, z = film.position[:, body].T
+    zero, heights = np.zeros(len(t)), across_plane(mechanism)
+    moved = [
+        (body, film.position[:, body], heights[body], film.angle[:, body])
+        for body in range(len(mechanism.joints))
+    ]
+    axis = cylinder_axis(mechanism)
+    if axis is not None:
+        moved.append((CYLINDER, np.tile(axis, (len(t), 1)), 0.0, film.turned))
+    for body, place, height, angle in moved:
+        # A rotation about -y, in three.js's order x, y, z, w.
+        turned = np.column_stack([zero, -np.sin(0.5 * angle), zero, np.cos(0.5 * angle)])
         yield _clip(
             body_path(mechanism, body),
             t,
-            ("position", "vector3", np.column_stack([x, np.full(len(x), heights[body]), z])),
-            ("quaternion", "quaternion", _quaternions(film.angle[:, body])),
+            ("position", "vector3", np.column_stack([place[:, 0], zero + height, place[:, 1]])),
+            ("quaternion", "quaternion", turned),
         )
-    axis = cylinder_axis(mechanism)
-    if axis is not None:
-        place = np.tile([axis[0], 0.0, axis[1]], (len(t), 1))
-        yield _clip(
-            body_path(mechanism, CYLINDER),
-            t,
-            ("position", "vector3", place),
-            ("quaternion", "quaternion", _quaternions(film.turned)),
-        )
-
-
-def _quaternions(angle: FloatArray) -> FloatArray:
-    """Rotations about -y, shape (K, 4), in three.js's order x, y, z, w."""
-    zero = np.zeros(len(angle))
-    return np.column_stack([zero, -np.sin(0.5 * angle), zero, np.cos(0.5 * angle)])
 
 
 def _springs(film: Film, solids: Sequence[Solid]) -> Iterator[dict[str, object]]:

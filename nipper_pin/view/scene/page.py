@@ -30,6 +30,11 @@ OBLIQUE, ALONG = (0.38, -1.0, 0.34), (0.0, -1.0, 0.0)
 # a quarter more: in a pane that is less wide it moves the camera back.
 _HALF, _WIDE = math.radians(19.3), 1.25
 _FRAMES = 200  # of a film that are looked at, evenly spaced on the machine's clock
+_VIEWER = Path(meshcat.__file__).parent / "viewer"
+_SCRIPTS = ("scene.js", "lips.js", "curves.js", "controls.js")
+# The viewer's scene as an empty page, of which the script colours the background.
+_BARE = [{"type": "set_property", "path": f"/{path}", "property": "visible", "value": False}
+         for path in ("Grid", "Axes")]  # fmt: skip
 
 
 def corners(shown: Film, drawn: Sequence[Solid]) -> FloatArray:
@@ -87,19 +92,8 @@ def camera(points: FloatArray, direction: tuple[float, float, float]) -> tuple[F
     return target, target + distance * towards
 
 
-_VIEWER = Path(meshcat.__file__).parent / "viewer"
-_SCRIPTS = ("scene.js", "lips.js", "curves.js", "controls.js")
-# The viewer's scene as an empty page, of which the script colours the background.
-_BARE = [{"type": "set_property", "path": f"/{path}", "property": "visible", "value": False}
-         for path in ("Grid", "Axes")]  # fmt: skip
-
-
 def scene_page(shown: Film) -> str:
-    """The page of a film, served or written alike.
-
-    Returns:
-        HTML with script, scene and animation inside.
-    """
+    """The page of a film, served or written alike, with script, scene and animation inside."""
     drawn = pictured(shown.solution.mechanism)
     found = {**readings(shown), "cameras": cameras((shown, drawn))}
     if shown.larger > 1.0:

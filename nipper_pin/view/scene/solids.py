@@ -23,7 +23,14 @@ from numpy.typing import NDArray
 from ...arrays import FloatArray
 from ...mechanism import Joint, Mechanism, Stop, joint_axis, joint_placements, own_frame
 from ...mechanism.drives import OscillatingGuide
-from ...mechanism.files import finite, mesh_path, origin, parse_xml, path_inside, rotation_from_rpy
+from ...mechanism.files import (
+    mesh_path,
+    origin,
+    parse_xml,
+    path_inside,
+    rotation_from_rpy,
+    shape_sizes,
+)
 from .colours import SPRING, STOP, channels, link_colour
 from .meshes import mesh_of
 
@@ -34,6 +41,12 @@ CYLINDER = -2
 ``mechanism.joints``; Pinocchio counts the same joints from 1, and 0 is what stands."""
 THICK = 0.02
 """Radius of a bar, by the extent of the mechanism."""
+# Lengths by the size of the picture.
+_WIRE, _AROUND, _COIL = 0.022, 0.028, 0.25
+_PLATE, _PEG = (0.11, 0.04, 0.015), (0.012, 0.06)
+_BAR = 0.016  # half of the width of a link
+_ALONG = 0.999  # cosine of the largest angle between a slide and a rod that it lengthens
+_STRUCK = 0.6  # place of a peg along its link
 
 
 @dataclass(frozen=True)
@@ -101,9 +114,9 @@ def solids(mechanism: Mechanism) -> tuple[Solid, ...]:
     """
     robot = parse_xml(mechanism.urdf, f"{mechanism.name}.urdf")
     colours = {
-        item.get("name", ""): _colour(item)
+        item.get("name", ""): _colour(colour)
         for item in robot.findall("material")
-        if item.find("color") is not None
+        if (colour := item.find("color")) is not None
     }
     found: list[Solid] = []
     for link in robot.findall("link"):
@@ -134,18 +147,13 @@ def _shapes(
         name = element.get("name") or f"{link.get('name')}_{place}"
         key = f"link {link.get('name')} {tag} {name}"
         shape = next(item for item in element.iterfind("geometry/*") if isinstance(item.tag, str))
-        path, sizes, scale = None, np.zeros(0), np.ones(3)
+        path, sizes, scale = None, shape_sizes(shape, key, file), np.ones(3)
         if shape.tag == "mesh":
             filename = shape.get("filename", "")
             if not (folder / path_inside(filename, key, file)).is_file():
                 continue
             path = mesh_path(filename, folder, key, file)
-            scale = np.array(finite(shape, "scale", 3, "1 1 1", f"{key} scale", file))
-        elif shape.tag == "box":
-            sizes = np.array(finite(shape, "size", 3, None, key, file))
-        else:
-            attributes = ("radius", "length") if shape.tag == "cylinder" else ("radius",)
-            sizes = np.array([float(shape.get(item, "nan")) for item in attributes])
+            scale, sizes = np.array(sizes), []
         xyz, rpy = origin(element, key, file)
         local = np.eye(4)
         local[:3, :3], local[:3, 3] = rotation_from_rpy(rpy), xyz
@@ -154,7 +162,7 @@ def _shapes(
             name=name,
             body=CYLINDER if turns else body,
             kind=shape.tag,
-            sizes=tuple(float(size) for size in sizes),
+            sizes=tuple(sizes),
             path=path,
             placement=frame.placement.homogeneous @ local,
             scale=scale,
@@ -266,26 +274,16 @@ def _material(element: ElementTree.Element, colours: dict[str, Colour], body: in
     material = element.find("material")
     if material is None:
         return link_colour(body)
-    if material.find("color") is not None:
-        return _colour(material)
+    if (colour := material.find("color")) is not None:
+        return _colour(colour)
     return colours.get(material.get("name", ""), link_colour(body))
 
 
-def _colour(material: ElementTree.Element) -> Colour:
-    colour = material.find("color")
-    text = colour.get("rgba", "") if colour is not None else ""
-    red, green, blue, *_ = (float(part) for part in text.split())
+def _colour(colour: ElementTree.Element) -> Colour:
+    red, green, blue, *_ = (float(part) for part in colour.get("rgba", "").split())
     # Some files count to 255 in place of one.
     largest = 255.0 if max(red, green, blue) > 1.0 else 1.0
     return red / largest, green / largest, blue / largest
-
-
-# Lengths by the size of the picture.
-_WIRE, _AROUND, _COIL = 0.022, 0.028, 0.25
-_PLATE, _PEG = (0.11, 0.04, 0.015), (0.012, 0.06)
-_BAR = 0.016  # half of the width of a link
-_ALONG = 0.999  # cosine of the largest angle between a slide and a rod that it lengthens
-_STRUCK = 0.6  # place of a peg along its link
 
 
 def pictured(mechanism: Mechanism) -> tuple[Solid, ...]:

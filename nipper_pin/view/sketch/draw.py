@@ -28,6 +28,9 @@ _DIRECTIONS = 16
 _DISTANCES = (0.05, 0.08, 0.12, 0.17, 0.23, 0.3)
 # Size of a character and of a line, by that of the drawing.
 _WIDE, _HIGH, _PAD = 0.0125, 0.026, 0.006
+_INK, DRIVE = "#1c2430", "#0072B2"
+# Sizes of symbols by that of the mechanism.
+_PIN, _BAR, _COIL, _ARROW = 0.013, 9.0, 0.09, 0.07
 
 
 @dataclass(frozen=True)
@@ -87,11 +90,6 @@ def _cost(
     cost = 3.0 * float((begin < low).any() or (end > high).any())
     cost += 2.0 * sum(float((begin < other[1]).all() and (end > other[0]).all()) for other in taken)
     return cost + float(((named > begin) & (named < end)).all(axis=1).sum())
-
-
-_INK, DRIVE = "#1c2430", "#0072B2"
-# Sizes of symbols by that of the mechanism.
-_PIN, _BAR, _COIL, _ARROW = 0.013, 9.0, 0.09, 0.07
 
 
 def write_sketch(mechanism: Mechanism, path: str | Path) -> Path:

@@ -76,8 +76,6 @@ class Sketch:
     """Everything that a drawing shows.
 
     Attributes:
-        title: Title of the model.
-        links: The moving links.
         nodes: Joints of the tree, then closures.
         struts: Springs and dampers between two points: name, and both ends, shape (2, 2) [m].
         crank: Axis of the cylinder's crank and its radius [m]; None if no drive has one.
@@ -107,7 +105,7 @@ def sketch(mechanism: Mechanism) -> Sketch:
         for closure in mechanism.closures:
             for frame in (closure.frame_a, closure.frame_b):
                 if model.frames[model.getFrameId(frame, _LINK)].parentJoint == body + 1:
-                    points.append(_frame(model, frame, world)[[0, 2]])
+                    points.append(_frame(model, frame, world))
         for stop, mark in zip(mechanism.stops, stops, strict=True):
             hinge = mechanism.joints[stop.index]
             if stop.contact is not None and joint.child in (hinge.parent, hinge.child):
@@ -118,10 +116,9 @@ def sketch(mechanism: Mechanism) -> Sketch:
             points.append(lever[[0, 2]])
         links.append(Link(joint.child, body, np.array(points)))
     struts = tuple(
-        (item.name, np.array([_frame(model, name, world)[[0, 2]]
-                              for name in (item.frame_a, item.frame_b)]))
+        (item.name, np.array([_frame(model, name, world) for name in (item.frame_a, item.frame_b)]))
         for item in mechanism.struts
-    )  # fmt: skip
+    )
     return Sketch(
         mechanism.title or mechanism.name, tuple(links), tuple(nodes), stops, struts,
         _crank(mechanism),
@@ -160,8 +157,8 @@ def _cut_node(mechanism: Mechanism, place: int, world: list[pin.SE3]) -> Node:
         rotation = (world[frame.parentJoint] * frame.placement).rotation
         along = rotation[[0, 2], 0 if closure.slot_axis == "x" else 2]
     body = next(item for item in parents if item) - 1
-    return Node(closure.name, kind, body, _frame(model, closure.frame_a, world)[[0, 2]], along,
-                0 in parents)  # fmt: skip
+    at = _frame(model, closure.frame_a, world)
+    return Node(closure.name, kind, body, at, along, 0 in parents)
 
 
 def _mark(mechanism: Mechanism, place: int, world: list[pin.SE3]) -> Mark:
@@ -188,7 +185,7 @@ def _slide(mechanism: Mechanism, place: int, world: list[pin.SE3]) -> tuple[Floa
 
 def _frame(model: pin.Model, name: str, world: list[pin.SE3]) -> FloatArray:
     frame = model.frames[model.getFrameId(name, _LINK)]
-    return np.asarray((world[frame.parentJoint] * frame.placement).translation)
+    return np.asarray((world[frame.parentJoint] * frame.placement).translation[[0, 2]])
 
 
 def _crank(mechanism: Mechanism) -> tuple[FloatArray, float] | None:

@@ -12,7 +12,7 @@ from ...arrays import FloatArray
 from ...study.optimise.problem.problem import Problem
 from ...study.optimise.result import Optimum
 from ..style import LINES, MARKERS, SMALL, framed, tidy
-from .problem_words import number_shown, quantity_shown, ranges, sides
+from .optimise_report import number_shown, quantity_shown, ranges, sides
 
 _LABEL_COLUMNS = 30
 # Heights [inch] of the front, of a row of limits and of a number, and of all texts.
