@@ -47,9 +47,11 @@ if TYPE_CHECKING:
     from .mechanism import Mechanism, changed, load
     from .mechanism.drawing import Drawing
     from .mechanism.export import export
+    from .study.check import check
     from .study.compare import Comparison, compare
-    from .study.entry_points import check, identify, optimise, sweep
-    from .study.sweep import read_sweep
+    from .study.identify import identify
+    from .study.optimise import optimise
+    from .study.sweep import read_sweep, sweep
     from .study.transitions import TransitionTable, transition_table
     from .study.turns import TurnTable, turn_table
     from .view.run.plots import figures
@@ -69,9 +71,11 @@ else:
         "mechanism": ("Mechanism", "changed", "load"),
         "mechanism.drawing": ("Drawing",),
         "mechanism.export": ("export",),
+        "study.check": ("check",),
         "study.compare": ("Comparison", "compare"),
-        "study.entry_points": ("check", "identify", "optimise", "sweep"),
-        "study.sweep": ("read_sweep",),
+        "study.identify": ("identify",),
+        "study.optimise": ("optimise",),
+        "study.sweep": ("read_sweep", "sweep"),
         "study.transitions": ("TransitionTable", "transition_table"),
         "study.turns": ("TurnTable", "turn_table"),
         "view.run.plots": ("figures",),

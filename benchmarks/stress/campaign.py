@@ -84,7 +84,7 @@ def run_campaign(
         (number, partial(_judge, seed, number, tuple(families), time_limit_s))
         for number in range(first, first + cases)
     )
-    with Workers(workers or os.cpu_count() or 1, _wake, advice=_FEWER, apart=True) as pool:
+    with Workers(workers or os.cpu_count() or 1, advice=_FEWER, apart=True) as pool:
         for number, verdict in pool.as_completed(jobs):
             verdicts[number] = verdict
             progress(verdict)
@@ -94,7 +94,3 @@ def run_campaign(
 
 def _judge(seed: int, number: int, families: Sequence[str], time_limit_s: float) -> Verdict:
     return judge(trial(seed, number, families), time_limit_s)
-
-
-def _wake() -> None:
-    """No effect; a worker that calls it imports what trials need."""

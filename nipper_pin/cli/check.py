@@ -71,14 +71,14 @@ def _watch(options: argparse.Namespace) -> None:
 
 
 def _check(options: argparse.Namespace) -> None:
-    from ..study.check import check_model
+    from ..study.check import check
 
     if options.json == "-":
         refuse_beside(options, "--json -, whose document holds all of it", "--provenance")
     check_figure(options.drawing, "view", "the drawing")
     mechanism = load_mechanism(options)
     start = getattr(options, "start_index", START_INDEX)
-    report = check_model(mechanism, speed(options, mechanism), start)
+    report = check(mechanism, speed(options, mechanism), start)
     if options.drawing is not None:
         from ..view.sketch import write_sketch
 

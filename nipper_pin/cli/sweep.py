@@ -50,7 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(options: argparse.Namespace) -> None:
-    from ..study.sweep import estimate, read_plan, read_sweep, run_sweep
+    from ..study.sweep import estimate, read_plan, read_sweep, sweep
     from ..study.sweep.plan import chosen
     from ..terms import counted
 
@@ -82,7 +82,7 @@ def _run(options: argparse.Namespace) -> None:
     else:
         folder = Path(options.out or Path("out") / Path(options.study).stem)
         with _progress(folder) as tell:
-            report = run_sweep(
+            report = sweep(
                 plan,
                 folder,
                 workers=options.workers,

@@ -11,7 +11,7 @@ from ..dynamics import impact_condition
 from ..errors import NipperError
 from ..hybrid import START_INDEX, Case, EventKind, Solution, Window, simulate
 from ..hybrid.result.quantities import force_unit
-from ..mechanism import Mechanism
+from ..mechanism import Mechanism, need_mechanism
 from .interference import Clearance, clearances
 from .masses import LinkMass, link_masses
 from .urdf_advice import UrdfAdvice, urdf_advice
@@ -144,21 +144,25 @@ class ModelReport:
         }
 
 
-def check_model(
-    mechanism: Mechanism, speed_rpm: float, start_index: float = START_INDEX
+def check(
+    mechanism: Mechanism, speed_rpm: float | None = None, start_index: float = START_INDEX
 ) -> ModelReport:
-    """Walk one cycle of a model and report on it.
+    """Report structure, timing, clearances and forces of a model over one cycle.
 
     Args:
-        mechanism: The model, already validated by loading it.
+        mechanism: The model.
+        speed_rpm: Cylinder speed [r/min]; by default the rated one.
         start_index: Index at which the cycle starts, in the initial phase.
 
     Returns:
-        The report.
+        The report of ``nipper-pin check``.
 
     Raises:
         SimulationError: The cycle cannot be simulated.
+        InputError: The speed is none, or this is no mechanism.
     """
+    need_mechanism(mechanism, "check")
+    speed_rpm = mechanism.cylinder.rated_speed_rpm if speed_rpm is None else speed_rpm
     case = Case(speed_rpm=speed_rpm, window=Window.CYCLE, start_index=start_index)
     solution = simulate(mechanism, case)
     name = mechanism.transition_stop

@@ -10,10 +10,10 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack, contextmanager
 from multiprocessing import active_children, get_context, parent_process
-from types import TracebackType
 from typing import Self, TypeVar
 
 from ..errors import SimulationError
+from ..given import MOST_WORKERS, whole
 
 _T = TypeVar("_T")
 _R = TypeVar("_R")
@@ -31,6 +31,15 @@ _AT_START = {name: os.environ.get(name) for name in _THREADS}
 
 class WorkerError(SimulationError):
     """A worker process died, or could not be started. Evidence: ``workers``."""
+
+
+def worker_count(workers: int | None) -> int:
+    """Number of processes that is asked for; without one as many as there are processors.
+
+    Raises:
+        InputError: It is below 1.
+    """
+    return (os.cpu_count() or 1) if workers is None else whole("workers", workers, 1, MOST_WORKERS)
 
 
 @contextmanager
@@ -58,13 +67,8 @@ def in_one_thread() -> bool:
 
 
 @contextmanager
-def fresh_processes(workers: int, first: Callable[[], None]) -> Iterator[ProcessPoolExecutor]:
+def fresh_processes(workers: int) -> Iterator[ProcessPoolExecutor]:
     """Worker processes of one thread each; they ignore Ctrl-C and end with this process.
-
-    Args:
-        workers: Number of processes.
-        first: A function without effect from the module of the tasks: calling it makes a worker
-            import that module while this process goes on.
 
     Raises:
         WorkerError: A process cannot be started.
@@ -78,7 +82,8 @@ def fresh_processes(workers: int, first: Callable[[], None]) -> Iterator[Process
         try:
             with _interrupts_held_back():
                 for _ in range(workers):
-                    pool.submit(first)
+                    # A process starts with a task.
+                    pool.submit(bool)
         except OSError as error:
             # The pool does not end those that did start, and Python would wait for them at its end.
             for process in set(active_children()) - before:
@@ -119,22 +124,13 @@ class Workers:
 
     Args:
         count: Number of processes; 1: one, which is this one if its BLAS computes in one thread.
-        first: A function without effect from the module of the tasks, see :func:`fresh_processes`.
         advice: What to do if a process dies, the end of a sentence.
         apart: Even one worker is a process of its own.
     """
 
-    def __init__(
-        self,
-        count: int,
-        first: Callable[[], None] | None = None,
-        *,
-        advice: str = _FEWER,
-        apart: bool = False,
-    ) -> None:
+    def __init__(self, count: int, *, advice: str = _FEWER, apart: bool = False) -> None:
         """Prepare; nothing starts yet."""
         self._count = count
-        self._first = first or _nothing
         self._advice = advice
         self._apart = apart
         self._stack = ExitStack()
@@ -144,12 +140,7 @@ class Workers:
         """Nothing starts yet."""
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        _error: BaseException | None,
-        _trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
         """End the processes; after a failure or an interrupt without the tasks that wait."""
         if self._pool is not None and kind is not None:
             # Waits for those that run: otherwise the interpreter may end in the midst of it, and
@@ -207,7 +198,7 @@ class Workers:
     def _started(self) -> ProcessPoolExecutor | None:
         here = self._count == 1 and not self._apart and in_one_thread()
         if self._pool is None and not here:
-            self._pool = self._stack.enter_context(fresh_processes(self._count, self._first))
+            self._pool = self._stack.enter_context(fresh_processes(self._count))
         return self._pool
 
     @contextmanager
@@ -241,7 +232,3 @@ def _finished(running: dict[Future[_R], _K]) -> Iterator[tuple[_K, _R]]:
     """Wait for at least one task, and take out all that are done."""
     for future in wait(running, return_when=FIRST_COMPLETED).done:
         yield running.pop(future), future.result()
-
-
-def _nothing() -> None:
-    """No effect; a worker imports the module of its tasks with the first of them."""

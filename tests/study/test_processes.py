@@ -17,15 +17,13 @@ from programs import study_text
 from nipper_pin.study.processes import WorkerError, Workers, fresh_processes
 from tests.study.sweep.sweep_studies import COMMAND
 
-# Without effect, and built in: a process that imports it imports nothing of the tests.
-NOTHING = bool
 # What OpenMP, OpenBLAS and MKL read when they are loaded.
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 def test_results_in_order_and_as_they_come() -> None:
     """Of the same processes, which compute elsewhere."""
-    with Workers(2, NOTHING) as pool:
+    with Workers(2) as pool:
         assert list(pool.in_order(abs, range(-7, 0), chunk=2)) == [7, 6, 5, 4, 3, 2, 1]
         tasks = ((k, partial(divmod, k, 3)) for k in range(7))
         assert dict(pool.as_completed(tasks)) == {k: divmod(k, 3) for k in range(7)}
@@ -53,7 +51,7 @@ def test_processes_begin_afresh(monkeypatch: pytest.MonkeyPatch) -> None:
     """Spawned, deaf to the keyboard and in one thread, whatever this one does and goes on to do."""
     for name, value in zip(THREADS, ("3", "2", "4"), strict=True):
         monkeypatch.setenv(name, value)
-    with fresh_processes(1, NOTHING) as pool:
+    with fresh_processes(1) as pool:
         assert list(pool.map(os.getenv, THREADS)) == ["1", "1", "1"]
         assert list(pool.map(eval, [DEAF, COPY])) == [True, False]
         assert list(map(eval, [DEAF, COPY])) == [False, True]
@@ -68,7 +66,7 @@ def test_a_worker_that_dies_is_an_error() -> None:
     ):
         with (
             pytest.raises(WorkerError, match=r"a worker process died, .* memory, alas") as caught,
-            Workers(1, NOTHING, advice=", alas", apart=True) as pool,
+            Workers(1, advice=", alas", apart=True) as pool,
         ):
             ask(pool)
         assert caught.value.evidence == {"workers": 1}
@@ -88,7 +86,7 @@ def test_a_worker_that_cannot_start_is_an_error(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(kind, "start", second_fails)
     with (
         pytest.raises(WorkerError, match=r"2 worker processes cannot be started .*fewer") as caught,
-        Workers(2, NOTHING) as pool,
+        Workers(2) as pool,
     ):
         list(pool.in_order(abs, [1]))
     assert caught.value.evidence == {"workers": 2}
@@ -104,7 +102,7 @@ def test_nothing_runs_after_a_failure() -> None:
     tasks = [(pause, partial(time.sleep, pause)) for pause in (0.0, 0.4, 0.5)]
 
     def failing() -> None:
-        with Workers(2, NOTHING, apart=True) as pool:
+        with Workers(2, apart=True) as pool:
             for _ in pool.as_completed(tasks):
                 raise ZeroDivisionError
 

@@ -21,7 +21,7 @@ from snapshots import Words
 
 from nipper_pin import InputError, UnknownNameError, read_sweep
 from nipper_pin.cli import main
-from nipper_pin.study.sweep import SweepTable, read_plan, run_sweep
+from nipper_pin.study.sweep import SweepTable, read_plan, sweep
 from nipper_pin.view.studies.sweep_plots import (
     Parameter,
     Quantity,
@@ -48,7 +48,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     home = tmp_path_factory.mktemp("sweep")
     file = home / "study.toml"
     file.write_text(STUDY, encoding="utf-8")
-    run_sweep(read_plan(str(file)), home / "out", workers=1)
+    sweep(read_plan(str(file)), home / "out", workers=1)
     return home / "out"
 
 
@@ -256,7 +256,7 @@ def test_one_parameter_has_no_level_lines(tmp_path: Path) -> None:
     head, mass = STUDY[: STUDY.index("speed_rpm =")], STUDY[STUDY.index('"links.') :]
     file, folder = tmp_path / "study.toml", tmp_path / "out"
     file.write_text(head.replace("rebound_amplitude_1", "time_s_40") + mass, encoding="utf-8")
-    run_sweep(read_plan(str(file)), folder, workers=1)
+    sweep(read_plan(str(file)), folder, workers=1)
     (written,) = plot_sweep(folder)
     assert written.name == "main_effects_duration_s.svg"
     words = r"level lines need two parameters; .* has only links\.top"

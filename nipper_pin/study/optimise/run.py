@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-import os
 import time
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 
 from ...errors import SimulationError, without_numbers
-from ...given import MOST_SEED, MOST_STARTS, MOST_WORKERS, whole
+from ...given import MOST_SEED, MOST_STARTS, whole
+from ..processes import worker_count
 from .control import control
 from .design import Design, design
 from .points import Evaluator
 from .problem.problem import Problem
+from .problem.problem_file import read_problem
 from .result import Optimum
 from .search.binding import account
 from .search.descend import Descent
@@ -25,7 +27,7 @@ from .work import Progress, Work
 
 
 def optimise(
-    problem: Problem,
+    problem: str | Path | Problem,
     *,
     starts: int = 6,
     seed: int = 1,
@@ -40,7 +42,7 @@ def optimise(
     the seed alone, so the number of workers does not change a bit of the result.
 
     Args:
-        problem: The problem.
+        problem: The TOML file, or the problem that was read from it.
         starts: Number of descents by each aim.
         seed: Seed of starts and of the global check.
         check: Whether differential evolution checks the best descent.
@@ -49,25 +51,24 @@ def optimise(
             if ``OPENBLAS_NUM_THREADS=1`` was set before numpy was imported.
         progress: Called with (parts finished, parts known so far).
 
+    Returns:
+        The optimum, what holds it back, and how it was controlled.
+
     Raises:
-        InputError: An argument is out of range.
+        InputError: The file or an argument cannot be used.
         InfeasibleError: No design that was found meets all limits.
         SimulationError: No sample is a machine that can be simulated, or a process died.
     """
-    _check_arguments(starts=starts, seed=seed, points=points, workers=workers)
-    began = time.perf_counter()
-    with Work(workers or os.cpu_count() or 1, progress) as work:
-        search = Search(problem, screen(problem, seed, work), starts, seed, work)
-        led = _searched(search, check=check, points=points)
-        return _optimum(search, led, began)
-
-
-def _check_arguments(*, starts: int, seed: int, points: int, workers: int | None) -> None:
+    problem = problem if isinstance(problem, Problem) else read_problem(problem)
     whole("starts", starts, 1, MOST_STARTS)
     whole("seed", seed, 0, MOST_SEED)
     whole("points", points, 2, MOST_STARTS)
-    if workers is not None:
-        whole("workers", workers, 1, MOST_WORKERS)
+    count = worker_count(workers)
+    began = time.perf_counter()
+    with Work(count, progress) as work:
+        search = Search(problem, screen(problem, seed, work), starts, seed, work)
+        led = _searched(search, check=check, points=points)
+        return _optimum(search, led, began)
 
 
 @dataclass(frozen=True, kw_only=True)

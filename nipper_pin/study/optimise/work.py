@@ -6,8 +6,7 @@ With several threads BLAS rounds differently, and SciPy's SLSQP follows another 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from types import TracebackType
-from typing import Self, TypeVar
+from typing import TypeVar
 
 from ..processes import Workers
 
@@ -18,7 +17,7 @@ PartT = TypeVar("PartT")
 PlaceT = TypeVar("PlaceT")
 
 
-class Work:
+class Work(Workers):
     """Does parts and counts them.
 
     Args:
@@ -28,23 +27,10 @@ class Work:
 
     def __init__(self, workers: int, progress: Progress | None) -> None:
         """Prepare; processes start with the first part."""
-        self._workers = Workers(workers, _wake)
+        super().__init__(workers)
         self._progress = progress
         self._done = 0
         self._known = 0
-
-    def __enter__(self) -> Self:
-        """Nothing starts yet."""
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        """End the processes; after a failure without what waits in them."""
-        self._workers.__exit__(kind, error, trace)
 
     def all(self, tasks: Sequence[Callable[[], PartT]]) -> list[PartT]:
         """Results of tasks in their order.
@@ -52,18 +38,18 @@ class Work:
         Raises:
             WorkerError: A process died.
         """
-        self._count(known=len(tasks))
+        self._tell(known=len(tasks))
         found: dict[int, PartT] = {}
-        for place, part in self._workers.as_completed(enumerate(tasks)):
+        for place, part in self.as_completed(enumerate(tasks)):
             found[place] = part
-            self._count(done=1)
+            self._tell(done=1)
         return [found[place] for place in range(len(tasks))]
 
     def one(self, task: Callable[[], PartT]) -> PartT:
         """Result of one task that is done here, perhaps by way of :meth:`mapper`."""
         self._known += 1
         found = task()
-        self._count(done=1)
+        self._tell(done=1)
         return found
 
     def mapper(self, function: Callable[[PlaceT], PartT], places: Iterable[PlaceT]) -> list[PartT]:
@@ -76,14 +62,10 @@ class Work:
         Raises:
             WorkerError: A process died.
         """
-        return list(self._workers.in_order(function, places, chunk=4))
+        return list(self.in_order(function, places, chunk=4))
 
-    def _count(self, done: int = 0, known: int = 0) -> None:
+    def _tell(self, done: int = 0, known: int = 0) -> None:
         self._done += done
         self._known += known
         if self._progress is not None:
             self._progress(self._done, self._known)
-
-
-def _wake() -> None:
-    """No effect; a worker that calls it imports this module."""

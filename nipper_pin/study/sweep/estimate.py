@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import os
 import time
 from dataclasses import asdict, dataclass
 from functools import partial
 from typing import Any
 
 from ...units import MS_PER_S, S_PER_H, S_PER_MIN
-from ..processes import Workers
+from ..processes import Workers, worker_count
 from ..transitions import REDUCED_PAYS_FROM
 from .chunks import run_chunk
-from .local import check_workers, wake
 from .plan import Chunk, Plan, chosen
 from .results import Tally, need_pyarrow
 from .results.chunk_file import read
@@ -77,12 +75,12 @@ def estimate(
         DefectError: A scenario meets a fault of the program.
         WorkerError: The process died.
     """
-    check_workers(workers)
+    most = worker_count(workers)
     need_pyarrow()
     asked = chosen(plan.chunks(), chunks)
     near = [chunk for chunk in asked if plan.samples is None or chunk.start <= _FAR] or asked[:1]
-    count = min(workers or os.cpu_count() or 1, len(asked))
-    with Workers(1, wake, apart=True) as pool:
+    count = min(most, len(asked))
+    with Workers(1, apart=True) as pool:
         ((scenario_s, engines),) = pool.in_order(partial(timed, plan), [near[len(near) // 2]])
     return Estimate(
         seconds=_START_S + scenario_s * sum(chunk.stop - chunk.start for chunk in asked) / count,

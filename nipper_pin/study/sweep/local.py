@@ -6,23 +6,9 @@ from collections.abc import Generator, Iterable
 from functools import partial
 
 from ...arrays import FloatArray
-from ...given import MOST_WORKERS, whole
 from ..processes import KEPT, Workers
 from .chunks import DefectError, run_chunk
 from .plan import Chunk
-
-
-def check_workers(workers: int | None) -> None:
-    """Refuse a number of processes that is none.
-
-    Args:
-        workers: Number of processes; None: one a processor.
-
-    Raises:
-        InputError: It is below 1.
-    """
-    if workers is not None:
-        whole("workers", workers, 1, MOST_WORKERS)
 
 
 def on_this_machine(
@@ -36,8 +22,7 @@ def on_this_machine(
     Raises:
         WorkerError: A process died.
     """
-    # They start while the first samples are drawn.
-    with Workers(workers, wake, advice=KEPT, apart=True) as pool:
+    with Workers(workers, advice=KEPT, apart=True) as pool:
         yield from pool.as_completed(
             (chunk, partial(_content, job_text, chunk.start, rows)) for chunk, rows in tasks
         )
@@ -49,7 +34,3 @@ def _content(job_text: bytes, start: int, rows: FloatArray) -> bytes | DefectErr
         return run_chunk(job_text, start, rows)
     except DefectError as defect:
         return defect
-
-
-def wake() -> None:
-    """No effect; a worker that calls it imports this module."""

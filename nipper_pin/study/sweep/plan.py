@@ -17,7 +17,6 @@ from ..turns import TURNS_PAY_FROM
 from .axes import Axis
 from .job import Job
 from .samples import Layout, Rows, Samples, stages
-from .study_file import read_study
 
 # Chunks that a sweep is cut into before they grow to their most.
 _CHUNKS = 64
@@ -124,19 +123,6 @@ class Plan:
         rows = Rows(self.axes, self.samples)
         for chunk in chunks:
             yield chunk, rows.between(chunk.start, chunk.stop)
-
-
-def read_plan(path: str) -> Plan:
-    """Read a study.
-
-    Args:
-        path: The TOML file; a model that it names is searched beside it first.
-
-    Raises:
-        InputError: The file, or something that it names, cannot be used.
-    """
-    study = read_study(path)
-    return Plan(title=study.title, job=study.job, samples=study.samples, chunk=study.chunk)
 
 
 def _edges(layout: Layout, chunk: int | None, costs: _Costs) -> list[int]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Callable
 from contextlib import closing
@@ -10,20 +9,21 @@ from pathlib import Path
 
 from ...errors import InputError, SimulationError
 from ..folders import alone_in
+from ..processes import worker_count
 from .chunks import DefectError
-from .local import check_workers, on_this_machine
+from .local import on_this_machine
 from .plan import Chunk, Plan, chosen
 from .report import SweepReport
 from .results import Store, Tally, need_pyarrow
 from .results.chunk_file import DamageError, read
 from .results.extremes import Extremes
+from .study_file import read_plan
 
 Progress = Callable[[int, int, int], None]
-"""Called with (scenarios stored, of these found on disk, scenarios in all)."""
 
 
-def run_sweep(
-    plan: Plan,
+def sweep(
+    study: str | Path | Plan,
     folder: str | Path,
     *,
     workers: int | None = None,
@@ -33,23 +33,30 @@ def run_sweep(
 ) -> SweepReport:
     """Compute what is missing of a sweep, and store each chunk as soon as it is finished.
 
-    The rows do not depend on who computes them: chunks follow from the plan, and each is computed
-    alone, in one thread. One process at a time works in a folder, or several with ranges of chunks.
+    ``nipper_pin.read_sweep`` gives its rows. They do not depend on who computes them: chunks follow
+    from the plan, and each is computed alone, in one thread. One process at a time works in a
+    folder, or several with ranges of chunks.
 
     Args:
+        study: The TOML file, or the plan that was read from it.
         folder: Folder of the results; one that holds a part of them is completed.
         workers: Local processes; by default as many as there are processors.
         scheduler: Address of a Dask scheduler to use instead.
         chunks: Numbers of the first and the last chunk to compute; by default all.
-        progress: Called at the start, after every chunk, and while a scheduler is waited for.
+        progress: Called with (scenarios stored, of these found on disk, scenarios in all): at the
+            start, after every chunk, and while a scheduler is waited for.
+
+    Returns:
+        What was done, with the folder.
 
     Raises:
-        InputError: An argument cannot be used, the folder holds another sweep, or another process
-            works in it.
+        InputError: The file or an argument cannot be used, the folder holds another sweep, or
+            another process works in it.
         SimulationError: Workers were lost, or scenarios met a fault of the program; what is
             finished is kept. Or no scenario at all has a result.
     """
-    check_workers(workers)
+    plan = study if isinstance(study, Plan) else read_plan(str(study))
+    count = worker_count(workers)
     if workers is not None and scheduler is not None:
         message = "--workers counts local processes, and --scheduler has its own; leave one out"
         raise InputError(message, workers=workers, scheduler=scheduler)
@@ -61,7 +68,7 @@ def run_sweep(
     began = time.perf_counter()
     with alone_in(folder, shared=chunks is not None):
         store = Store(folder, plan)
-        run = _Run(store, workers, scheduler, chosen(store.plan.chunks(), chunks), progress)
+        run = _Run(store, count, scheduler, chosen(store.plan.chunks(), chunks), progress)
         run.complete()
     report = SweepReport(
         folder=Path(folder),
@@ -85,13 +92,13 @@ class _Run:
     def __init__(
         self,
         store: Store,
-        workers: int | None,
+        workers: int,
         scheduler: str | None,
         chosen: list[Chunk],
         progress: Progress | None,
     ) -> None:
         self._store, self._scheduler, self._progress = store, scheduler, progress
-        self._workers = workers or os.cpu_count() or 1
+        self._workers = workers
         self._left = {chunk.number: chunk for chunk in chosen}
         self._done = self._found = 0
         self.chunks = len(chosen)

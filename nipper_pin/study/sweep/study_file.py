@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 from xml.etree import ElementTree
@@ -22,6 +21,7 @@ from ..toml_files import Table, at_key, base_mechanism, check_paths, read_table,
 from ..turns import MOST_TURNS, TURNS
 from .axes import SPEED, Axis, Target, find_target
 from .job import COLUMNS, TURN_COLUMNS, Job, TurnJob, versions
+from .plan import Plan
 from .quantities import check_quantities, default
 from .samples import MOST_SAMPLES, Layout, Method, Samples
 from .units import units_of
@@ -76,18 +76,11 @@ class _StudyTable(Table, frozen=True, kw_only=True):
     parameters: dict[str, _ParameterTable]
 
 
-@dataclass(frozen=True, kw_only=True)
-class Study:
-    """Checked content of a file; attributes as in :class:`~nipper_pin.study.sweep.plan.Plan`."""
-
-    title: str
-    job: Job
-    samples: Samples | None
-    chunk: int | None
-
-
-def read_study(path: str) -> Study:
+def read_plan(path: str) -> Plan:
     """Read and check the file of a sweep.
+
+    Args:
+        path: The TOML file; a model that it names is searched beside it first.
 
     Raises:
         InputError: The file, or something that it names, cannot be used.
@@ -135,7 +128,7 @@ def read_study(path: str) -> Study:
         study=read_text(file, MOST_TEXT),
         turn=turn,
     )
-    return Study(title=table.title, job=job, samples=samples, chunk=table.chunk)
+    return Plan(title=table.title, job=job, samples=samples, chunk=table.chunk)
 
 
 def _turn(case: _CaseTable, mechanism: Mechanism, file: str) -> TurnJob | None:

@@ -34,7 +34,7 @@ from nipper_pin.cli import main
 from nipper_pin.hybrid.result.turns import turn_names
 from nipper_pin.mechanism import find_model, from_sources, model_folder
 from nipper_pin.study.folders import alone_in
-from nipper_pin.study.sweep import Plan, run_sweep
+from nipper_pin.study.sweep import Plan, sweep
 from nipper_pin.study.turns import TURNS_PAY_FROM
 from nipper_pin.view.progress import progress
 from tests.refusals.bases import model
@@ -129,7 +129,7 @@ def test_rows_of_csv_tables_vary(tmp_path: Path) -> None:
     before = chunk_files(tmp_path / "out")
     table.write_text(table.read_text(encoding="utf-8").replace("189", "190"), encoding="utf-8")
     with pytest.raises(InputError, match="another sweep"):
-        run_sweep(plan(tmp_path, text), tmp_path / "out", workers=1)
+        sweep(plan(tmp_path, text), tmp_path / "out", workers=1)
     assert chunk_files(tmp_path / "out") == before
 
 
@@ -143,7 +143,7 @@ def test_results_do_not_depend_on_who_computes(tmp_path: Path) -> None:
     The columns hold finite numbers, so that equality says something.
     """
     found = plan(tmp_path, "chunk = 40\n" + TABLE.replace("600", "160"))
-    run_sweep(found, tmp_path / "out", workers=2)
+    sweep(found, tmp_path / "out", workers=2)
     assert chunk_files(tmp_path / "out") == chunk_files(stored(tmp_path / "here", found))
     table = read_sweep(tmp_path / "out").table
     assert set(table["engine"].to_pylist()) == {"reduced"}

@@ -19,7 +19,7 @@ import nipper_pin as nip
 from nipper_pin import InputError, load, read_sweep
 from nipper_pin.cli import main
 from nipper_pin.mechanism.gallery import GALLERY
-from nipper_pin.study.sweep import read_plan, run_sweep
+from nipper_pin.study.sweep import read_plan, sweep
 
 SMALL = study_text("sweep_of_files.toml")
 
@@ -163,7 +163,7 @@ def test_chunks_without_a_plan(copy: Path) -> None:
     found, out = read_plan(str(copy / "study.toml")), copy / "out"
     (out / "plan.json").unlink()
     with pytest.raises(InputError, match=r"holds chunks and no plan\.json") as caught:
-        run_sweep(found, out, workers=1)
+        sweep(found, out, workers=1)
     assert caught.value.evidence == {"folder": str(out)}
     assert not (out / "plan.json").exists()
     for path in (out / "chunks").iterdir():
@@ -212,7 +212,7 @@ def test_more_points_of_a_sequence_keep_the_first_ones(tmp_path: Path) -> None:
     first = chunk_files(out)
     for count, found in ((9, 10), (12, 18)):
         more = plan(tmp_path, POINTS.replace("count = 5", f"count = {count}"))
-        report = run_sweep(more, out, workers=1)
+        report = sweep(more, out, workers=1)
         assert (report.found, report.scenarios) == (found, 2 * count)
     assert {name: chunk_files(out)[name] for name in first} == first
     both = [read_sweep(folder).table for folder in (out, stored(tmp_path / "whole", whole))]

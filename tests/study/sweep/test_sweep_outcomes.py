@@ -18,7 +18,7 @@ from sweep_studies import GEOMETRY, TABLE, plan, stored, study
 
 from nipper_pin import InputError, SimulationError, read_sweep
 from nipper_pin.cli import main
-from nipper_pin.study.sweep import chunks, run_sweep
+from nipper_pin.study.sweep import chunks, sweep
 from nipper_pin.study.sweep.estimate import Estimate, estimate
 from nipper_pin.study.sweep.results.extremes import Extremes
 
@@ -67,7 +67,7 @@ def test_what_a_report_says(tmp_path: Path, words: Words) -> None:
     """
     text = RADII.format("63.0, -6.0, 10000.0, -7.0")
     found = plan(tmp_path, text + "[parameters.speed_rpm]\nvalues = [450.0, 1200.0]\n")
-    report = run_sweep(found, stored(tmp_path / "out", found))
+    report = sweep(found, stored(tmp_path / "out", found))
     assert (report.scenarios, report.found, report.computed, report.workers) == (8, 8, 0, 0)
     words("\n".join(report.sentences()) + "\n")
     rows = read_sweep(tmp_path / "out").table.to_pylist()
@@ -89,7 +89,7 @@ def test_turns_of_the_reduced_engine_are_named_and_counted(tmp_path: Path) -> No
     """They are whole turns, and none of the direct engine."""
     speeds = "[parameters.speed_rpm]\nlow = 1150.0\nhigh = 1250.0\npoints = 40\n"
     found = plan(tmp_path, speeds)
-    report = run_sweep(found, stored(tmp_path / "out", found))
+    report = sweep(found, stored(tmp_path / "out", found))
     assert report.record()["engines"] == {"reduced_turn": 40}
     assert report.sentences() == [
         "40 do not arrive in the initial phase (premise_holds is false); 40 of them were computed "
@@ -117,7 +117,7 @@ def test_runs_of_too_many_collisions_are_told(tmp_path: Path, most: int, told: b
     """Of two speeds; the empty values of their rows are not left to be found."""
     speeds = "[parameters.speed_rpm]\nvalues = [450.0, 650.0]\n"
     found = plan(tmp_path, f"[case]\nmax_collisions = {most}\n{speeds}")
-    report = run_sweep(found, stored(tmp_path / "out", found))
+    report = sweep(found, stored(tmp_path / "out", found))
     said = any("2 ended at their largest number of collisions" in x for x in report.sentences())
     assert said is told
     durations = read_sweep(tmp_path / "out").table["duration_s"].to_numpy()

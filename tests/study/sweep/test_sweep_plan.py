@@ -17,7 +17,7 @@ from snapshots import Words
 from sweep_studies import CYCLE, FULL, GEOMETRY, TABLE, chunk_files, plan, stored, study, taken_up
 
 from nipper_pin import InputError, Mechanism
-from nipper_pin.study.sweep import Plan, read_plan, run_sweep
+from nipper_pin.study.sweep import Plan, read_plan, sweep
 from nipper_pin.study.sweep.axes import find_target
 from nipper_pin.study.sweep.job import read_job
 
@@ -160,14 +160,14 @@ def test_chunks_that_are_chosen(tmp_path: Path) -> None:
             (out / "chunks" / name).unlink(missing_ok=True)
             if (name, content) in few:
                 (out / "chunks" / name).write_bytes(content)
-        report = run_sweep(found, out, workers=1, chunks=bounds)
+        report = sweep(found, out, workers=1, chunks=bounds)
         assert (report.chunks, report.computed) == (len(few), 0)
     for wrong in ((-1, 2), (0.0, 2), (True, 2), ("0", 1), (1,), "01", 3):
         with pytest.raises(InputError, match=r"chunks = .* cannot be used"):
-            run_sweep(found, out, chunks=wrong)  # type: ignore[arg-type]
+            sweep(found, out, chunks=wrong)  # type: ignore[arg-type]
     for bounds in ((8, 9), (3, 2)):
         with pytest.raises(InputError, match="there are 8 chunks, 0 to 7") as caught:
-            run_sweep(found, out, chunks=bounds)
+            sweep(found, out, chunks=bounds)
         assert caught.value.evidence == {"chunks": [*bounds]}
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from functools import partial
 
@@ -12,7 +11,7 @@ from scipy.optimize import least_squares
 from ....arrays import FloatArray
 from ....errors import NipperError
 from ....tolerances.study import FIT_LAST_STEP, FIT_START, PROFILE_END
-from ...processes import mapped
+from ...processes import mapped, worker_count
 from .fit import Fit
 from .objective import Objective
 
@@ -60,8 +59,7 @@ def profile(
     low, high = max(0.0, z[place] - reach * sigma), min(1.0, z[place] + reach * sigma)
     grid = np.linspace(low, high, points)
     task = partial(_held, objective, z, place)
-    count = workers if workers is not None else os.cpu_count() or 1
-    cost = np.array(list(mapped(task, grid, count))) - fit.best.cost
+    cost = np.array(list(mapped(task, grid, worker_count(workers)))) - fit.best.cost
     # Values that make no machine have no cost.
     grid, cost = grid[np.isfinite(cost)], cost[np.isfinite(cost)]
     # Only a number that its bound holds back has a slope at the best fit.

@@ -2,40 +2,39 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 from scipy.stats import qmc
 
 from ....arrays import FloatArray
-from ....given import MOST_SEED, MOST_STARTS, MOST_WORKERS, whole
-from ...processes import mapped
+from ....given import MOST_SEED, MOST_STARTS, whole
+from ...processes import mapped, worker_count
 from ...toml_files import no_machine
-from ..problem.problem import Problem
+from ..problem.problem import Problem, read_problem
 from ..problem.targets import premises
 from .fit import Descent, Fit, descend
 from .limits import excesses
 from .objective import Objective
 
 Progress = Callable[[int, int, float], None]
-"""Called with (starts done, starts in all, least cost so far)."""
 
 # Draws for one start until it makes a machine whose jaw closes.
 _DRAWS = 64
 
 
 def identify(
-    problem: Problem,
+    problem: str | Path | Problem | None = None,
     *,
-    starts: int = 16,
+    starts: int = 4,
     seed: int = 1,
     workers: int | None = None,
     progress: Progress | None = None,
 ) -> Fit:
-    """Fit the free numbers of a problem.
+    """Fit numbers of a model to published ratios or to measured rebounds.
 
     The first descent starts from the model's own values, the others from a scrambled Sobol
     sequence over the bounds. Each is independent of all others, so the number of workers does not
@@ -45,24 +44,28 @@ def identify(
     best fit, the search is done again with the transitions of whole turns, from that fit on.
 
     Args:
-        problem: The problem.
+        problem: The TOML file, or the problem that was read from it; by default the published
+            ratios.
         starts: Number of descents.
         seed: Seed of the starts.
         workers: Processes; by default as many as there are processors. 1: one, which is this one
             if ``OPENBLAS_NUM_THREADS=1`` was set before numpy was imported.
-        progress: Called after every descent.
+        progress: Called with (starts done, starts in all, least cost so far).
+
+    Returns:
+        The fit. ``fit.goodness.sentence()`` says how good it is, ``fit.goodness.check()`` raises
+        where its data contradict it.
 
     Raises:
-        InputError: An argument is out of range.
+        InputError: The file or an argument cannot be used.
         SimulationError: No start led to a machine that can be simulated.
     """
+    problem = problem if isinstance(problem, Problem) else read_problem(problem)
     whole("starts", starts, 1, MOST_STARTS)
     whole("seed", seed, 0, MOST_SEED)
-    if workers is not None:
-        whole("workers", workers, 1, MOST_WORKERS)
+    count = min(starts, worker_count(workers))
     objective = Objective(problem)
     begins = list(_starts(objective, starts, seed))
-    count = min(starts, workers if workers is not None else os.cpu_count() or 1)
     fit = _best(objective, begins, seed, count, progress)
     if all(premise.holds is not False for premise in fit.premises.values()):
         return fit
