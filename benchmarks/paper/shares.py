@@ -16,7 +16,7 @@ import numpy as np
 
 from nipper_pin.arrays import FloatArray
 from nipper_pin.mechanism import INDEX_PER_TURN, Mechanism
-from nipper_pin.study.cases import cases_of
+from nipper_pin.study.cases import Settings, cases_of
 from nipper_pin.study.transitions import table_of, transition_table
 from nipper_pin.units import S_PER_MIN
 
@@ -116,5 +116,5 @@ def duration_map(mechanism: Mechanism, conditions: Published) -> DurationMap:
     speeds = _SPEEDS * mechanism.cylinder.rated_speed_rpm
     grid = np.meshgrid(rates, MAP_RESTITUTIONS, speeds, indexing="ij")
     cases = cases_of(mechanism, grid[2].ravel(), grid[1].ravel(), grid[0].ravel())
-    table = table_of(mechanism, cases, tolerance=1e-9)
+    table = table_of(mechanism, cases, Settings(tolerance=1e-9))
     return DurationMap(rates, speeds, table.duration.reshape(grid[0].shape))

@@ -11,7 +11,7 @@ from nipper_pin.arrays import FloatArray
 from nipper_pin.dynamics import DriveMode
 from nipper_pin.errors import InputError, SimulationError
 from nipper_pin.mechanism import Mechanism
-from nipper_pin.study.cases import cases_of
+from nipper_pin.study.cases import Settings, cases_of
 from nipper_pin.study.transitions import TransitionTable, table_of
 
 from ..tolerances import DIRECT_DEFAULT, SLOWEST_REBOUND
@@ -99,10 +99,14 @@ def run_studies(
 def _study(mechanism: Mechanism, given: dict[str, Any], key: str, drive: DriveMode) -> Study:
     name, values, cases = key.removesuffix("_rpm"), given[key], cases_of(mechanism, **given)
     table, bounces = (
-        table_of(mechanism, cases, rest_rate=rate, tolerance=DIRECT_DEFAULT, drive=drive,
-                 engine="direct")
+        table_of(
+            mechanism,
+            cases,
+            Settings(rest_rate=rate, tolerance=DIRECT_DEFAULT, drive=drive),
+            "direct",
+        )
         for rate in (None, SLOWEST_REBOUND)
-    )  # fmt: skip
+    )
     for found in (table, bounces):
         for i, outcome in enumerate(found.outcome):
             if outcome != "at_rest" or found.collisions[i] < 3:

@@ -10,10 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import FloatArray
+from ..dynamics import DriveMode
 from ..errors import InputError, UnknownNameError
 from ..given import column
+from ..hybrid import Case, Resolution
 from ..hybrid.result.quantities import coordinate_unit
-from ..mechanism import Mechanism
+from ..mechanism import Mechanism, retuned
 from ..reduced.inputs import of_all_cases, speeds_of, spring_rows
 from ..units import M_PER_MM, RAD_PER_DEG
 
@@ -46,6 +48,43 @@ class Cases:
     stiffness: FloatArray
     preload: FloatArray
     others: Mapping[str, FloatArray] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """Settings that all cases share.
+
+    Attributes:
+        drive: Behaviour of the driven shafts.
+        rest_rate: None: series end at their limit. A number: rest at the first slower rebound.
+        tolerance: Relative accuracy.
+        max_collisions: Largest number of collisions of a transition, or of a turn.
+    """
+
+    drive: DriveMode = DriveMode.HELD
+    rest_rate: float | None = None
+    tolerance: float = 1e-10
+    max_collisions: int = 256
+
+
+def one_of(
+    mechanism: Mechanism, cases: Cases, settings: Settings, number: int
+) -> tuple[Mechanism, Case]:
+    """The machine of one of some cases, and its transition for the direct engine."""
+    e_N = {mechanism.transition_stop: cases.restitution, **cases.others}
+    machine = retuned(
+        mechanism,
+        restitution={name: float(values[number]) for name, values in e_N.items()},
+        stiffness=cases.stiffness[number],
+        preload=cases.preload[number],
+    )
+    return machine, Case(
+        speed_rpm=float(cases.speed_rpm[number]),
+        drive=settings.drive,
+        rest_rate=settings.rest_rate,
+        resolution=Resolution(tolerance=settings.tolerance),
+        max_collisions=settings.max_collisions,
+    )
 
 
 def cases_of(

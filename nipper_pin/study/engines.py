@@ -7,23 +7,28 @@ from typing import Literal, TypeVar
 
 from ..dynamics import DriveMode
 from ..errors import InputError, NipperError
+from ..extras import installed
+from ..reduced.inputs import check_run
+from .cases import Settings
 
 Engine = Literal["auto", "direct", "reduced"]
 T = TypeVar("T")
 
 
-def check_engine(engine: str, drive: str) -> None:
-    """Refuse an engine or a behaviour of driven shafts that does not exist.
+def check_engine(engine: str, settings: Settings) -> None:
+    """Refuse an engine that does not exist, and settings that no engine has.
 
     Raises:
-        InputError: One of them is none.
+        InputError: One of them cannot be used.
     """
     if not isinstance(engine, str) or engine not in ("auto", "direct", "reduced"):
         message = f"engine = {engine!r} cannot be used: auto, direct or reduced"
         raise InputError(message, engine=engine)
+    drive = settings.drive
     if not isinstance(drive, str) or drive not in set(DriveMode):
         message = f"drive = {drive!r} cannot be used: held or inertial"
         raise InputError(message, drive=drive)
+    check_run(settings.rest_rate, settings.tolerance, settings.max_collisions)
 
 
 def chosen(
@@ -33,7 +38,6 @@ def chosen(
     count: int,
     pays_from: int,
     unfit: Callable[[], str | None],
-    numba: Callable[[], bool],
 ) -> tuple[T | None, str]:
     """Choose by what was asked for, the mechanism, the number of cases and what is installed.
 
@@ -43,7 +47,6 @@ def chosen(
         count: Number of cases.
         pays_from: Number of cases from which on tables pay.
         unfit: Says why the mechanism has none, or None.
-        numba: Says whether compiled code can be had.
 
     Returns:
         The tables, or None for the direct engine, and the reason.
@@ -57,7 +60,7 @@ def chosen(
         return None, f"direct: {reason}"
     if count < pays_from:
         return None, f"direct: the reduced engine pays from {pays_from} cases on"
-    if not numba():
+    if not installed("numba"):
         return None, "direct: the reduced engine needs numba, which is not installed"
     try:
         return tables(), f"reduced: {count} cases of one mechanism"

@@ -16,6 +16,7 @@ from ..reduced.results import CollisionRows
 from ..reduced.turns import ReducedTurns, TurnModel, turn_model, turns
 from ..tolerances.hybrid import REST_BEFORE_TOUCH
 from ..units import S_PER_MIN
+from .cases import Settings
 
 # Turns start this part of the scale before the touch, in the initial phase; the third one from the
 # touch is read, as by the direct engine, and one more holds the end of it.
@@ -23,28 +24,6 @@ _BEFORE = 1.0
 _READ = 3
 _MOST_COLLISIONS = 1000
 _TURN = math.tau
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class TurnCase:
-    """One case of a machine.
-
-    Attributes:
-        restitution: e_N of the transition stop.
-        stiffness: Spring rates, shape (springs,) [N/m or N m/rad].
-        preload: Deflections in the springs at zero, likewise [m or rad].
-        rest_rate: None: series end at their limit. A number: rest at the first slower rebound.
-        tolerance: Relative accuracy.
-        max_collisions: Largest number of collisions of the transition.
-    """
-
-    speed_rpm: float
-    restitution: float
-    stiffness: FloatArray
-    preload: FloatArray
-    rest_rate: float | None = None
-    tolerance: float = 1e-10
-    max_collisions: int = 256
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,26 +64,39 @@ def touch_turns(mechanism: Mechanism) -> TurnModel:
     return turn_model(mechanism, _start(mechanism))
 
 
-def turn_transition(mechanism: Mechanism, case: TurnCase) -> TurnTransition:
+def turn_transition(
+    mechanism: Mechanism,
+    *,
+    speed_rpm: float,
+    restitution: float,
+    stiffness: FloatArray,
+    preload: FloatArray,
+    settings: Settings,
+) -> TurnTransition:
     """Follow turns from the initial phase and read the transition of the third one.
+
+    Args:
+        restitution: e_N of the transition stop.
+        stiffness: Spring rates, shape (springs,) [N/m or N m/rad].
+        preload: Deflections in the springs at zero, likewise [m or rad].
+        settings: Of all cases; drives are held.
 
     Raises:
         InputError: The mechanism cannot be reduced.
         SimulationError: The turns cannot be followed, or do not start at the touch; with evidence
             ``status`` where that is so of this case alone.
     """
-    speed_rpm = case.speed_rpm
     found = turns(
         mechanism,
         speed_rpm=speed_rpm,
         cycles=_READ + 1,
         start_index=_start(mechanism),
-        restitution=case.restitution,
-        stiffness=case.stiffness,
-        preload=case.preload,
-        rest_rate=case.rest_rate,
-        tolerance=case.tolerance,
-        max_collisions=max(case.max_collisions, _MOST_COLLISIONS),
+        restitution=restitution,
+        stiffness=stiffness,
+        preload=preload,
+        rest_rate=settings.rest_rate,
+        tolerance=settings.tolerance,
+        max_collisions=max(settings.max_collisions, _MOST_COLLISIONS),
     )
     events = _going_on(found, S_PER_MIN / speed_rpm)
     clamp = found.stops.index(mechanism.transition_stop)
@@ -125,7 +117,7 @@ def turn_transition(mechanism: Mechanism, case: TurnCase) -> TurnTransition:
         message = f"{mechanism.name}: one of the first two rebounds is not followed to its end"
         raise SimulationError(message, status="LEFT_OUT", speed_rpm=speed_rpm)
     ends = None if rest is None else (events[first], events[rest])
-    return _ended(table, ends, known, found.repeats_after == 1, case.max_collisions)
+    return _ended(table, ends, known, found.repeats_after == 1, settings.max_collisions)
 
 
 def _start(mechanism: Mechanism) -> float:

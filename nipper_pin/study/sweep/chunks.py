@@ -8,6 +8,7 @@ from functools import lru_cache
 from itertools import pairwise
 from pathlib import Path
 from traceback import extract_tb
+from typing import Any
 
 import numpy as np
 
@@ -15,11 +16,11 @@ from ...arrays import FloatArray
 from ...errors import NipperError, SimulationError
 from ...hybrid.result.turns import is_of_drive
 from ...mechanism import Mechanism, changed, from_sources, model_folder
-from ..cases import Cases, cases_of
+from ..cases import Cases, Settings, cases_of
 from ..transitions import FAILED, TURN, TransitionTable, table_of
-from ..turns import Settings, TurnTable, turns_of
+from ..turns import TurnSettings, TurnTable, turns_of
 from .axes import restitution_path
-from .job import NO_MODEL, Job, TurnJob, read_job
+from .job import NO_MODEL, Job, read_job
 from .quantities import quantity
 from .results.chunk_file import encode
 
@@ -83,25 +84,17 @@ class _Columns:
         self.outcome[part] = outcome
         self.message[part] = [message] * (part.stop - part.start)
 
-    def keep(self, part: slice, table: TransitionTable) -> None:
-        """Take over the transitions of scenarios of one mechanism."""
-        self.collisions[part] = table.collisions
-        self.premise[part] = table.premise_holds
+    def keep(self, part: slice, table: TransitionTable | TurnTable) -> None:
+        """Take over scenarios of one mechanism, and count why the direct engine served."""
+        if isinstance(table, TurnTable):
+            hits = table.collisions[table.mechanism.transition_stop]
+            self.collisions[part] = np.nan_to_num(hits)
+            self.turns[:, part] = table.turns, table.repeats_after
+        else:
+            self.collisions[part] = table.collisions
+            self.premise[part] = table.premise_holds
         for name, found in self.values.items():
             found[part] = quantity(table, name)
-        self._keep_outcomes(part, table)
-
-    def keep_turns(self, part: slice, table: TurnTable) -> None:
-        """Take over the turns of scenarios of one mechanism."""
-        hits = table.collisions[table.mechanism.transition_stop]
-        self.collisions[part] = np.nan_to_num(hits)
-        self.turns[:, part] = table.turns, table.repeats_after
-        for name, found in self.values.items():
-            found[part] = table.quantity(name)
-        self._keep_outcomes(part, table)
-
-    def _keep_outcomes(self, part: slice, table: TransitionTable | TurnTable) -> None:
-        """Take over how scenarios ended, and count why the direct engine served."""
         self.engine[part], self.outcome[part] = table.engine, table.outcome
         self.message[part] = table.message
         chosen, _, why = table.why.partition(";")[0].partition(": ")
@@ -160,34 +153,24 @@ def _solve(job: Job, text: bytes, rows: FloatArray, columns: _Columns, part: sli
         columns.fail(part, NO_MODEL, error.message)
         return
     try:
-        cases = _cases(job, mechanism, rows[part])
-        if job.turn is None:
-            columns.keep(part, _transitions(job, mechanism, cases))
-        else:
-            columns.keep_turns(part, _turns(job, job.turn, mechanism, cases))
+        columns.keep(part, _table(job, mechanism, _cases(job, mechanism, rows[part])))
     except NipperError as error:
         columns.fail(part, FAILED, error.message)
 
 
-def _transitions(job: Job, mechanism: Mechanism, cases: Cases) -> TransitionTable:
-    return table_of(
-        mechanism,
-        cases,
-        rest_rate=job.rest_rate,
-        tolerance=job.tolerance,
-        max_collisions=job.max_collisions,
-        drive=job.drive,
-    )
-
-
-def _turns(job: Job, turn: TurnJob, mechanism: Mechanism, cases: Cases) -> TurnTable:
-    settings = Settings(
-        turns=turn.turns,
-        least_force=turn.least_force_N,
-        drive=job.drive,
-        rest_rate=job.rest_rate,
-        tolerance=job.tolerance,
-        max_collisions=job.max_collisions,
+def _table(job: Job, mechanism: Mechanism, cases: Cases) -> TransitionTable | TurnTable:
+    shared: dict[str, Any] = {
+        "drive": job.drive,
+        "rest_rate": job.rest_rate,
+        "tolerance": job.tolerance,
+        "max_collisions": job.max_collisions,
+    }
+    if job.turn is None:
+        return table_of(mechanism, cases, Settings(**shared))
+    settings = TurnSettings(
+        **shared,
+        turns=job.turn.turns,
+        least_force=job.turn.least_force_N,
         torques=any(is_of_drive(name, mechanism) for name in job.quantities),
         wanted=frozenset(job.quantities),
     )

@@ -12,6 +12,7 @@ from ...hybrid.result.quantities import COLLISION, TRANSITION, of_transition
 from ...hybrid.result.turns import of_turn, turn_names
 from ...mechanism import Mechanism
 from ..transitions import TransitionTable
+from ..turns import TurnTable
 from .job import TURN_COLUMNS
 
 _FIRST = ("duration_s", "duration_error_s", "first_two_share")
@@ -94,8 +95,10 @@ def quantity_unit(name: str, mechanism: Mechanism, *, turns: bool = False) -> st
     return item.unit_at(mechanism, part if part in stops else mechanism.transition_stop)
 
 
-def quantity(table: TransitionTable, name: str) -> FloatArray:
+def quantity(table: TransitionTable | TurnTable, name: str) -> FloatArray:
     """Values of a quantity, shape (n,); NaN where a scenario does not have it."""
+    if isinstance(table, TurnTable):
+        return table.quantity(name)
     item, place = of_transition(name)
     rows: FloatArray = getattr(table, item.column)
     if not place:

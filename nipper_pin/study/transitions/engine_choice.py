@@ -7,12 +7,11 @@ from numpy.typing import ArrayLike
 from ...dynamics import DriveMode
 from ...extras import installed
 from ...mechanism import Mechanism, need_mechanism
-from ...reduced import ReducedModel, reduced_model, unfit
-from ...reduced.inputs import check_run
+from ...reduced import reduced_model, unfit
 from ...reduced.turns.model import unfit_turns
-from ..cases import SPRING_KEYS, Cases, cases_of, spring_values
+from ..cases import SPRING_KEYS, Cases, Settings, cases_of, spring_values
 from ..engines import Engine, check_engine, chosen
-from .run import Run, Settings
+from .run import Run
 from .table import TransitionTable
 
 # Tables cost 7 direct cases and loading compiled code 21 (measured 2026-11-22). A fixed number: the
@@ -70,37 +69,29 @@ def transition_table(
     need_mechanism(mechanism, "transition_table")
     given = (stiffness_N_per_m, preload_length_mm, stiffness_N_m_per_rad, preload_deg)
     springs = spring_values(mechanism, dict(zip(SPRING_KEYS, given, strict=True)))
-    return table_of(
-        mechanism,
-        cases_of(mechanism, speed_rpm, restitution, *springs),
-        rest_rate=rest_rate,
-        tolerance=tolerance,
-        max_collisions=max_collisions,
-        drive=drive,
-        engine=engine,
+    settings = Settings(
+        drive=drive, rest_rate=rest_rate, tolerance=tolerance, max_collisions=max_collisions
     )
+    cases = cases_of(mechanism, speed_rpm, restitution, *springs)
+    return table_of(mechanism, cases, settings, engine)
 
 
 def table_of(
-    mechanism: Mechanism,
-    cases: Cases,
-    *,
-    rest_rate: float | None = None,
-    tolerance: float = 1e-10,
-    max_collisions: int = 256,
-    drive: DriveMode = DriveMode.HELD,
-    engine: Engine = "auto",
+    mechanism: Mechanism, cases: Cases, settings: Settings, engine: Engine = "auto"
 ) -> TransitionTable:
-    """Compute the transitions of cases; arguments and errors as for :func:`transition_table`."""
-    check_engine(engine, drive)
-    check_run(rest_rate, tolerance, max_collisions)
-    settings = Settings(
-        DriveMode(drive), rest_rate, tolerance, max_collisions, true=engine == "auto"
+    """Compute the transitions of cases; results and errors as of :func:`transition_table`."""
+    check_engine(engine, settings)
+    run = Run(mechanism, cases, settings, true=engine == "auto")
+    drive, count = DriveMode(settings.drive), len(cases.speed_rpm)
+    model, why = chosen(
+        lambda: reduced_model(mechanism, drive),
+        engine=engine,
+        count=count,
+        pays_from=REDUCED_PAYS_FROM,
+        unfit=lambda: unfit(mechanism, drive),
     )
-    run = Run(mechanism, cases, settings)
-    model, why = _chosen(mechanism, settings.drive, len(cases.speed_rpm), engine)
-    left = list(range(len(cases.speed_rpm)))
-    turns = engine == "auto" and settings.drive is DriveMode.HELD and installed("numba")
+    left = list(range(count))
+    turns = engine == "auto" and drive is DriveMode.HELD and installed("numba")
     turns = turns and unfit_turns(mechanism) is None
     if model is not None:
         left = run.reduced(model, keep_all=engine == "reduced")
@@ -115,17 +106,3 @@ def table_of(
     for number in late:
         run.direct(number)
     return run.table(why)
-
-
-def _chosen(
-    mechanism: Mechanism, drive: DriveMode, count: int, engine: Engine
-) -> tuple[ReducedModel | None, str]:
-    """The reduced model, or None for the direct engine, and the reason."""
-    return chosen(
-        lambda: reduced_model(mechanism, drive),
-        engine=engine,
-        count=count,
-        pays_from=REDUCED_PAYS_FROM,
-        unfit=lambda: unfit(mechanism, drive),
-        numba=lambda: installed("numba"),
-    )

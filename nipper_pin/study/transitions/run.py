@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import FloatArray
-from ...dynamics import DriveMode
 from ...errors import NipperError, SimulationError
-from ...hybrid import Case, Resolution
-from ...mechanism import Mechanism, retuned
+from ...mechanism import Mechanism
 from ...reduced import ReducedModel, Status, transitions
 from ...reduced.kernels import layout as rows
 from ...reduced.kernels.layout import FAILS, HOLDS, UNKNOWN
-from ..cases import Cases
+from ..cases import Cases, Settings, one_of
 from ..true_transition import assumed_transition, transition_of_turns
-from ..turn_transition import TurnCase, TurnTransition, touch_turns, turn_transition
+from ..turn_transition import TurnTransition, touch_turns, turn_transition
 from .rows import collision_rows, rest_numbers
 from .table import FAILED, REDUCED, REDUCED_TURN, TURN, TransitionTable
 
@@ -30,32 +26,21 @@ _AT_REST, _TOO_MANY, _UNTOLD = (
 )
 
 
-@dataclass(frozen=True)
-class Settings:
-    """Settings of all cases.
+class Run:
+    """Results of all cases as they come in.
 
-    Attributes:
-        drive: Behaviour of the driven shafts.
-        rest_rate: None: the limit of the series. A number: rest at the first slower rebound.
-        tolerance: Relative accuracy.
-        max_collisions: Largest number of collisions of a case.
+    Args:
+        settings: What they share.
         true: Whether the transition is that of the turn where its premise does not hold.
     """
 
-    drive: DriveMode
-    rest_rate: float | None
-    tolerance: float
-    max_collisions: int
-    true: bool
-
-
-class Run:
-    """Results of all cases as they come in."""
-
-    def __init__(self, mechanism: Mechanism, cases: Cases, settings: Settings) -> None:
+    def __init__(
+        self, mechanism: Mechanism, cases: Cases, settings: Settings, *, true: bool
+    ) -> None:
         """Begin with none."""
         n = len(cases.speed_rpm)
         self._mechanism, self._cases, self._settings = mechanism, cases, settings
+        self._true = true
         self._premise = np.full(n, None, dtype=object)
         self._engine = np.full(n, "direct", dtype="U12")
         self._outcome = np.full(n, FAILED, dtype="U24")
@@ -97,7 +82,7 @@ class Run:
             tolerance=self._settings.tolerance,
             max_collisions=columns,
             # Drives without a period have no repeated turn, so the premise is undefined.
-            assumed=not (self._settings.true and model.arrival.asked),
+            assumed=not (self._true and model.arrival.asked),
         )
         self._engine[chosen] = REDUCED
         self._outcome[chosen] = [_STATUS[status] for status in batch.status]
@@ -112,22 +97,20 @@ class Run:
 
         It keeps those whose turns show that the premise does not hold.
         """
-        cases, settings = self._cases, self._settings
+        cases = self._cases
         left = list(numbers)
         try:
             touch_turns(self._mechanism)
             for number in numbers:
-                case = TurnCase(
-                    speed_rpm=float(cases.speed_rpm[number]),
-                    restitution=float(cases.restitution[number]),
-                    stiffness=cases.stiffness[number],
-                    preload=cases.preload[number],
-                    rest_rate=settings.rest_rate,
-                    tolerance=settings.tolerance,
-                    max_collisions=settings.max_collisions,
-                )
                 try:
-                    found = turn_transition(self._mechanism, case)
+                    found = turn_transition(
+                        self._mechanism,
+                        speed_rpm=float(cases.speed_rpm[number]),
+                        restitution=float(cases.restitution[number]),
+                        stiffness=cases.stiffness[number],
+                        preload=cases.preload[number],
+                        settings=self._settings,
+                    )
                 except SimulationError as error:
                     if "status" not in error.evidence:
                         raise
@@ -159,18 +142,17 @@ class Run:
         Returns:
             Whether they were.
         """
-        settings = self._settings
         self._engine[number] = "direct"
         self._outcome[number], self._collisions[number] = FAILED, 0
         self._rest[number] = np.nan
         block = np.empty((rows.COLUMNS, 0))
         self._premise[number] = None
         try:
-            mechanism, case = self._alone(number)
+            mechanism, case = one_of(self._mechanism, self._cases, self._settings, number)
             why = self._put_off.pop(number, None)
             if why is None:
                 found = assumed_transition(mechanism, case)
-                if settings.true and found.premise_holds is False:
+                if self._true and found.premise_holds is False:
                     why = found.solution.premise.why
                     if put_off:
                         self._put_off[number] = why
@@ -189,23 +171,6 @@ class Run:
             self._premise[number] = found.premise_holds
         self._rows.append((np.array([number]), block[None]))
         return False
-
-    def _alone(self, number: int) -> tuple[Mechanism, Case]:
-        """The mechanism of a case, and the case."""
-        cases, settings = self._cases, self._settings
-        mechanism = retuned(
-            self._mechanism,
-            restitution={self._mechanism.transition_stop: float(cases.restitution[number])},
-            stiffness=cases.stiffness[number],
-            preload=cases.preload[number],
-        )
-        return mechanism, Case(
-            speed_rpm=float(cases.speed_rpm[number]),
-            drive=settings.drive,
-            rest_rate=settings.rest_rate,
-            resolution=Resolution(tolerance=settings.tolerance),
-            max_collisions=settings.max_collisions,
-        )
 
     def table(self, why: str) -> TransitionTable:
         """The table of all cases."""

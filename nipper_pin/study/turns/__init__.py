@@ -8,7 +8,7 @@ and the result says which engine computed what.
 from __future__ import annotations
 
 from .engine_choice import MOST_TURNS, TURNS, TURNS_PAY_FROM, turn_table, turns_of
-from .run import Settings
+from .run import TurnSettings
 from .table import FOLLOWED, TurnTable
 
 __all__ = [
@@ -16,7 +16,7 @@ __all__ = [
     "MOST_TURNS",
     "TURNS",
     "TURNS_PAY_FROM",
-    "Settings",
+    "TurnSettings",
     "TurnTable",
     "turn_table",
     "turns_of",

@@ -8,16 +8,14 @@ from numpy.typing import ArrayLike
 
 from ...dynamics import DriveMode
 from ...errors import InputError
-from ...extras import installed
 from ...given import LARGEST, flag, number, whole
 from ...mechanism import Mechanism, need_mechanism
-from ...reduced.inputs import check_run
 from ...reduced.turns import TurnModel, turn_model
 from ...reduced.turns.model import unfit_turns
 from ...reduced.turns.peak_torques import torque_model
 from ..cases import SPRING_KEYS, Cases, cases_of, spring_values
 from ..engines import Engine, check_engine, chosen
-from .run import Run, Settings
+from .run import Run, TurnSettings
 from .table import TurnTable
 
 # Tables cost 3 direct cases and loading compiled code 10 to 13 (2026-11-22). A fixed number:
@@ -79,16 +77,16 @@ def turn_table(
     need_mechanism(mechanism, "turn_table")
     given = (stiffness_N_per_m, preload_length_mm, stiffness_N_m_per_rad, preload_deg)
     springs = spring_values(mechanism, dict(zip(SPRING_KEYS, given, strict=True)))
-    settings = Settings(turns=turns, least_force=least_force_N, torques=torques, drive=drive,
-                        rest_rate=rest_rate, tolerance=tolerance,
-                        max_collisions=max_collisions)  # fmt: skip
+    settings = TurnSettings(turns=turns, least_force=least_force_N, torques=torques, drive=drive,
+                            rest_rate=rest_rate, tolerance=tolerance,
+                            max_collisions=max_collisions)  # fmt: skip
     _need_clamp(mechanism)
     cases = cases_of(mechanism, speed_rpm, restitution, *springs)
     return turns_of(mechanism, cases, settings, engine)
 
 
 def turns_of(
-    mechanism: Mechanism, cases: Cases, settings: Settings, engine: Engine = "auto"
+    mechanism: Mechanism, cases: Cases, settings: TurnSettings, engine: Engine = "auto"
 ) -> TurnTable:
     """Follow turns of cases; results and errors as of :func:`turn_table`.
 
@@ -96,8 +94,7 @@ def turns_of(
         settings: What they share.
         engine: "auto", "direct" or "reduced".
     """
-    check_engine(engine, settings.drive)
-    check_run(settings.rest_rate, settings.tolerance, settings.max_collisions)
+    check_engine(engine, settings)
     number("least_force_N", settings.least_force, 0.0, LARGEST)
     whole("turns", settings.turns, 1, MOST_TURNS)
     flag("torques", settings.torques)
@@ -110,7 +107,6 @@ def turns_of(
         count=count,
         pays_from=TURNS_PAY_FROM,
         unfit=lambda: _unfit(mechanism, settings.drive),
-        numba=lambda: installed("numba"),
     )
     left = list(range(count))
     if model is not None:

@@ -7,14 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from ...dynamics import DriveMode
 from ...errors import NipperError
-from ...hybrid import START_INDEX, Case, Outcome, Resolution, Solution, Window, simulate
+from ...hybrid import START_INDEX, Case, Outcome, Solution, Window, simulate
 from ...hybrid.result.turns import Turn, of_turn, read_of, reported_turn, turn_names
-from ...mechanism import Mechanism, retuned
+from ...mechanism import Mechanism
 from ...reduced.results import TURN_REASONS
 from ...reduced.turns import TurnStatus, turn_quantities
-from ..cases import Cases
+from ..cases import Cases, Settings, one_of
 from ..transitions import FAILED, REDUCED
 from .reduced_columns import reduced_columns
 from .table import FOLLOWED, TurnTable
@@ -26,27 +25,19 @@ _STATUS = {int(status): status.name.lower() for status in TurnStatus}
 
 
 @dataclass(frozen=True, kw_only=True)
-class Settings:
+class TurnSettings(Settings):
     """Settings of all cases.
 
     Attributes:
         turns: Largest number of turns of a case.
         least_force: Force above which the transition stop clamps [N].
-        drive: Behaviour of the driven shafts.
-        rest_rate: None: series end at their limit. A number: rest at the first slower rebound.
-        tolerance: Relative accuracy.
-        max_collisions: Largest number of collisions of a turn.
         torques: Whether the largest torques of the drives are computed.
         wanted: Names of the quantities that the direct engine reads, None for all of these: errors
             cost it more than the turn.
     """
 
     turns: int
-    least_force: float
-    drive: DriveMode
-    rest_rate: float | None
-    tolerance: float
-    max_collisions: int
+    least_force: float = 0.0
     torques: bool = False
     wanted: frozenset[str] | None = None
 
@@ -54,7 +45,7 @@ class Settings:
 class Run:
     """Results of all cases as they come in."""
 
-    def __init__(self, mechanism: Mechanism, cases: Cases, settings: Settings) -> None:
+    def __init__(self, mechanism: Mechanism, cases: Cases, settings: TurnSettings) -> None:
         """Begin with none."""
         n = len(cases.speed_rpm)
         self._mechanism, self._cases, self._settings = mechanism, cases, settings
@@ -104,27 +95,13 @@ class Run:
 
     def direct(self, number: int) -> None:
         """Simulate one case by the direct engine."""
-        cases, settings = self._cases, self._settings
         self._engine[number], self._outcome[number], self._turns[number] = DIRECT, FAILED, 0
         for column in self._found.values():
             column[number] = np.nan
         try:
-            mechanism = retuned(
-                self._mechanism,
-                restitution={name: float(e_N[number]) for name, e_N in self._restitution.items()},
-                stiffness=cases.stiffness[number],
-                preload=cases.preload[number],
-            )
-            case = Case(
-                speed_rpm=float(cases.speed_rpm[number]),
-                window=Window.CYCLE,
-                cycles=settings.turns,
-                drive=settings.drive,
-                rest_rate=settings.rest_rate,
-                resolution=Resolution(tolerance=settings.tolerance),
-                max_collisions=settings.max_collisions,
-            )
-            self._follow(number, mechanism, case)
+            mechanism, case = one_of(self._mechanism, self._cases, self._settings, number)
+            turns = replace(case, window=Window.CYCLE, cycles=self._settings.turns)
+            self._follow(number, mechanism, turns)
         except NipperError as error:
             self._message[number] = error.message
 

@@ -194,10 +194,10 @@ def faulty(monkeypatch: pytest.MonkeyPatch, error: Exception, speed: float) -> N
     """Transitions that raise an error wherever this speed is among them."""
     right = chunks.table_of
 
-    def table(mechanism: Any, cases: Any, **settings: Any) -> Any:
+    def table(mechanism: Any, cases: Any, settings: Any) -> Any:
         if speed in cases.speed_rpm:
             raise error
-        return right(mechanism, cases, **settings)
+        return right(mechanism, cases, settings)
 
     monkeypatch.setattr(chunks, "table_of", table)
 

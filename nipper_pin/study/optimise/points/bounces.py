@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -19,8 +20,9 @@ from ....errors import InputError, NipperError, SimulationError
 from ....hybrid import Case, Outcome, Resolution, comes_back
 from ....mechanism import Mechanism
 from ....reduced import ReducedModel, ReducedTransition, build, transition, unfit
+from ...cases import Settings
 from ...true_transition import TrueTransition, assumed_transition, transition_of_turns
-from ...turn_transition import TurnCase, TurnTransition, turn_transition
+from ...turn_transition import TurnTransition, turn_transition
 from ..problem.problem import Problem
 from .one_machine import sampled_once
 
@@ -162,11 +164,9 @@ class Transitions:
             return transition(
                 model,
                 speed_rpm=speed_rpm,
-                restitution=mechanism.stop(mechanism.transition_stop).restitution,
-                stiffness=np.array([spring.stiffness for spring in mechanism.springs]),
-                preload=np.array([spring.preload for spring in mechanism.springs]),
                 rest_rate=self._problem.rest_rate,
                 tolerance=self._problem.tolerance,
+                **_numbers(mechanism),
             )
         except NipperError:
             # The direct engine computes cases outside the tables, and the point records its name.
@@ -177,22 +177,29 @@ class Transitions:
         base = self._machine
         if self._sampled()[0] is None or base is None:
             return None
-        case = TurnCase(
-            speed_rpm=speed_rpm,
-            restitution=mechanism.stop(mechanism.transition_stop).restitution,
-            stiffness=np.array([spring.stiffness for spring in mechanism.springs]),
-            preload=np.array([spring.preload for spring in mechanism.springs]),
+        settings = Settings(
             rest_rate=self._problem.rest_rate,
             tolerance=self._problem.tolerance,
             max_collisions=_MOST_COLLISIONS,
         )
         try:
-            found = turn_transition(base, case)
+            found = turn_transition(
+                base, speed_rpm=speed_rpm, settings=settings, **_numbers(mechanism)
+            )
         except NipperError:
             # The direct engine follows what tables do not, and the point records its name.
             return None
         told = found.premise_holds is False and found.repeats
         return found if told and found.outcome is Outcome.AT_REST else None
+
+
+def _numbers(mechanism: Mechanism) -> dict[str, Any]:
+    """What a machine may have otherwise than the one whose tables were sampled."""
+    return {
+        "restitution": mechanism.stop(mechanism.transition_stop).restitution,
+        "stiffness": np.array([spring.stiffness for spring in mechanism.springs]),
+        "preload": np.array([spring.preload for spring in mechanism.springs]),
+    }
 
 
 def _at_rest(found: TrueTransition) -> TrueTransition:

@@ -13,14 +13,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ....dynamics import DriveMode
 from ....errors import SimulationError
 from ....hybrid import START_INDEX
 from ....mechanism import Mechanism, counted_from
 from ....tolerances.study import COARSEST_TURN, QUANTITY_ROUND_OFF
 from ...cases import cases_of
 from ...turns.engine_choice import turns_of
-from ...turns.run import Settings
+from ...turns.run import TurnSettings
 from ...turns.table import FOLLOWED, TurnTable
 from ..problem.problem import Problem
 from ..problem.quantities import MARGIN, QUANTITIES
@@ -104,10 +103,8 @@ class WholeTurns:
     ) -> TurnTable:
         """One case: by the tables of a base, or by the direct engine."""
         tolerance = self._problem.tolerance
-        settings = Settings(
+        settings = TurnSettings(
             turns=_TURNS,
-            least_force=0.0,
-            drive=DriveMode.HELD,
             rest_rate=self._problem.rest_rate,
             tolerance=min(_COARSER * tolerance, COARSEST_TURN) if coarse else tolerance,
             max_collisions=_MOST_COLLISIONS,
