@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache, partial
 from itertools import pairwise
-from typing import Any, Literal, Protocol
+from math import prod
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +16,8 @@ from numpy.typing import NDArray
 from ...arrays import FloatArray
 from .axes import Axis
 
+# Points from a number to one before another, shape (points, parameters).
+_Stream = Callable[[int, int], FloatArray]
 Method = Literal["sobol", "latin_hypercube"]
 # A scrambled Sobol sequence of 30 bits has no more points; a Latin hypercube is made as a whole.
 MOST_SAMPLES: dict[Method, int] = {"sobol": 2**30, "latin_hypercube": 10_000_000}
@@ -60,8 +64,8 @@ class Layout:
         sizes = [len(item.values) for item in self._grid]
         sizes.insert(self._place, count)
         self._sizes = sizes
-        self.total = _product(sizes)
-        inner = _product(len(item.values) for item in table)
+        self.total = prod(sizes)
+        inner = prod(len(item.values) for item in table)
         self.inner = inner if drawn else inner * count
 
     def indices(self, numbers: NDArray[np.int64]) -> tuple[list[tuple[Axis, Any]], Any]:
@@ -145,67 +149,36 @@ class Rows:
         return np.stack([columns[axis.name] for axis in self._axes], axis=1)
 
 
-class _Stream(Protocol):
-    def between(self, start: int, stop: int) -> FloatArray: ...
-
-
 def _gathered(stream: _Stream, numbers: Any) -> FloatArray:
     """Points by their numbers, which go up and may start again."""
     parts = np.split(numbers, np.flatnonzero(np.diff(numbers) < 0) + 1)
     found = []
     for part in parts:
         low, high = int(part[0]), int(part[-1])
-        found.append(stream.between(low, high + 1)[part - low])
+        found.append(stream(low, high + 1)[part - low])
     return np.concatenate(found)
 
 
 def _stream(samples: Samples, dimensions: int) -> _Stream:
-    if samples.method == "sobol":
-        return _Sobol(samples, dimensions)
-    return _LatinHypercube(samples, dimensions)
+    """Points of samples; those of a Latin hypercube exist only all at once."""
+    from scipy.stats import qmc
+
+    rng = np.random.default_rng(samples.seed)
+    if samples.method == "latin_hypercube":
+        points = np.asarray(qmc.LatinHypercube(dimensions, rng=rng).random(samples.count))
+        return lambda start, stop: points[start:stop]
+    engine = qmc.Sobol(dimensions, scramble=True, rng=rng)
+    # Grids that vary faster than the samples ask for the same points again.
+    return lru_cache(maxsize=1)(partial(_drawn, engine))
 
 
-class _Sobol:
-    """Points of a scrambled Sobol sequence; only going back starts it again."""
-
-    def __init__(self, samples: Samples, dimensions: int) -> None:
-        from scipy.stats import qmc
-
-        self._engine = qmc.Sobol(dimensions, scramble=True, rng=np.random.default_rng(samples.seed))
-        self._last: tuple[tuple[int, int], FloatArray] | None = None
-
-    def between(self, start: int, stop: int) -> FloatArray:
-        # Grids that vary faster than the samples ask for the same points again.
-        if self._last is None or self._last[0] != (start, stop):
-            self._last = (start, stop), self._drawn(start, stop)
-        return self._last[1]
-
-    def _drawn(self, start: int, stop: int) -> FloatArray:
-        if self._engine.num_generated > start:
-            self._engine.reset()
-        if self._engine.num_generated < start:
-            self._engine.fast_forward(start - self._engine.num_generated)
-        with warnings.catch_warnings():
-            # It warns of a first part whose size is no power of two; the parts are ours.
-            warnings.simplefilter("ignore", UserWarning)
-            return np.asarray(self._engine.random(stop - start))
-
-
-class _LatinHypercube:
-    """Points of a Latin hypercube, which exist only all at once."""
-
-    def __init__(self, samples: Samples, dimensions: int) -> None:
-        from scipy.stats import qmc
-
-        engine = qmc.LatinHypercube(dimensions, rng=np.random.default_rng(samples.seed))
-        self._points: FloatArray = np.asarray(engine.random(samples.count))
-
-    def between(self, start: int, stop: int) -> FloatArray:
-        return self._points[start:stop]
-
-
-def _product(sizes: Any) -> int:
-    product = 1
-    for size in sizes:
-        product *= int(size)
-    return product
+def _drawn(engine: Any, start: int, stop: int) -> FloatArray:
+    """Points of a Sobol sequence; only going back starts it again."""
+    if engine.num_generated > start:
+        engine.reset()
+    if engine.num_generated < start:
+        engine.fast_forward(start - engine.num_generated)
+    with warnings.catch_warnings():
+        # It warns of a first part whose size is no power of two; the parts are ours.
+        warnings.simplefilter("ignore", UserWarning)
+        return np.asarray(engine.random(stop - start))

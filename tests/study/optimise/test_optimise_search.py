@@ -29,7 +29,7 @@ from nipper_pin.study.identify import WorkingCycle, working_cycle
 from nipper_pin.study.identify.problem.working_cycle import Phase, unfit
 from nipper_pin.study.optimise import optimise, read_problem
 from nipper_pin.study.optimise.control.reading import MOST_TURNS, control_turn, read
-from nipper_pin.study.optimise.points import Evaluator
+from nipper_pin.study.optimise.points import Evaluator, Point
 from nipper_pin.study.optimise.points.turn import differs
 from nipper_pin.study.optimise.problem.quantities import (
     QUANTITIES,
@@ -38,7 +38,7 @@ from nipper_pin.study.optimise.problem.quantities import (
     lowest,
     thinned,
 )
-from nipper_pin.study.optimise.search.samples import SHARE, Seen, evolve, merit, samples, scales
+from nipper_pin.study.optimise.search.samples import SHARE, evolve, merit, samples, scales
 from nipper_pin.study.optimise.search.stages import screen
 from nipper_pin.study.optimise.search.trace import Scales
 from nipper_pin.study.optimise.work import Work
@@ -73,11 +73,14 @@ def test_samples_of_the_box(tmp_path: Path) -> None:
     assert [item.z for item in seen] == [tuple(z) for z in places.tolist()]
 
 
-def seen(z: tuple[float, float], aim: float = 1.0, time: float = 2.0, why: str = "") -> Seen:
+def seen(z: tuple[float, float], aim: float = 1.0, time: float = 2.0, why: str = "") -> Point:
     """A sample whose time is to be between 1 and 3 s."""
     values = {} if why else {AIM: aim, TIME: time}
     slacks = () if why else (3.0 - time, time - 1.0)
-    return Seen(z=z, values=values, slacks=slacks, engine="" if why else "direct", why=why)
+    owners, engine = tuple(range(len(slacks))), "" if why else "direct"
+    return Point(
+        z=np.array(z), values=values, rows=np.array(slacks), owners=owners, engine=engine, why=why
+    )
 
 
 def test_scales_of_a_problem(tmp_path: Path) -> None:

@@ -17,7 +17,7 @@ import numpy as np
 
 from ....arrays import FloatArray
 from ....tolerances.study import FEASIBLE, LEAST_SCALE, NO_SPREAD
-from ..points import evaluator
+from ..points import Point, evaluator
 from ..problem.problem import Aim, Problem
 from ..problem.quantities import INDICES
 from .trace import Scales
@@ -36,25 +36,6 @@ SHARE = 8
 _APART = 0.15
 _GENERATIONS, _MEMBERS = 40, 10
 _BROKEN, _NO_MACHINE = 1e3, 1e6
-
-
-@dataclass(frozen=True, kw_only=True)
-class Seen:
-    """One sample of the screen as plain data.
-
-    Attributes:
-        z: Unit coordinates.
-        values: Quantities by name; empty without a machine.
-        slacks: Slack of every limit; empty without a machine.
-        engine: Engine that found it; empty without a machine.
-        why: Why there is no machine.
-    """
-
-    z: tuple[float, ...]
-    values: Mapping[str, float]
-    slacks: tuple[float, ...]
-    engine: str
-    why: str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,27 +69,16 @@ def samples(problem: Problem, seed: int) -> FloatArray:
     return np.concatenate([own[None], draws.random_base2(SCREEN_BITS)])
 
 
-def look(text: bytes, places: Sequence[tuple[float, ...]]) -> tuple[Seen, ...]:
+def look(text: bytes, places: FloatArray) -> list[Point]:
     """Evaluate samples.
 
     Args:
-        places: Unit coordinates.
+        places: Unit coordinates, shape (samples, parameters).
     """
-    source = evaluator(text)
-    points = [source.at(np.array(z)) for z in places]
-    return tuple(
-        Seen(
-            z=z,
-            values=dict(point.values),
-            slacks=point.slacks,
-            engine=point.engine,
-            why=point.why,
-        )
-        for z, point in zip(places, points, strict=True)
-    )
+    return [evaluator(text).at(z) for z in places]
 
 
-def scales(problem: Problem, aim: Aim, seen: Sequence[Seen]) -> Scales:
+def scales(problem: Problem, aim: Aim, seen: Sequence[Point]) -> Scales:
     """Sizes of an aim and of the limits: how much they vary over the bounds.
 
     Args:
@@ -118,7 +88,7 @@ def scales(problem: Problem, aim: Aim, seen: Sequence[Seen]) -> Scales:
     def size(quantity: str) -> float:
         if quantity in INDICES:
             return 1.0
-        values = [item.values[quantity] for item in seen if item.values]
+        values = [item.values[quantity] for item in seen if item.usable]
         spread = float(np.std(values))
         largest = float(np.max(np.abs(values)))
         return spread if spread > NO_SPREAD * largest else max(largest, LEAST_SCALE)
@@ -126,7 +96,9 @@ def scales(problem: Problem, aim: Aim, seen: Sequence[Seen]) -> Scales:
     return Scales(size(aim.quantity), tuple(size(item.quantity) for item in problem.limits))
 
 
-def begins(seen: Sequence[Seen], aim: Aim, by: Scales, count: int) -> tuple[tuple[float, ...], ...]:
+def begins(
+    seen: Sequence[Point], aim: Aim, by: Scales, count: int
+) -> tuple[tuple[float, ...], ...]:
     """Starts of descents: the model's own values, then the best samples that are far apart.
 
     Args:
@@ -134,20 +106,16 @@ def begins(seen: Sequence[Seen], aim: Aim, by: Scales, count: int) -> tuple[tupl
         by: Scales of aim and limits.
         count: Number of starts; fewer are returned if there are not that many usable samples.
     """
-
-    def rank(item: Seen) -> tuple[float, float]:
-        violation = max((-x / s for x, s in zip(item.slacks, by.limits, strict=True)), default=0.0)
-        return (violation if violation > FEASIBLE else 0.0, aim.sense * item.values[aim.quantity])
-
-    own = [item for item in seen[:1] if item.values]
-    ranked = own + sorted((item for item in seen[1:] if item.values), key=rank)
-    chosen: list[Seen] = []
+    own = [item for item in seen[:1] if item.usable]
+    others = [item for item in seen[1:] if item.usable]
+    ranked = own + sorted(others, key=lambda item: by.rank(item, aim))
+    chosen: list[Point] = []
     for apart in (_APART, 0.0):
         for item in ranked:
             distance = min((math.dist(item.z, other.z) for other in chosen), default=math.inf)
             if distance > apart and len(chosen) < count:
                 chosen.append(item)
-    return tuple(item.z for item in chosen)
+    return tuple(tuple(item.z.tolist()) for item in chosen)
 
 
 def evolve(text: bytes, by: Scales, seed: int, mapper: Mapper) -> Found:

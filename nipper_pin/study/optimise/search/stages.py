@@ -7,27 +7,26 @@ from dataclasses import dataclass
 from functools import partial
 
 from ...toml_files import no_machine
-from ..points import Evaluator
+from ..points import Evaluator, Point
 from ..problem.problem import Aim, Problem
 from ..work import Work
 from .descend import Descent, descend
 from .infeasible import from_feasible_designs
-from .samples import SHARE, Found, Seen, begins, evolve, look, samples, scales
+from .samples import SHARE, Found, begins, evolve, look, samples, scales
 from .trace import Scales
 
 
-def screen(problem: Problem, seed: int, work: Work) -> list[Seen]:
+def screen(problem: Problem, seed: int, work: Work) -> list[Point]:
     """Evaluate samples of the whole box.
 
     Raises:
         SimulationError: None of them is a machine that can be simulated.
     """
-    places = [tuple(z) for z in samples(problem, seed).tolist()]
-    text = problem.text()
-    shares = [tuple(places[k : k + SHARE]) for k in range(0, len(places), SHARE)]
-    looked = work.all([partial(look, text, share) for share in shares])
+    places, text = samples(problem, seed), problem.text()
+    shares = range(0, len(places), SHARE)
+    looked = work.all([partial(look, text, places[k : k + SHARE]) for k in shares])
     seen = [item for share in looked for item in share]
-    if not any(item.values for item in seen):
+    if not any(item.usable for item in seen):
         error = no_machine(f"{len(seen)} samples", Evaluator(problem).at(problem.start).why)
         raise error
     return seen
@@ -45,7 +44,7 @@ class Search:
     """
 
     problem: Problem
-    seen: Sequence[Seen]
+    seen: Sequence[Point]
     starts: int
     seed: int
     work: Work

@@ -11,7 +11,7 @@ from ....arrays import FloatArray
 from ....errors import SimulationError
 from ....tolerances.study import DESIGN_STEP, FEASIBLE
 from ..points import Evaluator, Point
-from ..problem.problem import Problem
+from ..problem.problem import Aim, Problem
 
 
 @dataclass(frozen=True)
@@ -29,6 +29,11 @@ class Scales:
     def inside(self, point: Point) -> bool:
         """Whether a usable point meets all limits, to the tolerance of the search."""
         return self.violation(point) <= FEASIBLE
+
+    def rank(self, point: Point, aim: Aim) -> tuple[float, float]:
+        """Smaller is better: inside the limits by the aim, outside by the violation."""
+        violation = self.violation(point)
+        return (violation if violation > FEASIBLE else 0.0, aim.sense * point.values[aim.quantity])
 
 
 class Trace:
@@ -106,14 +111,8 @@ class Trace:
     def best(self) -> tuple[Point, float]:
         """The best usable point so far and its violation."""
         usable = [item for item in self._known.values() if item.usable]
-        broken = [self.scales.violation(item) for item in usable]
-
-        def rank(place: int) -> tuple[float, float]:
-            violation = broken[place]
-            return (violation if violation > FEASIBLE else 0.0, self.aim(usable[place]))
-
-        place = min(range(len(usable)), key=rank)
-        return usable[place], broken[place]
+        point = min(usable, key=lambda item: self.scales.rank(item, self.problem.aims[0]))
+        return point, self.scales.violation(point)
 
     @property
     def counts(self) -> tuple[int, int]:

@@ -150,9 +150,11 @@ def continued(plan: Plan, stored: dict[str, Any], folder: Path) -> Plan:
     plan = replace(plan, samples=_samples(plan.samples, stored["samples"], folder))
     # Through JSON, so that both are of the same types.
     here = json.loads(json.dumps(plan_record(plan)))
-    other = [key for key in here if key not in _NOT_COMPARED and stored.get(key) != here[key]]
-    if "samples" in other and _more(here["samples"], stored["samples"]):
-        other.remove("samples")
+    other = [
+        key
+        for key in here
+        if key not in _NOT_COMPARED and _compared(stored, key) != _compared(here, key)
+    ]
     if not other and here["identity"] == stored["identity"]:
         return plan
     message = (
@@ -160,6 +162,12 @@ def continued(plan: Plan, stored: dict[str, Any], folder: Path) -> Plan:
         f"{', '.join(other) or 'study'}); give another folder with --out, or remove this one"
     )
     raise InputError(message, folder=str(folder), differences=other)
+
+
+def _compared(document: dict[str, Any], key: str) -> Any:
+    """A value of a record; of samples all but their number, since more may be added."""
+    found = document.get(key)
+    return (found["method"], found["seed"]) if key == "samples" and found else found
 
 
 def _samples(samples: Samples | None, stored: Any, folder: Path) -> Samples | None:
@@ -183,13 +191,3 @@ def _samples(samples: Samples | None, stored: Any, folder: Path) -> Samples | No
         )
         raise InputError(message, folder=str(folder))
     return replace(samples, earlier=(*stored["earlier"], stored["count"]))
-
-
-def _more(here: Any, stored: Any) -> bool:
-    """Whether these are the stored samples and more."""
-    return bool(
-        here
-        and stored
-        and (here["method"], here["seed"]) == (stored["method"], stored["seed"])
-        and here["earlier"] == [*stored["earlier"], stored["count"]]
-    )
