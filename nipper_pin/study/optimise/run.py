@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
 
@@ -67,79 +66,45 @@ def optimise(
     began = time.perf_counter()
     with Work(count, progress) as work:
         search = Search(problem, screen(problem, seed, work), starts, seed, work)
-        led = _searched(search, check=check, points=points)
-        return _optimum(search, led, began)
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Led:
-    """Result of a search.
-
-    Attributes:
-        best: The best descent by the first aim.
-        descents: Descents by the first aim.
-        found: Result of the global check, if there was one.
-        gain: Relative improvement of the first aim that it brought.
-        front: Unit coordinates of the front's points.
-        every: All descents.
-    """
-
-    best: Descent
-    descents: tuple[Descent, ...]
-    found: Found | None
-    gain: float
-    front: tuple[tuple[float, ...], ...]
-    every: Sequence[Descent]
-
-
-def _searched(search: Search, *, check: bool, points: int) -> _Led:
-    problem = search.problem
-    descents = search.descents(problem.aims[0])
-    best, found, gain = descents[0], None, 0.0
-    every = [*descents]
-    if check:
-        found, polished = search.check(problem.aims[0])
-        every += [] if polished is None else [polished]
-        if polished is not None and polished.rank < best.rank:
-            size = max(abs(best.aim), abs(polished.aim))
-            gain = (best.aim - polished.aim) / size if size > 0.0 else 0.0
-            best = polished
-    curve: tuple[tuple[float, ...], ...] = ()
-    if len(problem.aims) > 1:
-        second = search.descents(problem.aims[1], best.z)
-        by = tuple(search.scales(aim) for aim in problem.aims)
-        curve, more = front(problem, by, (best, second[0]), points, search.work)
-        every += [*second, *more]
-    return _Led(best=best, descents=descents, found=found, gain=gain, front=curve, every=every)
-
-
-def _optimum(search: Search, led: _Led, began: float) -> Optimum:
-    problem, found = search.problem, led.found
-    source, by = Evaluator(problem), search.scales(problem.aims[0])
-    best = _known(design(source, by, led.best.z))
-    curve = tuple(_known(design(source, by, z)) for z in led.front)
-    seen, *others = search.work.mapper(partial(control, problem.text()), [best, *curve])
-    evaluations = len(search.seen) + sum(item.evaluations for item in led.every)
+        descents = search.descents(problem.aims[0])
+        found, polished = search.check(problem.aims[0]) if check else (None, None)
+        best, gain, every = descents[0], 0.0, [*descents]
+        if polished is not None:
+            every.append(polished)
+            if polished.rank < best.rank:
+                size = max(abs(best.aim), abs(polished.aim))
+                gain = (best.aim - polished.aim) / size if size > 0.0 else 0.0
+                best = polished
+        curve: tuple[tuple[float, ...], ...] = ()
+        if len(problem.aims) > 1:
+            second = search.descents(problem.aims[1], best.z)
+            scales = tuple(search.scales(aim) for aim in problem.aims)
+            curve, more = front(problem, scales, (best, second[0]), points, work)
+            every += [*second, *more]
+        source, by = Evaluator(problem), search.scales(problem.aims[0])
+        designs = [_known(design(source, by, z)) for z in (best.z, *curve)]
+        seen, *others = work.mapper(partial(control, problem.text()), designs)
+    ends: list[Descent | Found] = [*every, *([] if found is None else [found])]
     engines = Counter(item.engine for item in search.seen if item.engine)
-    for counts in [item.engines for item in led.every] + ([found.engines] if found else []):
-        engines.update(counts)
+    for item in ends:
+        engines.update(item.engines)
     return Optimum(
         problem=problem,
-        seed=search.seed,
+        seed=seed,
         before=design(source, by, tuple(problem.start.tolist())),
-        best=best,
-        account=account(problem.with_aim(problem.aims[0]), by, led.best.z),
-        descents=led.descents,
+        best=designs[0],
+        account=account(problem.with_aim(problem.aims[0]), by, best.z),
+        descents=descents,
         screened=len(search.seen),
         no_machine=_reasons(item.why for item in search.seen if item.why),
         check=found,
-        check_gain=led.gain,
+        check_gain=gain,
         engines=dict(engines),
         why_engine=source.why,
         control=seen,
-        front=curve,
+        front=tuple(designs[1:]),
         front_controls=tuple(others),
-        evaluations=evaluations + (0 if found is None else found.evaluations),
+        evaluations=len(search.seen) + sum(item.evaluations for item in ends),
         wall_s=time.perf_counter() - began,
     )
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ....arrays import FloatArray
+from .differences import jacobian
 from .objective import Objective
 
 DETERMINED = 0.5
@@ -104,13 +105,13 @@ def determinability(objective: Objective, z: FloatArray) -> Determinability:
     Raises:
         NipperError: The transitions cannot be simulated here.
     """
-    jacobian = objective.target_jacobian(z)
-    _, values, rows = np.linalg.svd(jacobian, full_matrices=False)
-    covariance = _covariance(jacobian)
+    derivatives = jacobian(lambda x: objective.misfit(objective.predicted(x)), z)
+    _, values, rows = np.linalg.svd(derivatives, full_matrices=False)
+    covariance = _covariance(derivatives)
     deviations = np.sqrt(np.diag(covariance))
     return Determinability(
         paths=tuple(item.path for item in objective.problem.parameters),
-        jacobian=jacobian,
+        jacobian=derivatives,
         singular_values=values,
         directions=rows,
         narrowed=deviations / _RANGE_SIGMA,

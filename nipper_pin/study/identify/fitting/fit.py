@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -14,6 +14,7 @@ from ....hybrid.result.premise import Premise
 from ....tolerances.study import AT_BOUND, FIT_END, FIT_LAST_STEP, FIT_START
 from ..problem.targets import Condition, Target
 from .determine import Determinability, determinability
+from .differences import slopes
 from .goodness import Goodness, goodness
 from .limits import broken_limits
 from .objective import Objective
@@ -31,7 +32,6 @@ class Descent:
         cost: Half the sum of squares of all residuals there; infinite if no machine was found.
         steps: Evaluations of the residuals, those for derivatives left out.
         converged: Whether it ended by its tolerance.
-        reason: Why no machine was found; empty if one was.
     """
 
     start: FloatArray
@@ -39,7 +39,6 @@ class Descent:
     cost: float
     steps: int
     converged: bool
-    reason: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,7 +139,6 @@ def descend(objective: Objective, begin: FloatArray, max_steps: int = _MAX_STEPS
         max_steps: Largest number of evaluations, those for derivatives left out.
     """
     draws = np.atleast_2d(begin)
-    reason = ""
     for draw in draws:
         start = np.clip(draw, FIT_START, 1.0 - FIT_START)
         try:
@@ -148,16 +146,15 @@ def descend(objective: Objective, begin: FloatArray, max_steps: int = _MAX_STEPS
             found = least_squares(
                 fenced.residuals,
                 start,
-                jac=fenced.slopes,
+                jac=partial(slopes, fenced.rows),
                 bounds=(0.0, 1.0),
                 ftol=FIT_END,
                 xtol=FIT_LAST_STEP,
                 gtol=FIT_LAST_STEP,
                 max_nfev=max_steps,
             )
-        except NipperError as error:
-            reason = reason or error.message
+        except NipperError:
             continue
         steps, ended = int(found.nfev), bool(found.status > 0)
         return Descent(draw, found.x, float(found.cost), steps, converged=ended)
-    return Descent(draws[0], draws[0], np.inf, len(draws), converged=False, reason=reason)
+    return Descent(draws[0], draws[0], np.inf, len(draws), converged=False)

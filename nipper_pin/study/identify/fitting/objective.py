@@ -12,7 +12,6 @@ from ....mechanism import Mechanism, changed
 from ..problem.problem import Limits, Problem
 from ..problem.targets import predict, with_settings
 from ..problem.working_cycle import SAMPLES, WorkingCycle, working_cycle
-from .differences import jacobian, slopes
 from .limits import limit_rows
 
 UNUSABLE = 1e3
@@ -114,14 +113,6 @@ class Objective:
         """
         return replace(self, unusable=max(UNUSABLE, 10.0 * float(np.abs(rows).max())))
 
-    def slopes(self, z: FloatArray) -> FloatArray:
-        """Derivatives of the residuals by z, good enough to go down, shape (rows, free).
-
-        Raises:
-            NipperError: There is no machine here, or none on either side.
-        """
-        return slopes(self.rows, z)
-
     def cycle(self, mechanism: Mechanism, limits: Limits) -> WorkingCycle:
         """Working cycle of a mechanism at the settings of limits.
 
@@ -135,22 +126,6 @@ class Objective:
         value = np.array([target.value for target in self.problem.targets])
         sigma = np.array([target.sigma for target in self.problem.targets])
         return np.asarray((predicted - value) / sigma)
-
-    def jacobian(self, z: FloatArray) -> FloatArray:
-        """Derivatives of the residuals by z, shape (rows, free).
-
-        Raises:
-            NipperError: There is no machine here, or none on either side.
-        """
-        return jacobian(self.rows, z)
-
-    def target_jacobian(self, z: FloatArray) -> FloatArray:
-        """Derivatives of the targets' residuals alone by z, shape (targets, free).
-
-        Raises:
-            NipperError: There is no machine here, or none on either side.
-        """
-        return jacobian(lambda x: self.misfit(self.predicted(x)), z)
 
     def _predicted(self, mechanism: Mechanism) -> FloatArray:
         problem = self.problem

@@ -12,6 +12,7 @@ from ....arrays import FloatArray
 from ....errors import NipperError
 from ....tolerances.study import FIT_LAST_STEP, FIT_START, PROFILE_END
 from ...processes import mapped, worker_count
+from .differences import jacobian, slopes
 from .fit import Fit
 from .objective import Objective
 
@@ -51,10 +52,10 @@ def profile(
     """
     objective, z = fit.objective, fit.best.z
     place = [item.path for item in objective.problem.parameters].index(path)
-    jacobian = objective.jacobian(z)
+    derivatives = jacobian(objective.rows, z)
     # Numbers on a bound cannot move both ways: the linear model leaves them where they are.
     free = [i for i in range(len(z)) if i == place or 1e-3 < z[i] < 1.0 - 1e-3]
-    covariance = np.linalg.pinv(jacobian[:, free].T @ jacobian[:, free])
+    covariance = np.linalg.pinv(derivatives[:, free].T @ derivatives[:, free])
     sigma = float(np.sqrt(covariance[free.index(place), free.index(place)]))
     low, high = max(0.0, z[place] - reach * sigma), min(1.0, z[place] + reach * sigma)
     grid = np.linspace(low, high, points)
@@ -63,7 +64,7 @@ def profile(
     # Values that make no machine have no cost.
     grid, cost = grid[np.isfinite(cost)], cost[np.isfinite(cost)]
     # Only a number that its bound holds back has a slope at the best fit.
-    slope = float(jacobian[:, place] @ objective.residuals(z))
+    slope = float(derivatives[:, place] @ objective.residuals(z))
     off = grid - z[place]
     width = objective.width[place]
     return Profile(
@@ -93,7 +94,7 @@ def _held(objective: Objective, z: FloatArray, place: int, value: float) -> floa
         found = least_squares(
             lambda part: fenced.residuals(whole(part)),
             begin,
-            jac=lambda part: fenced.slopes(whole(part))[:, others],
+            jac=lambda part: slopes(fenced.rows, whole(part))[:, others],
             bounds=(0.0, 1.0),
             ftol=PROFILE_END,
             xtol=FIT_LAST_STEP,

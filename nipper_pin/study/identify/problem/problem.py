@@ -11,7 +11,7 @@ from typing import Annotated, Literal
 import msgspec
 from msgspec import Meta
 
-from ....errors import InputError, ModelError
+from ....errors import InputError
 from ....hybrid.result.quantities import refuse_unknown
 from ....mechanism import Mechanism, numbers_of
 from ....mechanism.files import Positive, Restitution
@@ -211,35 +211,30 @@ def _check_fit(
     if stiff and len(mechanism.springs) != 1:
         names = [spring.name for spring in mechanism.springs]
         allowed = f"only with a model that has one spring; {mechanism.name} has {names}"
-        raise ModelError(file=file, key="stiffness", value=stiff[0].stiffness, allowed=allowed)
+        refuse(file, "stiffness", stiff[0].stiffness, allowed)
     if limits is None:
         return
     reason = unfit(mechanism)
     if reason is not None:
-        raise ModelError(file=file, key="limits", value=mechanism.name, allowed=reason)
+        refuse(file, "limits", mechanism.name, reason)
     stop = mechanism.stop(mechanism.transition_stop)
     kinds = {joint.index: joint.kind for joint in mechanism.joints}
     if limits.jaw_opening_deg is not None and kinds[stop.index] != "revolute":
-        raise ModelError(
-            file=file,
-            key="limits.jaw_opening_deg",
-            value=limits.jaw_opening_deg,
-            allowed=f"only with a stop on a hinge; {stop.name} is on a slide",
-        )
+        allowed = f"only with a stop on a hinge; {stop.name} is on a slide"
+        refuse(file, "limits.jaw_opening_deg", limits.jaw_opening_deg, allowed)
 
 
 def _target(item: _TargetTable, stiffness: str, file: str) -> Target:
     key = f"targets: {item.name}"
     refuse_unknown([item.quantity], QUANTITIES, f"{file}: {key}")
     if (item.sigma is None) == (item.relative_sigma is None):
-        allowed = "one of sigma and relative_sigma"
-        raise ModelError(file=file, key=key, value=item.sigma, allowed=allowed)
+        refuse(file, key, item.sigma, "one of sigma and relative_sigma")
     sigma = item.sigma
     if sigma is None:
         sigma = abs(item.value) * (item.relative_sigma or 0.0)
     if not (math.isfinite(item.value) and sigma > 0.0):
         allowed = "a finite value, and one that is not zero with relative_sigma"
-        raise ModelError(file=file, key=f"{key}: value", value=item.value, allowed=allowed)
+        refuse(file, f"{key}: value", item.value, allowed)
     return Target(
         name=item.name,
         quantity=item.quantity,
@@ -280,14 +275,11 @@ def _parameters(
         raise InputError(message, file=file)
     starts = numbers_of(mechanism, table)
     for (path, item), start in zip(table.items(), starts, strict=True):
+        key, bounds = f"parameters.{path}", [item.low, item.high]
         if not item.low < item.high or not math.isfinite(item.high - item.low):
-            allowed = "low below high, both finite"
-            value = [item.low, item.high]
-            raise ModelError(file=file, key=f"parameters.{path}", value=value, allowed=allowed)
+            refuse(file, key, bounds, "low below high, both finite")
         if not item.low <= start <= item.high:
-            allowed = f"bounds around the model's own value {start:.9g}"
-            value = [item.low, item.high]
-            raise ModelError(file=file, key=f"parameters.{path}", value=value, allowed=allowed)
+            refuse(file, key, bounds, f"bounds around the model's own value {start:.9g}")
     check_paths(table, mechanism)
     return tuple(
         Parameter(path=path, low=item.low, high=item.high, start=start, why=item.why)
@@ -311,6 +303,5 @@ def _indices(item: Bounds | None, key: str, file: str) -> tuple[float, float] | 
     if item is None:
         return None
     if not 0.0 <= item.low < item.high <= 40.0:
-        allowed = "two indices between 0 and 40, low below high"
-        raise ModelError(file=file, key=key, value=[item.low, item.high], allowed=allowed)
+        refuse(file, key, [item.low, item.high], "two indices between 0 and 40, low below high")
     return item.low, item.high

@@ -73,11 +73,6 @@ class WorkingCycle:
         """Least force of the closed stop while the transition stop is open [N]."""
         return float(self.waiting.force.min())
 
-    @property
-    def least_clamping_force(self) -> float:
-        """Least lip force over the closed phase [N]."""
-        return float(self.clamping.force.min())
-
 
 def working_cycle(mechanism: Mechanism, speed_rpm: float) -> WorkingCycle:
     """Walk the two phases without freedom around one turn.

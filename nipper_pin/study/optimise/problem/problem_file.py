@@ -128,26 +128,24 @@ def _known(names: Sequence[str], where: str) -> Sequence[str]:
 
 
 def _limits(table: _FileTable, file: str) -> tuple[Limit, ...]:
-    limits = []
+    limits: list[Limit] = []
+    sides: tuple[Literal["low", "high"], ...] = ("low", "high")
     _known(list(table.limits), f"{file}: limits")
     for name, item in table.limits.items():
         key = f"limits.{name}"
-        given = {"low": item.low, "high": item.high}
         if item.low is None and item.high is None:
-            refuse(file, key, given, "low, high or both")
-        for side, value in given.items():
+            refuse(file, key, {"low": None, "high": None}, "low, high or both")
+        for side in sides:
+            value = getattr(item, side)
             if value is None:
                 continue
             if not math.isfinite(value):
                 refuse(file, f"{key}.{side}", value, "a finite number")
             if name in INDICES and not 0.0 <= value <= 40.0:
                 refuse(file, f"{key}.{side}", value, "an index from 0 to 40")
+            limits.append(Limit(quantity=name, side=side, value=value))
         if item.low is not None and item.high is not None and item.low > item.high:
             refuse(file, key, [item.low, item.high], "low below high")
-        if item.low is not None:
-            limits.append(Limit(quantity=name, side="low", value=item.low))
-        if item.high is not None:
-            limits.append(Limit(quantity=name, side="high", value=item.high))
     return tuple(limits)
 
 

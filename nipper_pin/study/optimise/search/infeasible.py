@@ -11,7 +11,7 @@ import numpy as np
 from ....errors import InfeasibleError
 from ....tolerances.study import FEASIBLE
 from ..points import Evaluator
-from ..problem.problem import Limit, Problem
+from ..problem.problem import Problem
 from ..work import Work
 from .descend import Descent, descend, restore
 from .trace import Scales
@@ -42,46 +42,38 @@ def _infeasible(problem: Problem, by: Scales, nearest: Descent, work: Work) -> I
     """The error, with every limit that the nearest design breaks."""
     z = np.array(nearest.z)
     point = Evaluator(problem).at(z)
-    broken = []
+    broken, words = [], []
     for k, (limit, slack) in enumerate(zip(problem.limits, point.slacks, strict=True)):
         if slack >= -FEASIBLE * by.limits[k]:
             continue
         alone = replace(problem, limits=(limit,)).text()
         task = partial(restore, alone, Scales(by.aim, (by.limits[k],)), nearest.z)
         (single,) = work.all([task])
-        broken.append(
-            {
-                "limit": str(limit),
-                "reached": point.values[limit.quantity],
-                "missed_by": -slack,
-                "can_be_met_alone": single.feasible,
-                "missed_by_alone": single.violation * by.limits[k],
-            }
-        )
-    words = "; ".join(
-        _sentence(limit, item, problem.units[limit.quantity])
-        for limit, item in zip(_of(problem, broken), broken, strict=True)
-    )
+        item = {
+            "limit": str(limit),
+            "reached": point.values[limit.quantity],
+            "missed_by": -slack,
+            "can_be_met_alone": single.feasible,
+            "missed_by_alone": single.violation * by.limits[k],
+        }
+        broken.append(item)
+        words.append(_sentence(item, problem.units[limit.quantity]))
     numbers = problem.numbers(z)
     design = ", ".join(f"{key} = {value:.6g}" for key, value in numbers.items())
     wider = " or ".join(problem.bounds_at(z))
     message = (
-        f"no design within the bounds meets all limits; the nearest ({design}) breaks {words}. "
+        f"no design within the bounds meets all limits; the nearest ({design}) breaks "
+        f"{'; '.join(words)}. "
         f"Relax these limits{f', or widen the bound {wider}' if wider else ''}"
     )
     return InfeasibleError(message, limits=broken, numbers=numbers)
 
 
-def _of(problem: Problem, broken: Sequence[dict[str, object]]) -> list[Limit]:
-    named = [item["limit"] for item in broken]
-    return [limit for limit in problem.limits if str(limit) in named]
-
-
-def _sentence(limit: Limit, item: dict[str, object], unit: str) -> str:
+def _sentence(item: dict[str, object], unit: str) -> str:
     short = f"{item['missed_by']:.4g}{f' {unit}' if unit else ''}"
     alone = (
         "alone it could be met"
         if item["can_be_met_alone"]
         else f"alone it is still missed by {item['missed_by_alone']:.4g}"
     )
-    return f"{limit}: {item['reached']:.6g} is reached, missed by {short} ({alone})"
+    return f"{item['limit']}: {item['reached']:.6g} is reached, missed by {short} ({alone})"
