@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import csv
-import inspect
 import math
 import pickle
 import subprocess
 import sys
-from importlib import import_module
 from pathlib import Path
-from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -180,29 +177,6 @@ def test_sweep_computes_and_its_rows_are_read(tmp_path: Path) -> None:
     table = nip.transition_table(nip.load(), speed_rpm=650.0, restitution=[0.1, 0.2, 0.3])
     # Few cases take the direct engine here, a chunk the reduced one: each to 1e-10.
     assert rows["duration_s"].to_pylist() == pytest.approx(table.duration.tolist(), rel=2e-10)
-
-
-@pytest.mark.parametrize(
-    ("name", "file"),
-    [("optimise", "optimise_rebound.toml"), ("identify", "identify_camera.toml")],
-)
-def test_studies_read_their_file_and_pass_everything_on(
-    name: str, file: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Every argument of the study, as it is given or by its default."""
-    room, public = import_module(f"nipper_pin.study.{name}"), getattr(nip, name)
-    (_, *wanted), (_, *told) = (inspect.signature(call).parameters.values()
-                                for call in (getattr(room, name), public))  # fmt: skip
-    assert {item.name for item in told} == {item.name for item in wanted}
-    asked: list[tuple[Any, dict[str, object]]] = []
-    monkeypatch.setattr(room, name, lambda problem, **others: asked.append((problem, others)))
-    study = Path(__file__).parents[1] / "scripts" / file
-    given = {item.name: object() for item in told}
-    public(study, **given)
-    problem = asked[0][0]
-    assert problem.title == room.read_problem(study).title
-    public(problem)
-    assert asked == [(problem, given), (problem, {item.name: item.default for item in told})]
 
 
 @pytest.fixture(scope="module")

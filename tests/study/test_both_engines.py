@@ -268,7 +268,7 @@ def turns(e62: Mechanism, _: Path, given: Settings) -> None:
 
 def fit(_: Mechanism, folder: Path, given: Settings) -> None:
     file = written(folder, 'title = "mine"\nmodel = "e62"\n', given, FIT)
-    identify.identify(identify.read_problem(file), starts=1, workers=1)
+    identify.identify(file, starts=1, workers=1)
 
 
 def design(minimise: str) -> Callable[[Mechanism, Path, Settings], None]:

@@ -275,7 +275,7 @@ def test_a_search_without_a_machine(tmp_path: Path) -> None:
     file.write_text(file.read_text(encoding="utf-8").replace("e62", str(ball)), encoding="utf-8")
     said = r"none of 2 starts .*, nor is the model as it is: stop 'floor' is .*; change that first"
     with pytest.raises(SimulationError, match=said):
-        identify(read_problem(file), starts=2, workers=1)
+        identify(file, starts=2, workers=1)
 
 
 def test_command_writes_a_model_that_simulate_accepts(

@@ -27,7 +27,7 @@ from nipper_pin.cli import main
 from nipper_pin.mechanism.gallery import GALLERY, drawn
 from nipper_pin.study.identify import WorkingCycle, working_cycle
 from nipper_pin.study.identify.problem.working_cycle import Phase, unfit
-from nipper_pin.study.optimise import optimise, read_problem
+from nipper_pin.study.optimise import optimise
 from nipper_pin.study.optimise.control.reading import MOST_TURNS, control_turn, read
 from nipper_pin.study.optimise.points import Evaluator, Point
 from nipper_pin.study.optimise.points.turn import differs
@@ -285,7 +285,7 @@ def test_the_bound_that_is_in_the_way_is_named(
     )
     file = study(tmp_path, text(MASS, body, **{E_N: (0.1, 0.5)}))
     with pytest.raises(InfeasibleError) as caught:
-        optimise(read_problem(file), starts=1, check=False, workers=1)
+        optimise(file, starts=1, check=False, workers=1)
     (broken,) = caught.value.evidence["limits"]  # type: ignore[misc]
     assert broken == {
         "limit": "rebound_amplitude_1 >= 1", "reached": broken["reached"],
