@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,7 +23,7 @@ from ..units import M_PER_MM, RAD_PER_DEG
 # A linear spring that is wound further, or is stiffer, has its number in another unit.
 _MOST_TURNS = 10
 _STIFFEST = 1e10
-SPRING_KEYS = {
+SPRING_KEYS: Mapping[str, tuple[str, Literal["stiffness", "preload"], float, str]] = {
     "stiffness_N_per_m": ("m", "stiffness", 1.0, "N/m"),
     "preload_length_mm": ("m", "preload", M_PER_MM, "mm"),
     "stiffness_N_m_per_rad": ("rad", "stiffness", 1.0, "N m/rad"),
@@ -140,6 +141,16 @@ def _by_stop(
     }
     own = restitution[clamp] if clamp in restitution else mechanism.stop(clamp).restitution
     return own, others
+
+
+def spring_numbers(
+    mechanism: Mechanism,
+) -> Iterator[tuple[str, Literal["stiffness", "preload"], int, float]]:
+    """Paths of rates and preloads: with each the name of its rows, its spring, and factor to SI."""
+    for place, spring in enumerate(mechanism.springs):
+        for key, (kind, row, scale, _) in SPRING_KEYS.items():
+            if kind == coordinate_unit(mechanism, spring.index):
+                yield f"springs.{spring.name}.{key}", row, place, scale
 
 
 def spring_values(

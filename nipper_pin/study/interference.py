@@ -71,12 +71,12 @@ def clearances(solution: Solution, samples: int = 240) -> tuple[Clearance, ...]:
         One clearance for each pair of links that comes nearer than 20 mm, the smallest first.
     """
     mechanism = solution.mechanism
-    shapes = _shapes(mechanism)
+    shapes, adjacent = _shapes(mechanism), _adjacent(mechanism)
     pairs = [
         (a, b)
         for a, b in combinations(range(len(shapes)), 2)
         if shapes[a].link != shapes[b].link
-        and frozenset((shapes[a].link, shapes[b].link)) not in _adjacent(mechanism)
+        and frozenset((shapes[a].link, shapes[b].link)) not in adjacent
     ]
     if not pairs:
         return ()

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 from ..errors import InputError, NipperError, SimulationError
@@ -347,7 +347,7 @@ def _judged(lever: Lever, here: Bounce, mechanism: Mechanism, speed: float) -> L
     """A lever with how long the stop holds before and after."""
     other = changed(mechanism, {lever.path: lever.new})
     after = _with_turn(lever.after, other, speed)
-    return Lever(lever.path, lever.unit, lever.old, lever.new, here, after)
+    return replace(lever, before=here, after=after)
 
 
 def _record(bounce: Bounce) -> dict[str, float | None]:

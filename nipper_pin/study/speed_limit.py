@@ -264,14 +264,11 @@ def _need_followed(found: TurnQuantities) -> None:
 
 def _joined(parts: list[TurnQuantities]) -> TurnQuantities:
     """Quantities of all speeds in one."""
-    return replace(
-        parts[0],
-        status=np.concatenate([part.status for part in parts]),
-        turns=np.concatenate([part.turns for part in parts]),
-        repeats_after=np.concatenate([part.repeats_after for part in parts]),
-        speed=np.concatenate([part.speed for part in parts]),
-        table=np.concatenate([part.table for part in parts]),
-    )
+    names = ("status", "turns", "repeats_after", "speed", "table")
+    joined: dict[str, Any] = {
+        name: np.concatenate([getattr(part, name) for part in parts]) for name in names
+    }
+    return replace(parts[0], **joined)
 
 
 def _index(travel: FloatArray) -> FloatArray:

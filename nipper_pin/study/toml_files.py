@@ -72,26 +72,23 @@ def _reason(refusal: Refusal) -> str:
     return f"only {choices} is known" if choices.isdecimal() else choices or refusal.text
 
 
-def base_mechanism(
-    model: str, changes: Mapping[str, object], file: Path, keys: tuple[str, str] = ("model", "set")
-) -> Mechanism:
+def base_mechanism(model: str, changes: Mapping[str, object], file: Path) -> Mechanism:
     """The mechanism that a study starts from, with everything that is fixed.
 
     Args:
         model: A model's name, or a folder beside the file.
         changes: New values by path or shortcut.
         file: The file of the study.
-        keys: Keys of model and changes in it, for messages.
 
     Raises:
         InputError: There is no such model, path or value.
     """
-    with at_key(file.name, keys[0]):
+    with at_key(file.name, "model"):
         found = model_beside(model, file.parent)
         mechanism = load(found)
     if not changes:
         return mechanism
-    with at_key(file.name, keys[1]):
+    with at_key(file.name, "set"):
         return load(found, changes)
 
 

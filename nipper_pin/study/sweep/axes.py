@@ -11,14 +11,9 @@ import numpy as np
 from ...arrays import FloatArray
 from ...errors import UnknownNameError
 from ...mechanism import Mechanism
-from ...units import M_PER_MM, RAD_PER_DEG
+from ..cases import spring_numbers
 
 SPEED = "speed_rpm"
-# Number of a coordinate's unit in SI units, and the keys of a spring on it.
-_SPRING_KEYS = {
-    "prismatic": ("stiffness_N_per_m", "preload_length_mm", M_PER_MM),
-    "revolute": ("stiffness_N_m_per_rad", "preload_deg", RAD_PER_DEG),
-}
 
 Kind = Literal["speed", "restitution", "stiffness", "preload", "model"]
 
@@ -102,10 +97,7 @@ def find_target(name: str, mechanism: Mechanism, *, turns: bool = False) -> Targ
     ]
     if path in (restitution_path(stop) for stop in bounce):
         return Target(kind="restitution", path=path)
-    for place, spring in enumerate(mechanism.springs):
-        stiffness, preload, scale = _SPRING_KEYS[mechanism.joints[spring.index].kind]
-        if path == f"springs.{spring.name}.{stiffness}":
-            return Target(kind="stiffness", path=path, spring=place)
-        if path == f"springs.{spring.name}.{preload}":
-            return Target(kind="preload", path=path, spring=place, scale=scale)
+    for own, kind, place, scale in spring_numbers(mechanism):
+        if path == own:
+            return Target(kind=kind, path=path, spring=place, scale=scale)
     return Target(kind="model", path=path)

@@ -15,7 +15,7 @@ from ...arrays import FloatArray
 from ...errors import InputError, SimulationError
 from ...extras import require
 from .chunks import DefectError, run_chunk
-from .job import versions
+from .job import other_versions, versions
 from .plan import Chunk
 
 # How long to wait for a scheduler, for its first worker and an answer of each [s]; for workers to
@@ -192,22 +192,14 @@ def _check_workers(client: Any, address: str) -> None:
     other = [worker for worker, found in answer.items() if found != versions()]
     if other:
         found = answer[other[0]]
+        lacking = f"the package is not installed there: {found}"
+        if isinstance(found, dict):
+            lacking = other_versions(found, versions())
         message = (
             f"--scheduler {address}: {len(other)} of {len(answer)} workers cannot compute this, "
-            f"such as {other[0]} ({_lacking(found)}); install the same versions everywhere"
+            f"such as {other[0]} ({lacking}); install the same versions everywhere"
         )
         raise InputError(message, scheduler=address, workers=other)
-
-
-def _lacking(found: Any) -> str:
-    """What a worker lacks, from its answer."""
-    if isinstance(found, dict):
-        return ", ".join(
-            f"{name} {found.get(name)} instead of {wanted}"
-            for name, wanted in versions().items()
-            if found.get(name) != wanted
-        )
-    return f"the package is not installed there: {found}"
 
 
 @contextmanager

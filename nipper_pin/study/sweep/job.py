@@ -108,17 +108,21 @@ def read_job(text: bytes) -> Job:
     job = msgspec.json.decode(text, type=Job)
     here = versions()
     if dict(job.versions) != here:
-        other = [
-            f"{name} {here.get(name)} instead of {wanted}"
-            for name, wanted in job.versions.items()
-            if here.get(name) != wanted
-        ]
         message = (
-            f"a worker has {', '.join(other)}: results would depend on who computes them; install "
-            "the same versions everywhere"
+            f"a worker has {other_versions(here, job.versions)}: results would depend on who "
+            "computes them; install the same versions everywhere"
         )
         raise InputError(message, here=here, planned=dict(job.versions))
     return job
+
+
+def other_versions(found: Mapping[str, str], wanted: Mapping[str, str]) -> str:
+    """Versions that are not those that are wanted, in words."""
+    return ", ".join(
+        f"{name} {found.get(name)} instead of {version}"
+        for name, version in wanted.items()
+        if found.get(name) != version
+    )
 
 
 def versions() -> dict[str, str]:

@@ -134,7 +134,13 @@ def _edges(layout: Layout, chunk: int | None, costs: _Costs) -> list[int]:
         else inner * _mechanisms_together(total // inner, inner, costs)
     )
     step, pieces = max(most // inner, 1) * inner, math.ceil(inner / most)
-    _check_count(math.ceil(total / step) * pieces)
+    # Refused are more chunks than a folder holds files.
+    if (count := math.ceil(total / step) * pieces) > _MOST_CHUNKS:
+        message = (
+            f"chunk: {count} chunks of the scenarios, and at most {_MOST_CHUNKS} are stored; give "
+            "a larger chunk, or fewer scenarios"
+        )
+        raise InputError(message, chunks=count)
     if inner <= most:
         return [*range(step, total, step), total]
     return [
@@ -142,16 +148,6 @@ def _edges(layout: Layout, chunk: int | None, costs: _Costs) -> list[int]:
         for first in range(0, total, inner)
         for part in range(1, pieces + 1)
     ]
-
-
-def _check_count(count: int) -> None:
-    """Refuse more chunks than a folder holds files."""
-    if count > _MOST_CHUNKS:
-        message = (
-            f"chunk: {count} chunks of the scenarios, and at most {_MOST_CHUNKS} are stored; give "
-            "a larger chunk, or fewer scenarios"
-        )
-        raise InputError(message, chunks=count)
 
 
 def _mechanisms_together(mechanisms: int, inner: int, costs: _Costs) -> int:

@@ -11,8 +11,10 @@ from ...errors import UnknownNameError
 from ...hybrid.result.quantities import COLLISION, TRANSITION, of_transition
 from ...hybrid.result.turns import of_turn, turn_names
 from ...mechanism import Mechanism
+from ...terms import NONE, unit_of
 from ..transitions import TransitionTable
 from ..turns import TurnTable
+from .axes import Axis
 from .job import TURN_COLUMNS
 
 _FIRST = ("duration_s", "duration_error_s", "first_two_share")
@@ -84,15 +86,26 @@ def check_quantities(
         raise UnknownNameError(kind="quantity", name=name, known=known, where=where, now=now)
 
 
-def quantity_unit(name: str, mechanism: Mechanism, *, turns: bool = False) -> str:
-    """SI unit of a quantity; empty for a number without one.
+def units_of(
+    axes: Sequence[Axis], quantities: Sequence[str], mechanism: Mechanism, *, turns: bool = False
+) -> dict[str, str]:
+    """Unit of every column of numbers, parameters as in the model's file.
+
+    Numbers of a URDF are left out: their names do not say.
 
     Args:
-        turns: Whether it is one of whole turns.
+        turns: Whether the quantities are those of whole turns.
     """
-    item, part = of_turn(name, mechanism) if turns else (of_transition(name)[0], "")
-    stops = {stop.name for stop in mechanism.stops}
-    return item.unit_at(mechanism, part if part in stops else mechanism.transition_stop)
+    stops, found = {stop.name for stop in mechanism.stops}, {}
+    for name in quantities:
+        item, part = of_turn(name, mechanism) if turns else (of_transition(name)[0], "")
+        stop = part if part in stops else mechanism.transition_stop
+        found[name] = item.unit_at(mechanism, stop) or NONE
+    for axis in axes:
+        head, _, last = axis.target.path.rpartition(".")
+        if not head.startswith("urdf."):
+            found[axis.name] = unit_of(last)
+    return found
 
 
 def quantity(table: TransitionTable | TurnTable, name: str) -> FloatArray:

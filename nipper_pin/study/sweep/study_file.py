@@ -22,9 +22,8 @@ from ..turns import MOST_TURNS, TURNS
 from .axes import SPEED, Axis, Target, find_target
 from .job import COLUMNS, TURN_COLUMNS, Job, TurnJob, versions
 from .plan import Plan
-from .quantities import check_quantities, default
+from .quantities import check_quantities, default, units_of
 from .samples import MOST_SAMPLES, Layout, Method, Samples
-from .units import units_of
 
 _MOST_SCENARIOS = 10**12
 _MOST_POINTS = 2**20

@@ -12,11 +12,9 @@ from ...arrays import FloatArray
 from ...errors import InputError
 from ...frames import Column, data_frame
 from ...hybrid.result.quantities import COLLISION, TRANSITION
-from ...mechanism import Mechanism
 from ...notebook import html
 from ...reduced.results import CollisionRows
-from ...terms.shown import counted
-from ..table_summary import outcomes, spring_columns
+from ..case_table import CaseTable
 
 FAILED = "failed"
 REDUCED = "reduced"
@@ -28,7 +26,7 @@ REDUCED_TURN = "reduced_turn"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class TransitionTable(CollisionRows):
+class TransitionTable(CaseTable, CollisionRows):
     """Transitions of n cases; the rows have shape (n, most), NaN beyond the last collision.
 
     Attributes:
@@ -56,37 +54,19 @@ class TransitionTable(CollisionRows):
         mechanism: The mechanism, with the values that no column changes.
     """
 
-    model: str
-    why: str
-    engine: NDArray[np.str_]
-    outcome: NDArray[np.str_]
-    message: tuple[str, ...]
-    speed_rpm: FloatArray
     restitution: FloatArray
-    stiffness: FloatArray
-    preload: FloatArray
     collisions: NDArray[np.int64]
     duration: FloatArray
     duration_error: FloatArray
     first_two_share: FloatArray
     premise_holds: NDArray[np.object_]
     table: FloatArray
-    mechanism: Mechanism
-
-    def __len__(self) -> int:
-        """Number of cases."""
-        return len(self.duration)
-
-    def __repr__(self) -> str:
-        """One line."""
-        told = f"{counted(len(self), 'case')}, {outcomes(self.outcome)}"
-        return f"<TransitionTable of {self.model}: {told}; {self.why}>"
 
     def _repr_html_(self) -> str:
         shown = {name: list(values) for name, values in self._columns(collisions=1).items()}
         rows = list(zip(*shown.values(), strict=True))
         title = f"{len(self):,} transitions of {self.model}"
-        facts = {"outcomes": outcomes(self.outcome), "engine": self.why}
+        facts = {"outcomes": self._outcomes(), "engine": self.why}
         return html(title, facts, list(shown), rows)
 
     def to_frame(self, library: str | None = None, *, collisions: int = 2) -> Any:
@@ -110,14 +90,7 @@ class TransitionTable(CollisionRows):
         if collisions < 0:
             message = f"collisions = {collisions}: at least 0"
             raise InputError(message, collisions=collisions)
-        whole: dict[str, Column] = {
-            "engine": self.engine.tolist(),
-            "outcome": self.outcome.tolist(),
-            "message": list(self.message),
-            "speed_rpm": self.speed_rpm,
-            "restitution": self.restitution,
-            **spring_columns(self.mechanism, stiffness=self.stiffness, preload=self.preload),
-        }
+        whole = self._cases({"restitution": self.restitution})
         for quantity in TRANSITION:
             values = getattr(self, quantity.column or quantity.name)
             whole[quantity.name] = values.tolist() if values.dtype == object else values

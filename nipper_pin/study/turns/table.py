@@ -12,10 +12,8 @@ from numpy.typing import NDArray
 from ...arrays import FloatArray
 from ...frames import Column, data_frame
 from ...hybrid.result.turns import of_turn, turn_names
-from ...mechanism import Mechanism
 from ...notebook import html
-from ...terms.shown import counted
-from ..table_summary import outcomes, spring_columns
+from ..case_table import CaseTable
 
 # Columns that a notebook shows beside parameters and outcome.
 _SHOWN = ("turns", "repeats_after", "clamped_share", "closing_index", "rest_index", "opening_index")
@@ -24,7 +22,7 @@ FOLLOWED = "followed"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class TurnTable:
+class TurnTable(CaseTable):
     """One turn of each of n cases: the first that repeats an earlier one, or the last followed.
 
     A turn that repeats the one before stands for all that follow. Arrays have shape (n,), NaN where
@@ -72,15 +70,7 @@ class TurnTable:
         mechanism: The mechanism, with the values that no column changes.
     """
 
-    model: str
-    why: str
-    engine: NDArray[np.str_]
-    outcome: NDArray[np.str_]
-    message: tuple[str, ...]
-    speed_rpm: FloatArray
     restitution: Mapping[str, FloatArray]
-    stiffness: FloatArray
-    preload: FloatArray
     turns: NDArray[np.int64]
     repeats_after: NDArray[np.int64]
     clamped_time: FloatArray
@@ -108,23 +98,13 @@ class TurnTable:
     largest_impulse_error: Mapping[str, FloatArray]
     largest_torque: Mapping[str, FloatArray]
     largest_torque_error: Mapping[str, FloatArray]
-    mechanism: Mechanism
-
-    def __len__(self) -> int:
-        """Number of cases."""
-        return len(self.speed_rpm)
-
-    def __repr__(self) -> str:
-        """One line."""
-        told = f"{counted(len(self), 'case')}, {outcomes(self.outcome)}"
-        return f"<TurnTable of {self.model}: {told}; {self.why}>"
 
     def _repr_html_(self) -> str:
         every = self._columns()
         head = ("engine", "outcome", "message", "speed_rpm", *_SHOWN)
         rows = list(zip(*(list(every[name]) for name in head), strict=True))
         title = f"Turns of {self.model}: {len(self):,} cases"
-        return html(title, {"outcomes": outcomes(self.outcome), "engine": self.why}, head, rows)
+        return html(title, {"outcomes": self._outcomes(), "engine": self.why}, head, rows)
 
     def quantity(self, name: str) -> FloatArray:
         """Values of a quantity by its name in files, such as ``rest_index``, shape (n,).
@@ -156,13 +136,9 @@ class TurnTable:
         Returns:
             Numbers as arrays, shape (n,), NaN where a case has none; all else as lists.
         """
+        e_N = {f"stops.{name}.restitution": value for name, value in self.restitution.items()}
         return {
-            "engine": self.engine.tolist(),
-            "outcome": self.outcome.tolist(),
-            "message": list(self.message),
-            "speed_rpm": self.speed_rpm,
-            **{f"stops.{name}.restitution": e_N for name, e_N in self.restitution.items()},
-            **spring_columns(self.mechanism, stiffness=self.stiffness, preload=self.preload),
+            **self._cases(e_N),
             "turns": self.turns,
             "repeats_after": self.repeats_after,
             **{

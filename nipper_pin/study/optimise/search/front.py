@@ -16,7 +16,7 @@ import numpy as np
 
 from ....tolerances.study import NO_CONFLICT
 from ..points import Evaluator
-from ..problem.problem import Aim, Limit, Problem
+from ..problem.problem import Limit, Problem
 from ..work import Work
 from .descend import Descent, descend
 from .trace import Scales
@@ -47,6 +47,9 @@ def front(
         the descents that led to them. A single point if one design is the best by both aims.
     """
     one, two = problem.aims
+    side: Literal["low", "high"] = "high" if two.sense > 0.0 else "low"
+    # Of the first aim with the second held to a value.
+    scales = Scales(by[0].aim, (*by[0].limits, by[1].aim))
     source = Evaluator(problem)
     reached = _second(source, ends[0])
     if reached - ends[1].aim <= NO_CONFLICT * by[1].aim:
@@ -56,7 +59,8 @@ def front(
     for k in range(1, points):
         part = k / (points - 1)
         held = reached + min(part, _LAST) * (ends[1].aim - reached)
-        text, scales = _held(problem, one, two, held, by)
+        limit = Limit(quantity=two.quantity, side=side, value=two.sense * held)
+        text = problem.with_aim(one, limit).text()
         blend = (1.0 - part) * np.array(ends[0].z) + part * np.array(ends[1].z)
         starts = [ends[0].z, ends[1].z]
         if source.at(blend).usable:
@@ -70,16 +74,6 @@ def front(
     places = [item.z for item in best if item.feasible]
     aims = [(item.aim, _second(source, item)) for item in best if item.feasible]
     return tuple(z for z, own in zip(places, aims, strict=True) if not _beaten(own, aims)), found
-
-
-def _held(
-    problem: Problem, one: Aim, two: Aim, held: float, by: tuple[Scales, ...]
-) -> tuple[bytes, Scales]:
-    """The problem by its first aim with the second held to a value, and its scales."""
-    side: Literal["low", "high"] = "high" if two.sense > 0.0 else "low"
-    limit = Limit(quantity=two.quantity, side=side, value=two.sense * held)
-    scales = Scales(by[0].aim, (*by[0].limits, by[1].aim))
-    return problem.with_aim(one, limit).text(), scales
 
 
 def _second(source: Evaluator, item: Descent) -> float:
