@@ -30,7 +30,6 @@ def next_steps(
     """Sentences that lead from a checked model to its first runs.
 
     Args:
-        report: The findings.
         model: How the user calls the model on the command line.
         given: Further words of the command line that make the machine and its speed.
         start: Its words that say where turns start.

@@ -214,16 +214,7 @@ class Workers:
 
 
 def mapped(task: Callable[[_T], _R], items: Iterable[_T], workers: int) -> Iterator[_R]:
-    """Results of a task for some items, in their order.
-
-    Args:
-        task: A function that another process can find, or a partial of one.
-        items: What it is called with.
-        workers: Processes; 1: one, which is this one if its BLAS computes in one thread.
-
-    Raises:
-        WorkerError: A process died.
-    """
+    """Results of a task for some items, as :meth:`Workers.in_order` gives them."""
     with Workers(workers) as own:
         yield from own.in_order(task, items)
 

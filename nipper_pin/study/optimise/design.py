@@ -52,13 +52,7 @@ class Design:
 
 
 def design(source: Evaluator, by: Scales, z: tuple[float, ...]) -> Design | None:
-    """The design of some numbers; None if they make no machine that can be simulated.
-
-    Args:
-        source: Evaluates points of the problem.
-        by: Scales of its limits.
-        z: Unit coordinates.
-    """
+    """The design of unit coordinates; None if they make no machine that can be simulated."""
     place = np.array(z)
     point = source.at(place)
     if not point.usable:

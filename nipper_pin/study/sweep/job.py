@@ -97,10 +97,7 @@ class Job(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
 
 
 def read_job(text: bytes) -> Job:
-    """Rebuild a job from its text.
-
-    Args:
-        text: What :meth:`Job.text` gave.
+    """Rebuild a job from what :meth:`Job.text` gave.
 
     Raises:
         InputError: This process runs other versions than the one that planned the sweep.

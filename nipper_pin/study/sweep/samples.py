@@ -102,12 +102,7 @@ class Stage:
 
 
 def stages(axes: Sequence[Axis], samples: Samples | None) -> list[Stage]:
-    """Scenarios in the parts in which their samples were asked for; mostly that is one.
-
-    Args:
-        axes: All parameters.
-        samples: How the sampled ones are drawn; None if there are none.
-    """
+    """Scenarios in the parts in which their samples were asked for; mostly that is one."""
     if samples is None:
         return [Stage(start=0, first=0, layout=Layout(axes, None))]
     found, start = [], 0
@@ -119,12 +114,7 @@ def stages(axes: Sequence[Axis], samples: Samples | None) -> list[Stage]:
 
 
 class Rows:
-    """Values of all parameters of ranges of scenarios; cheapest if asked for in order.
-
-    Args:
-        axes: All parameters.
-        samples: How the sampled ones are drawn; None if there are none.
-    """
+    """Values of all parameters of ranges of scenarios; cheapest if asked for in order."""
 
     def __init__(self, axes: Sequence[Axis], samples: Samples | None) -> None:
         """Prepare the samples."""

@@ -29,11 +29,7 @@ _PER_RAD = INDEX_PER_TURN / math.tau
 
 
 def reduced_columns(found: TurnQuantities) -> dict[tuple[str, str], FloatArray]:
-    """Columns by attribute of the table and name of the stop or drive.
-
-    Args:
-        found: Quantities of the last turn of each case.
-    """
+    """Columns of the last turn of each case, by attribute and name of the stop or drive."""
     again = found.repeats_after.astype(np.float64)
     columns: dict[tuple[str, str], FloatArray] = {("repeats_after", ""): again}
     for name in _OF_CLAMP:

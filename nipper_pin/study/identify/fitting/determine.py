@@ -99,7 +99,6 @@ def determinability(objective: Objective, z: FloatArray) -> Determinability:
     C = (J' J + 12 I)^-1.
 
     Args:
-        objective: The residuals of a problem.
         z: Unit coordinates, shape (free,).
 
     Raises:

@@ -42,15 +42,7 @@ def slopes(function: Function, z: FloatArray) -> FloatArray:
 def jacobian(function: Function, z: FloatArray) -> FloatArray:
     """Central differences; at a bound, or beside an edge, one-sided ones of the same order.
 
-    Args:
-        function: From unit coordinates to rows.
-        z: Unit coordinates, shape (free,).
-
-    Returns:
-        Shape (rows, free).
-
-    Raises:
-        NipperError: There is no machine here, or none on either side.
+    Arguments, shape and errors are those of :func:`slopes`.
     """
 
     def one_sided(place: int, step: float) -> FloatArray:

@@ -133,7 +133,6 @@ def descend(objective: Objective, begin: FloatArray, max_steps: int = _MAX_STEPS
     """Go down from one start.
 
     Args:
-        objective: The residuals.
         begin: Unit coordinates, shape (free,); or several draws, shape (draws, free), of which
             the first is taken that makes a machine.
         max_steps: Largest number of evaluations, those for derivatives left out.

@@ -27,7 +27,6 @@ def suspected_units(objective: Objective, z: FloatArray, predicted: FloatArray) 
     nearer to a wrong unit.
 
     Args:
-        objective: The problem as residuals.
         z: Unit coordinates of the fit, shape (free,).
         predicted: Values of the targets there, shape (targets,).
 

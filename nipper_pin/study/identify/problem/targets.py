@@ -144,10 +144,7 @@ def transition_quantities(
     """All quantities of one transition; NaN where there are fewer rebounds.
 
     Args:
-        at: Settings of the transition.
-        tolerance: Relative accuracy.
-        rest_rate: Separation rate at which it ends; None: at its limit.
-        true: As in :func:`predict`.
+        at: Settings of the transition; further arguments are those of :func:`predict`.
 
     Raises:
         SimulationError: The transition cannot be simulated, or does not come to rest.
@@ -172,10 +169,6 @@ def premises(
     mechanism: Mechanism, targets: Sequence[Target], tolerance: float, rest_rate: float | None
 ) -> dict[Condition, Premise]:
     """Say for each setting whether the machine arrives as a transition assumes.
-
-    Args:
-        tolerance: Relative accuracy of the transitions.
-        rest_rate: Separation rate at which a transition ends; None: at its limit.
 
     Raises:
         SimulationError: A transition cannot be simulated.

@@ -107,11 +107,7 @@ class Control:
 
 
 def control(text: bytes, design: Design) -> Control:
-    """Simulate turns of a design, and compare.
-
-    Args:
-        design: The design, as it is reported.
-    """
+    """Simulate turns of a design, and compare them with what is reported of it."""
     problem, z = read_text(text), np.array(design.z)
     try:
         mechanism = load(problem.model, problem.overrides(z))

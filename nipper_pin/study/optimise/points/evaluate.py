@@ -43,7 +43,7 @@ class _Known:
 
 
 class Evaluator:
-    """Points of one problem."""
+    """Points of one problem, by unit coordinates of shape (parameters,)."""
 
     def __init__(self, problem: Problem) -> None:
         """Prepare; nothing is computed yet."""
@@ -59,11 +59,7 @@ class Evaluator:
         return self.turns.why if self.turns.asked else self.transitions.why
 
     def at(self, z: FloatArray) -> Point:
-        """Quantities and slacks of one set of numbers.
-
-        Args:
-            z: Unit coordinates, shape (parameters,).
-        """
+        """Quantities and slacks of one set of numbers."""
         try:
             known = self._known(z)
             values = self._values(known, z)
@@ -76,11 +72,7 @@ class Evaluator:
         return Point(z=z, values=values, rows=rows, owners=owners, engine=known.engine)
 
     def errors(self, z: FloatArray) -> dict[str, float]:
-        """Stated errors of the quantities of a usable point, by name.
-
-        Args:
-            z: Unit coordinates, shape (parameters,).
-        """
+        """Stated errors of the quantities of a usable point, by name."""
         known = self._known(z)
         values = self._values(known, z)
         coarse = self._values(known, z, thin=True)
@@ -96,9 +88,6 @@ class Evaluator:
 
     def mechanism(self, z: FloatArray) -> Mechanism:
         """The mechanism with these numbers.
-
-        Args:
-            z: Unit coordinates, shape (parameters,).
 
         Raises:
             InputError: They make none.
@@ -152,8 +141,6 @@ class Evaluator:
         """Quantities of a design.
 
         Args:
-            known: What was computed for it.
-            z: Unit coordinates, shape (parameters,).
             thin: Whether curves are looked at in half of their samples, to see what that changes.
         """
         values = {"speed_rpm": self.problem.speed(z)}
@@ -175,9 +162,5 @@ class Evaluator:
 
 @lru_cache(maxsize=2)
 def evaluator(text: bytes) -> Evaluator:
-    """The evaluator of a problem, kept in this process.
-
-    Args:
-        text: Text of the :class:`~nipper_pin.study.optimise.problem.problem.Problem`.
-    """
+    """The evaluator of a problem by its text, kept in this process."""
     return Evaluator(read_text(text))

@@ -151,11 +151,7 @@ class Problem:
         return {item.name: float(x) for item, x in zip(self.parameters, values, strict=True)}
 
     def overrides(self, z: FloatArray) -> dict[str, object]:
-        """Overrides of the model that ``load`` and ``--set`` take, what is fixed included.
-
-        Args:
-            z: Unit coordinates, shape (parameters,).
-        """
+        """Overrides of the model that ``load`` and ``--set`` take, what is fixed included."""
         numbers = self.numbers(z)
         free = {
             item.target.path: numbers[item.name]
@@ -165,19 +161,11 @@ class Problem:
         return {**self.changes, **free}
 
     def speed(self, z: FloatArray) -> float:
-        """Cylinder speed [r/min].
-
-        Args:
-            z: Unit coordinates, shape (parameters,).
-        """
+        """Cylinder speed [r/min]."""
         return self.numbers(z).get(SPEED, self.speed_rpm)
 
     def bounds_at(self, z: FloatArray) -> tuple[str, ...]:
-        """Names of the bounds that a design lies at.
-
-        Args:
-            z: Unit coordinates, shape (parameters,).
-        """
+        """Names of the bounds that a design lies at."""
         found: list[str] = []
         for item, place in zip(self.parameters, z, strict=True):
             found += [item.bound("low")] * bool(place <= ACTIVE_LIMIT)
@@ -194,9 +182,5 @@ class Problem:
 
 
 def read_text(text: bytes) -> Problem:
-    """Rebuild a problem from its text.
-
-    Args:
-        text: What :meth:`Problem.text` gave.
-    """
+    """Rebuild a problem from what :meth:`Problem.text` gave."""
     return msgspec.json.decode(text, type=Problem)

@@ -61,23 +61,13 @@ class Descent:
 
 
 def descend(text: bytes, scales: Scales, start: tuple[float, ...]) -> Descent:
-    """Minimise the first aim of a problem from one start.
-
-    Args:
-        start: Unit coordinates of a usable point.
-    """
-    trace = Trace(evaluator(text), scales)
-    return _run(trace, start, _minimise)
+    """Minimise the first aim of a problem from the unit coordinates of a usable point."""
+    return _run(Trace(evaluator(text), scales), start, _minimise)
 
 
 def restore(text: bytes, scales: Scales, start: tuple[float, ...]) -> Descent:
-    """Make the largest violation of a problem's limits as small as it can be, from one start.
-
-    Args:
-        start: Unit coordinates of a usable point.
-    """
-    trace = Trace(evaluator(text), scales)
-    return _run(trace, start, _mend)
+    """Make the largest violation of a problem's limits as small as it can be, likewise."""
+    return _run(Trace(evaluator(text), scales), start, _mend)
 
 
 def _run(

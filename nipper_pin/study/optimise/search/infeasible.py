@@ -25,7 +25,6 @@ def from_feasible_designs(
     Args:
         problem: The problem with one aim.
         tried: Descents, none of which meets the limits.
-        work: Does the parts.
 
     Raises:
         InfeasibleError: There are no such designs.

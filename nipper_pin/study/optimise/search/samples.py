@@ -155,11 +155,7 @@ def evolve(text: bytes, by: Scales, seed: int, mapper: Mapper) -> Found:
 
 
 def merit(text: bytes, by: Scales, z: FloatArray) -> Merit:
-    """Value that the evolution minimises: lower at any feasible point than at any infeasible one.
-
-    Args:
-        z: Unit coordinates, shape (parameters,).
-    """
+    """Value that the evolution minimises: lower at any feasible point than at all others."""
     source = evaluator(text)
     point = source.at(z)
     if not point.usable:
