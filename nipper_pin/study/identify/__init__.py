@@ -1,8 +1,8 @@
 """Identification: numbers of a model from published ratios or from measured rebounds."""
 
-from .fitting.determine import Determinability, determinability
+from .fitting.determine import determinability
 from .fitting.fit import Descent, Fit
-from .fitting.goodness import Goodness, Verdict, goodness
+from .fitting.goodness import Goodness, Verdict
 from .fitting.objective import Objective
 from .fitting.profiles import Profile, profile
 from .fitting.search import identify
@@ -17,7 +17,6 @@ __all__ = [
     "QUANTITIES",
     "Condition",
     "Descent",
-    "Determinability",
     "Fit",
     "Goodness",
     "Limits",
@@ -29,7 +28,6 @@ __all__ = [
     "Verdict",
     "WorkingCycle",
     "determinability",
-    "goodness",
     "identify",
     "predict",
     "profile",

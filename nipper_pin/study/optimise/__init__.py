@@ -2,7 +2,7 @@
 
 from .control import Control
 from .design import Design
-from .problem.problem import Aim, Limit, Parameter, Problem
+from .problem.problem import Limit, Problem
 from .problem.problem_file import read_problem
 from .result import Optimum
 from .run import optimise
@@ -10,12 +10,10 @@ from .write import RESULTS, write
 
 __all__ = [
     "RESULTS",
-    "Aim",
     "Control",
     "Design",
     "Limit",
     "Optimum",
-    "Parameter",
     "Problem",
     "optimise",
     "read_problem",

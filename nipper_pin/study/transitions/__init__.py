@@ -7,7 +7,6 @@ case, and the result says which engine computed what.
 
 from __future__ import annotations
 
-from ..engines import Engine
 from .engine_choice import REDUCED_PAYS_FROM, TURNS_PAY_FROM, table_of, transition_table
 from .table import FAILED, REDUCED, REDUCED_TURN, TURN, TransitionTable
 
@@ -18,7 +17,6 @@ __all__ = [
     "REDUCED_TURN",
     "TURN",
     "TURNS_PAY_FROM",
-    "Engine",
     "TransitionTable",
     "table_of",
     "transition_table",

@@ -9,10 +9,9 @@ from __future__ import annotations
 
 from .engine_choice import MOST_TURNS, TURNS, TURNS_PAY_FROM, turn_table, turns_of
 from .run import TurnSettings
-from .table import FOLLOWED, TurnTable
+from .table import TurnTable
 
 __all__ = [
-    "FOLLOWED",
     "MOST_TURNS",
     "TURNS",
     "TURNS_PAY_FROM",

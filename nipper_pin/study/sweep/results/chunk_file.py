@@ -161,7 +161,9 @@ def read(content: bytes, columns: Sequence[str] | None = None) -> pa.Table:
                     place, item.with_type(pa.string()), table[place].cast(pa.string())
                 )
         table.validate(full=True)
-        _check_numbers(table)
+        if _NUMBER in table.column_names and (not len(table) or table[_NUMBER].null_count):
+            message = "it has no rows, or rows without a number"
+            raise DamageError(message)
     except (pa.ArrowException, OSError, LookupError, ValueError, RuntimeError) as error:
         # pyarrow gives errors of its C++ that it has no word for as RuntimeError.
         message = f"damaged, or no chunk of a sweep ({' '.join(str(error).split())})"
@@ -201,13 +203,6 @@ def _check_columns(schema: pa.Schema, columns: Sequence[str] | None) -> None:
             raise DamageError(message)
     for name in {*(columns or ())} - {*schema.names}:
         message = f"its column {name!r} is missing"
-        raise DamageError(message)
-
-
-def _check_numbers(table: pa.Table) -> None:
-    """Refuse a chunk without rows, and gaps among their numbers."""
-    if _NUMBER in table.column_names and (not len(table) or table[_NUMBER].null_count):
-        message = "it has no rows, or rows without a number"
         raise DamageError(message)
 
 
