@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +18,9 @@ from .tally import SUMMARY
 
 if TYPE_CHECKING:
     import pyarrow as pa
+
+# Rows that are kept, and the sign by which the value of each is the smallest.
+_WORDS = {"smallest": 1.0, "largest": -1.0}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,18 +43,13 @@ class Extremes:
 
     Args:
         job: The sweep; its first quantity counts.
-
-    Attributes:
-        smallest: The row with the smallest value; None as long as no row has one.
-        largest: The row with the largest value.
     """
 
     def __init__(self, job: Job) -> None:
         """Know no row yet."""
         self._job = job
         self._name = job.quantities[0]
-        self.smallest: Extreme | None = None
-        self.largest: Extreme | None = None
+        self._found: dict[str, Extreme] = {}
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -69,17 +68,13 @@ class Extremes:
         if not len(known):
             return
         order = self._order(values[known])
-        low = self._row(table, int(known[np.argmin(order)]))
-        high = self._row(table, int(known[np.argmax(order)]))
-        # Chunks come in any order: of equal values the first scenario is told.
-        self.smallest = min(
-            (item for item in (self.smallest, low) if item),
-            key=lambda x: (self._order(x.value), x.scenario),
-        )
-        self.largest = min(
-            (item for item in (self.largest, high) if item),
-            key=lambda x: (-self._order(x.value), x.scenario),
-        )
+        for word, sense in _WORDS.items():
+            row = self._row(table, int(known[np.argmin(sense * order)]))
+            self._found[word] = min(self._found.get(word, row), row, key=partial(self._rank, sense))
+
+    def _rank(self, sense: float, row: Extreme) -> tuple[float, int]:
+        """Chunks come in any order: of equal values the first scenario is told."""
+        return sense * self._order(row.value), row.scenario
 
     def _order(self, value: Any) -> Any:
         """By what values are compared: of indices how far from the start of the turn they are."""
@@ -87,16 +82,12 @@ class Extremes:
 
     def record(self) -> dict[str, Any]:
         """Both rows as plain data for JSON."""
-        return {
-            "quantity": self._name,
-            "smallest": None if self.smallest is None else asdict(self.smallest),
-            "largest": None if self.largest is None else asdict(self.largest),
-        }
+        rows = {word: asdict(row) for word, row in self._found.items()}
+        return {"quantity": self._name, **dict.fromkeys(_WORDS), **rows}
 
     def sentences(self) -> list[str]:
         """Both rows in words and in the units that people read."""
-        pairs = (("Smallest", self.smallest), ("Largest", self.largest))
-        return [self._sentence(word, item) for word, item in pairs if item is not None]
+        return [self._sentence(word.capitalize(), row) for word, row in self._found.items()]
 
     def _sentence(self, word: str, item: Extreme) -> str:
         term = named(self._name, self._job.units.get(self._name, ""))
