@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ..arrays import FloatArray
 from ..errors import InputError, SimulationError, with_words
 from ..given import number, whole
+from ..hybrid import FASTEST_RPM
 from ..mechanism import INDEX_PER_TURN, Mechanism, within_turn
 from ..reduced.turns import (
     START_INDEX,
@@ -31,8 +32,6 @@ _SAID = 4
 _MOST_SPEEDS = 10_000
 # Speeds that are followed without a look at what the user wants, an interrupt for example.
 _BLOCK = 64
-# As of a case of the direct engine.
-_FASTEST_RPM = 1e9
 # What tables of turns are told to do where the reduced engine cannot follow them.
 _OTHER_ENGINE = "use the direct engine"
 _SINGLE_SPEEDS = (
@@ -241,8 +240,8 @@ def _need_drive(mechanism: Mechanism) -> None:
 def _speeds(low_rpm: float, high_rpm: float, speeds: int) -> FloatArray:
     """The speeds of a range, checked."""
     whole("speeds", speeds, 2, _MOST_SPEEDS)
-    low_rpm = number("low_rpm", low_rpm, 0.0, _FASTEST_RPM, open_low=True)
-    high_rpm = number("high_rpm", high_rpm, 0.0, _FASTEST_RPM, open_low=True)
+    low_rpm = number("low_rpm", low_rpm, 0.0, FASTEST_RPM, open_low=True)
+    high_rpm = number("high_rpm", high_rpm, 0.0, FASTEST_RPM, open_low=True)
     if not low_rpm < high_rpm:
         message = (
             f"speeds from {low_rpm:g} to {high_rpm:g} r/min cannot be used: from a speed to a "

@@ -207,9 +207,7 @@ def _cases(job: Job, mechanism: Mechanism, rows: FloatArray) -> Cases:
     return cases_of(mechanism, speed, restitution, stiffness, preload)
 
 
-@lru_cache(maxsize=4)
-def _job(text: bytes) -> Job:
-    return read_job(text)
+_job = lru_cache(maxsize=4)(read_job)
 
 
 @lru_cache(maxsize=4)

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -88,13 +89,12 @@ class Transitions:
     def __init__(self, problem: Problem) -> None:
         """Prepare; nothing is computed yet."""
         self._problem = problem
-        self._tables: tuple[ReducedModel | None, str] | None = None
         self._machine: Mechanism | None = None
 
     @property
     def why(self) -> str:
         """Reason for the choice of the engine."""
-        return self._sampled()[1]
+        return self._sampled[1]
 
     def at(self, mechanism: Mechanism, speed_rpm: float, *, dense: bool = True) -> Bounces:
         """The transition of one design, as its turns have it.
@@ -143,10 +143,9 @@ class Transitions:
             max_collisions=_MOST_COLLISIONS,
         )
 
+    @cached_property
     def _sampled(self) -> tuple[ReducedModel | None, str]:
-        if self._tables is None:
-            self._tables = sampled_once(self._problem, self._built)
-        return self._tables
+        return sampled_once(self._problem, self._built)
 
     def _built(self, mechanism: Mechanism) -> ReducedModel:
         reason = unfit(mechanism)
@@ -157,7 +156,7 @@ class Transitions:
 
     def _by_tables(self, mechanism: Mechanism, speed_rpm: float) -> ReducedTransition | None:
         """The transition by the reduced engine; None where its tables do not cover it."""
-        model = self._sampled()[0]
+        model = self._sampled[0]
         if model is None:
             return None
         try:
@@ -175,7 +174,7 @@ class Transitions:
     def _by_turns(self, mechanism: Mechanism, speed_rpm: float) -> TurnTransition | None:
         """The transition of a turn by tables; None where they cannot tell it."""
         base = self._machine
-        if self._sampled()[0] is None or base is None:
+        if self._sampled[0] is None or base is None:
             return None
         settings = Settings(
             rest_rate=self._problem.rest_rate,

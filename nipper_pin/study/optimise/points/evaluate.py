@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -51,7 +50,7 @@ class Evaluator:
         self.transitions = Transitions(problem)
         self.turns = WholeTurns(problem)
         self._moving = [item for item in problem.parameters if item.target.kind == "model"]
-        self._built: OrderedDict[tuple[float, ...], Mechanism] = OrderedDict()
+        self._built = lru_cache(_MACHINES)(self._changed)
 
     @property
     def why(self) -> str:
@@ -93,15 +92,7 @@ class Evaluator:
             InputError: They make none.
         """
         numbers = self.problem.numbers(z)
-        key = tuple(numbers[item.name] for item in self._moving)
-        if key in self._built:
-            self._built.move_to_end(key)
-        else:
-            values = {item.target.path: numbers[item.name] for item in self._moving}
-            self._built[key] = changed(self.problem.mechanism, values)
-            if len(self._built) > _MACHINES:
-                self._built.popitem(last=False)
-        base = self._built[key]
+        base = self._built(*(numbers[item.name] for item in self._moving))
         restitution = base.stop(base.transition_stop).restitution
         stiffness = np.array([spring.stiffness for spring in base.springs])
         preload = np.array([spring.preload for spring in base.springs])
@@ -119,6 +110,11 @@ class Evaluator:
             stiffness=stiffness,
             preload=preload,
         )
+
+    def _changed(self, *values: float) -> Mechanism:
+        """The machine with other numbers of those that need one of its own."""
+        paths = [item.target.path for item in self._moving]
+        return changed(self.problem.mechanism, dict(zip(paths, values, strict=True)))
 
     def _known(self, z: FloatArray) -> _Known:
         """Transition and cycle of a design; the turn is simulated where they would be wrong."""

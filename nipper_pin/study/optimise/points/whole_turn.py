@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -55,7 +56,6 @@ class WholeTurns:
         self._names = tuple(
             name for name in problem.quantities if QUANTITIES[name].source == "turn"
         )
-        self._base: tuple[Mechanism | None, str] | None = None
 
     @property
     def asked(self) -> bool:
@@ -65,7 +65,7 @@ class WholeTurns:
     @property
     def why(self) -> str:
         """Reason for the choice of the engine."""
-        return self._sampled()[1]
+        return self._sampled[1]
 
     def at(self, mechanism: Mechanism, speed_rpm: float, *, coarse: bool = False) -> WholeTurn:
         """The turn of one design.
@@ -76,7 +76,7 @@ class WholeTurns:
         Raises:
             SimulationError: The turns cannot be followed, or differ from one another.
         """
-        base = self._sampled()[0]
+        base = self._sampled[0]
         if base is not None:
             table = self._followed(base, mechanism, speed_rpm, coarse=coarse)
             if table.outcome[0] == FOLLOWED:
@@ -139,10 +139,9 @@ class WholeTurns:
                 bounds[name] = float(np.nan_to_num(table.largest_gap_error[0]))
         return WholeTurn(engine, values, bounds)
 
+    @cached_property
     def _sampled(self) -> tuple[Mechanism | None, str]:
-        if self._base is None:
-            self._base = sampled_once(self._problem, self._with_tables)
-        return self._base
+        return sampled_once(self._problem, self._with_tables)
 
     def _with_tables(self, mechanism: Mechanism) -> Mechanism:
         """Follow one turn, for which the tables are made and kept."""

@@ -36,9 +36,7 @@ class Parameter:
 
     def bound(self, side: Literal["low", "high"]) -> str:
         """One of its bounds in words."""
-        if side == "low":
-            return f"{self.name} >= {self.low:.6g}"
-        return f"{self.name} <= {self.high:.6g}"
+        return str(Limit(quantity=self.name, side=side, value=getattr(self, side)))
 
 
 @dataclass(frozen=True, kw_only=True)
