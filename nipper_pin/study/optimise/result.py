@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from ...hybrid import Case, Window
+from ..transitions import REDUCED_TURN, TURN
 from .control import Control
 from .design import Design
-from .points.bounces import REDUCED_TURN, TURN
 from .problem.problem import Problem
 from .search.binding import Account
 from .search.descend import Descent

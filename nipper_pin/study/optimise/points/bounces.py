@@ -10,7 +10,6 @@ all links is not asked for, in 0.5 ms, else by the direct engine in 40 ms or mor
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -22,14 +21,12 @@ from ....hybrid import Case, Outcome, Resolution, comes_back
 from ....mechanism import Mechanism
 from ....reduced import ReducedModel, ReducedTransition, build, transition, unfit
 from ...cases import Settings
+from ...transitions import REDUCED, REDUCED_TURN, TURN
 from ...true_transition import TrueTransition, assumed_transition, transition_of_turns
 from ...turn_transition import TurnTransition, turn_transition
 from ..problem.problem import Problem
 from .one_machine import sampled_once
 
-REDUCED, DIRECT, REDUCED_TURN, TURN = "reduced", "direct", "reduced_turn", "turn"
-ENGINES = (REDUCED, DIRECT, REDUCED_TURN, TURN)
-"""The reduced engine and the direct one on a transition, and the same two on whole turns."""
 _MOST_COLLISIONS = 500
 
 
@@ -38,7 +35,7 @@ class Bounces:
     """The transition of one design.
 
     Attributes:
-        engine: One of :data:`ENGINES`.
+        engine: "reduced" or "direct"; "reduced_turn" or "turn": the same two on whole turns.
     """
 
     engine: str
@@ -113,7 +110,7 @@ class Transitions:
         found = assumed_transition(mechanism, self._case(speed_rpm))
         if found.premise_holds is not True and comes_back(found.solution.system):
             return self.in_turn(mechanism, speed_rpm, found.solution.premise.why)
-        return Bounces(DIRECT, _at_rest(found))
+        return Bounces("direct", _at_rest(found))
 
     def in_turn(
         self, mechanism: Mechanism, speed_rpm: float, why: str, before: float = 0.0
@@ -205,8 +202,3 @@ def _at_rest(found: TrueTransition) -> TrueTransition:
     if found.outcome is not Outcome.AT_REST:
         raise SimulationError(found.outcome.value, outcome=found.outcome.name)
     return found
-
-
-def counted(engines: Mapping[str, int]) -> dict[str, int]:
-    """Numbers of points by engine, in the order of :data:`ENGINES`."""
-    return {name: engines.get(name, 0) for name in ENGINES}

@@ -22,8 +22,8 @@ class Point:
         rows: Slacks of the limits, positive inside, each in the unit of its quantity, in the order
             of ``owners``; empty without a machine.
         owners: Place of the limit that a row belongs to.
-        engine: Engine that found the transition, or the whole turn if one is asked for; one of
-            :data:`~.bounces.ENGINES`, empty without a machine.
+        engine: Engine that found the transition, or the whole turn if one is asked for, as of
+            :class:`~.bounces.Bounces`; empty without a machine.
         why: Why there are no quantities; empty if there are.
     """
 

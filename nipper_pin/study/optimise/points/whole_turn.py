@@ -19,12 +19,12 @@ from ....hybrid import START_INDEX
 from ....mechanism import Mechanism, counted_from
 from ....tolerances.study import COARSEST_TURN, QUANTITY_ROUND_OFF
 from ...cases import cases_of
+from ...transitions import REDUCED_TURN, TURN
 from ...turns.engine_choice import turns_of
 from ...turns.run import TurnSettings
 from ...turns.table import FOLLOWED, TurnTable
 from ..problem.problem import Problem
 from ..problem.quantities import MARGIN, QUANTITIES
-from .bounces import REDUCED_TURN, TURN
 from .one_machine import sampled_once
 
 # Turns before one repeats, collisions of a turn, and how much coarser the second run is.
