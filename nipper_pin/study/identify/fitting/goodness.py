@@ -162,7 +162,8 @@ def goodness(
     """
     problem = objective.problem
     residuals = objective.misfit(predicted)
-    jacobian = known.jacobian[:, _inside(z)]
+    # Numbers at a bound could not follow the targets.
+    jacobian = known.jacobian[:, (z > 1e-3) & (z < 1.0 - 1e-3)]
     leverage = leverages(jacobian, problem.prior_weight)
     fitted, chi_square = float(leverage.sum()), float(residuals @ residuals)
     freedom = len(residuals) - fitted
@@ -184,8 +185,3 @@ def goodness(
         suspects=suspected_units(objective, z, predicted),
         absolute_sigma=problem.absolute_sigma,
     )
-
-
-def _inside(z: FloatArray) -> list[int]:
-    """Numbers that were free to follow the targets: those at a bound could not."""
-    return [place for place, x in enumerate(z) if 1e-3 < x < 1.0 - 1e-3]

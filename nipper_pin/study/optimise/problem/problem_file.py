@@ -105,7 +105,7 @@ def _aims(table: _FileTable, file: str) -> tuple[Aim, ...]:
             ("minimise", table.minimise, 1.0),
             ("maximise", table.maximise, -1.0),
         )
-        for name in _known(_listed(names), f"{file}: {key}")
+        for name in _known((names,) if isinstance(names, str) else names, f"{file}: {key}")
     ]
     named = [item.quantity for item in aims]
     if not 1 <= len(set(named)) == len(named) <= _MOST_AIMS:
@@ -116,10 +116,6 @@ def _aims(table: _FileTable, file: str) -> tuple[Aim, ...]:
             "one quantity in minimise or maximise, or two that differ for a Pareto front",
         )
     return tuple(aims)
-
-
-def _listed(names: _Names) -> tuple[str, ...]:
-    return (names,) if isinstance(names, str) else names
 
 
 def _known(names: Sequence[str], where: str) -> Sequence[str]:

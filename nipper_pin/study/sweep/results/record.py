@@ -12,7 +12,7 @@ from msgspec import Meta
 
 from ....errors import InputError
 from ....texts import MOST_JSON, read_text
-from ..job import COLUMNS, TURN_COLUMNS, Job
+from ..job import COLUMNS, TURN_COLUMNS
 from ..plan import Plan
 from ..samples import Samples
 
@@ -94,19 +94,12 @@ def plan_record(plan: Plan) -> dict[str, Any]:
         "rest_rate": job.rest_rate,
         "tolerance": job.tolerance,
         "max_collisions": job.max_collisions,
-        **_turn(job),
+        **({} if job.turn is None else {"window": "cycle", **msgspec.structs.asdict(job.turn)}),
         "versions": dict(job.versions),
         "urdf": job.urdf,
         "description": dict(job.document),
         "study": job.study,
     }
-
-
-def _turn(job: Job) -> dict[str, Any]:
-    """What a sweep of whole turns follows; nothing in one of transitions."""
-    if job.turn is None:
-        return {}
-    return {"window": "cycle", **msgspec.structs.asdict(job.turn)}
 
 
 def read_document(file: Path) -> dict[str, Any]:
