@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -43,12 +43,19 @@ class Design:
 
     def record(self) -> dict[str, Any]:
         """The design as plain data for JSON."""
-        found = asdict(self)
-        del found["z"]
-        for name in ("values", "errors"):
-            numbers = found[name].items()
-            found[name] = {key: x if math.isfinite(x) else None for key, x in numbers}
-        return found
+        return {
+            "numbers": dict(self.numbers),
+            "values": {name: _finite(value) for name, value in self.values.items()},
+            "errors": {name: _finite(value) for name, value in self.errors.items()},
+            "slacks": list(self.slacks),
+            "inside": self.inside,
+            "holding": list(self.holding),
+            "engine": self.engine,
+        }
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
 
 
 def design(source: Evaluator, by: Scales, z: tuple[float, ...]) -> Design | None:
