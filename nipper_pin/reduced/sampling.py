@@ -124,7 +124,14 @@ def build(
     rate, rounded = _approach_rate(system, closed, stop.index, stop.name)
     _check_opening(mechanism, others, sampler)
     weights, room = _nominal(mechanism, sampler, rate)
-    gap_max = _pressed(mechanism, room) if gap_max is None else gap_max
+    if gap_max is None and not room > 0.0:
+        message = (
+            f"{mechanism.name}: stop {stop.name!r} is not pressed shut after its "
+            f"first collision at {FAST:g} times the rated speed; use the direct engine, "
+            "or nipper_pin.reduced.build with a gap_max"
+        )
+        raise InputError(message, stop=stop.name)
+    gap_max = room if gap_max is None else gap_max
     arcs, why = _turn(mechanism, stop)
     if travel_rad is None:
         opening = next((arc.end for arc in arcs if arc.after.name != stop.name), _USUAL)
@@ -147,25 +154,15 @@ def build(
 def _check_opening(mechanism: Mechanism, others: tuple[Stop, ...], sampler: Sampler) -> None:
     """Refuse a closed stop that the rebound of the transition stop does not open."""
     closed = mechanism.phase(mechanism.initial_phase).closed
-    for other, opening in zip(others, sampler.opening_rates(), strict=True):
+    by_x, _ = sampler.rates(np.zeros(1), np.zeros((1, len(mechanism.joints))))
+    for other in others:
+        opening = other.rate(by_x[0])
         if other.name in closed and opening <= 0.0:
             message = (
                 f"{mechanism.name}: stop {other.name!r} does not open when "
                 f"{mechanism.transition_stop!r} rebounds; use the direct engine"
             )
-            raise InputError(message, stop=other.name, opening_rate=float(opening))
-
-
-def _pressed(mechanism: Mechanism, gap_max: float) -> float:
-    """The gap of the domain, of a stop that is pressed shut after its first collision."""
-    if not gap_max > 0.0:
-        message = (
-            f"{mechanism.name}: stop {mechanism.transition_stop!r} is not pressed shut after its "
-            f"first collision at {FAST:g} times the rated speed; use the direct engine, "
-            "or nipper_pin.reduced.build with a gap_max"
-        )
-        raise InputError(message, stop=mechanism.transition_stop)
-    return gap_max
+            raise InputError(message, stop=other.name, opening_rate=opening)
 
 
 def _turn(mechanism: Mechanism, stop: Stop) -> tuple[list[ContactArc], str]:

@@ -17,7 +17,6 @@ from .flight_errors import flight_errors
 from .layout import Case, Charts, Motion, Records, Settings, Work, numbered
 from .panel import acceleration, contract, reach
 from .release import release_error, released
-from .repeats import mark, repeats
 from .series import settles, surely_over
 from .turn_charts import (
     chart_at,
@@ -27,7 +26,7 @@ from .turn_charts import (
     source_of,
     surface,
 )
-from .turn_events import TURN, errors_after, note, rebounded, strike
+from .turn_events import TURN, errors_after, mark, note, rebounded, repeats, strike
 
 # What a machine does next: its stop is closed, is about to be struck, has just been struck, is
 # open; or its chart has ended, with the stop closed or open.

@@ -1,14 +1,14 @@
-"""Events of a motion and bounds on their errors, compiled."""
+"""Events of a motion with bounds on their errors, and ends of turns, compiled."""
 
 from __future__ import annotations
 
-from math import exp, pi
+from math import exp, inf, pi
 
 import numpy as np
 
 from ...arrays import FloatArray
 from ...tolerances.mechanics import EPS
-from ...tolerances.reduced import GROWTH_SAFETY
+from ...tolerances.reduced import GROWTH_SAFETY, SAME_TURN
 from . import layout as rows
 from .compiled import part
 from .flight_errors import exponent, size
@@ -16,6 +16,8 @@ from .layout import Case, Charts, Motion, Records, Work
 from .panel import along
 
 TURN = 2.0 * pi
+# Longest period that is looked for [turns].
+_MOST_PERIOD = 64
 
 
 @part
@@ -93,3 +95,54 @@ def note(records: Records, kind: int, stop: int, t: float, travel: float, dt: fl
     row[rows.TIME], row[rows.TRAVEL] = t, travel
     row[rows.TIME_ERROR] = dt + 4.0 * EPS * t
     records.counts[rows.EVENTS] += 1
+
+
+@part
+def mark(ends: FloatArray, turn: int, rest: tuple[float, float], at: Motion) -> None:
+    """Write the end of a turn.
+
+    Args:
+        turn: Turns that are over.
+        rest: Chart and travel of the end of the last rest; -1 without one, and infinity at rest.
+    """
+    row = ends[turn]
+    row[0], row[1] = rest
+    row[2], row[3], row[4], row[5], row[6] = at.chart, at.x, at.v, at.dx, at.dv
+
+
+@part
+def begin_at(ends: FloatArray, turn: int) -> tuple[bool, bool, Motion]:
+    """How the turn after ``turn`` others begins.
+
+    Returns:
+        Whether that is known, which it is not at a collision in that very instant; whether the
+        chart's stop is closed; and the state.
+    """
+    row = ends[turn]
+    resting = row[0] >= 0.0 and row[1] == inf
+    at = Motion(int(row[2]), 0.0, 0.0, row[3], row[4], 0.0, row[5], row[6])
+    return resting or row[3] != 0.0, resting, at
+
+
+@part
+def repeats(charts: Charts, ends: FloatArray, turn: int) -> int:
+    """After how many turns one repeats an earlier one; 0 if it is not known to.
+
+    What follows a rest does not depend on what was before it, so two turns whose last rests end at
+    the same travel end alike. Without a rest their states at the end have to be the same.
+    """
+    now = ends[turn]
+    for back in range(1, min(turn, _MOST_PERIOD) + 1):
+        then = ends[turn - back]
+        if now[0] != then[0] or now[2] != then[2]:
+            continue
+        if now[0] >= 0.0:
+            if now[1] == then[1] or abs(now[1] - then[1]) <= SAME_TURN * TURN:
+                return back
+            continue
+        c = int(now[2])
+        wide = charts.numbers[c, rows.HIGH] - charts.numbers[c, rows.LOW]
+        fast = max(abs(now[4]), abs(then[4]))
+        if abs(now[3] - then[3]) <= SAME_TURN * wide and abs(now[4] - then[4]) <= SAME_TURN * fast:
+            return back
+    return 0

@@ -14,9 +14,9 @@ from .flight import kept
 from .flight_errors import size
 from .layout import Case, Cases, Charts, Job, Records, Settings, Work
 from .panel import acceleration, along, chebyshev, contract, position, rate_at, reach
-from .repeats import begin_at
 from .turn import FLYING, RESTING, follow
 from .turn_charts import case_of, press, records_in, scratch, source_of
+from .turn_events import begin_at
 from .turn_quantities import begun
 
 # Places of a panel by its nodes, and of a rest by cells of its chart.

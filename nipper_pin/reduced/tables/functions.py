@@ -77,15 +77,6 @@ def inertial_forces(
     return at(1.0, 0.0), at(1.0, 1.0), at(1.0, -1.0), at(0.0, 1.0), weight
 
 
-def mass_times(
-    system: System, q: FloatArray, direction: FloatArray, forces: tuple[FloatArray, ...]
-) -> FloatArray:
-    """M times a direction, shape (N, nv); ``forces`` as of :func:`inertial_forces`."""
-    scale = _fast(system) ** 2
-    pushed = system.body.inverse_dynamics(q, np.zeros_like(q), scale * direction)
-    return np.asarray((pushed - forces[-1]) / scale)
-
-
 def resisted(
     system: System, along: FloatArray, forces: tuple[FloatArray, ...], motion: Rates
 ) -> FloatArray:
@@ -323,7 +314,10 @@ class Sampler:
             (drives, functions + 1, N).
         """
         motion, jacobian, forces = self._motion(u, x, guess)
-        pushed = mass_times(self._system, motion.q, motion.n, forces)
+        # M n; the weight is taken off again, so the rates are those of inertial forces.
+        scale = _fast(self._system) ** 2
+        pushed = self._system.body.inverse_dynamics(motion.q, 0.0 * motion.q, scale * motion.n)
+        pushed = (pushed - forces[-1]) / scale
         found = []
         for index in self._system.driven:
             k = np.zeros_like(motion.q)
@@ -345,11 +339,6 @@ class Sampler:
         motion = Rates(q, *self._rates(rates, q, jacobian))
         forces = inertial_forces(self._system, motion, accelerations, self._armature)
         return motion, jacobian, forces
-
-    def opening_rates(self) -> FloatArray:
-        """Rates of the other stops by that of x in the touch configuration, shape (others,)."""
-        n, _ = self.rates(np.zeros(1), np.zeros((1, self._system.body.nv)))
-        return np.array([stop.rate(n[0]) for stop in self._others])
 
     def _coordinate(self, x: FloatArray) -> FloatArray:
         """Coordinate of the stop's joint at a gap x."""
