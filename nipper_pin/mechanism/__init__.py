@@ -15,20 +15,16 @@ from .load import collision_model, from_sources, load, need_as_written, need_mec
 from .mechanism import Mechanism, Shared
 from .model_files import find_model, known_models, model_folder
 from .other_numbers import changed, layout_of, number_of, numbers_of, retuned
-from .parts import Closure, Contact, Drive, Joint, Phase, Simultaneous, Spring, Start, Stop
+from .parts import Joint, Simultaneous, Spring, Start, Stop
 
 __all__ = [
     "INDEX_PER_TURN",
     "Characteristic",
-    "Closure",
-    "Contact",
     "Cylinder",
     "Damper",
-    "Drive",
     "DriveLaw",
     "Joint",
     "Mechanism",
-    "Phase",
     "Shared",
     "Simultaneous",
     "Spring",

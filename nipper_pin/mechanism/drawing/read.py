@@ -102,9 +102,8 @@ def _table_of(section: str, entry: Mapping[str, Any]) -> Any:
 
 def _need_words(table: DrawingTable, file: str) -> None:
     """Refuse names that are not one word: lists of points are split at spaces and strokes."""
-    names = [(f"points.{name}", name) for name in table.points]
-    names += [(f"bodies.{name}", name) for name in table.bodies]
-    names += [(f"shapes.{name}", name) for name in table.shapes]
+    sections = ("points", "bodies", "shapes")
+    names = [(f"{key}.{name}", name) for key in sections for name in getattr(table, key)]
     for number, joint in enumerate(table.joints):
         names += [
             (f"joints[{number}]", name or "_") for name in (joint.name, joint.slide, joint.slot)

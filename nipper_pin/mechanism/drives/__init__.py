@@ -7,32 +7,25 @@ here, named like the law, or a class in a user's own program, registered by `reg
 from ..files.law_tables import AnyTable, DriveTable, ShaftTable
 from ..files.register import register_drive
 from ..laws import DriveLaw, Evaluation, Geared
-from .cam import Cam, CamDrive
-from .constant_speed import ConstantSpeed, ConstantSpeedDrive
-from .fourier import Fourier, FourierDrive
+from .cam import Cam
+from .constant_speed import ConstantSpeed
+from .fourier import Fourier
 from .geared import GearedDrive
-from .oscillating_guide import OscillatingGuide, OscillatingGuideDrive
-from .screw import ScrewDrive
-from .table import Table, TableDrive
+from .oscillating_guide import OscillatingGuide
+from .table import Table
 
 __all__ = [
     "AnyTable",
     "Cam",
-    "CamDrive",
     "ConstantSpeed",
-    "ConstantSpeedDrive",
     "DriveLaw",
     "DriveTable",
     "Evaluation",
     "Fourier",
-    "FourierDrive",
     "Geared",
     "GearedDrive",
     "OscillatingGuide",
-    "OscillatingGuideDrive",
-    "ScrewDrive",
     "ShaftTable",
     "Table",
-    "TableDrive",
     "register_drive",
 ]

@@ -7,13 +7,10 @@ here, named like the law, or a class in a user's own program that `register_forc
 from ..files.law_tables import ForceTable
 from ..files.register import register_force
 from ..laws import ForceLaw, JointForce
-from .orifice import Orifice, OrificeForce
 
 __all__ = [
     "ForceLaw",
     "ForceTable",
     "JointForce",
-    "Orifice",
-    "OrificeForce",
     "register_force",
 ]

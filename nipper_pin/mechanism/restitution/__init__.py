@@ -8,11 +8,10 @@ here, named like the law, or a class in a user's own program that
 from ..files.law_tables import RestitutionTable
 from ..files.register import register_restitution
 from ..laws import RestitutionLaw
-from .falling import Falling, FallingRestitution
+from .falling import Falling
 
 __all__ = [
     "Falling",
-    "FallingRestitution",
     "RestitutionLaw",
     "RestitutionTable",
     "register_restitution",

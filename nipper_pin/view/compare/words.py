@@ -185,7 +185,12 @@ def print_comparison(comparison: Comparison, console: Console) -> None:
     """Print what differs, the table, and what was found."""
     for side, name in zip("AB", names(comparison), strict=True):
         say(console, f"{side}: {name}")
-    _changes(comparison, console)
+    if comparison.changes:
+        headline(console, "What differs")
+        for text in change_texts(comparison):
+            say(console, text)
+    else:
+        say(console, changes_text(comparison))
     for name, rows in _parts(comparison):
         headline(console, name)
         show_table(console, _HEADINGS, [cells(row) for row in rows])
@@ -234,12 +239,3 @@ def cells(row: Row) -> tuple[str, str, str, str, str]:
     """Words, unit, both values and the difference, as people read them."""
     found = row_shown(row)
     return found.words, found.unit, found.text(row.a), found.text(row.b), difference_text(row)
-
-
-def _changes(comparison: Comparison, console: Console) -> None:
-    if not comparison.changes:
-        say(console, "Machine and setting are the same.")
-        return
-    headline(console, "What differs")
-    for text in change_texts(comparison):
-        say(console, text)

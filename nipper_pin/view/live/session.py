@@ -264,15 +264,14 @@ def shown_live(mechanism: Mechanism, speed_rpm: float) -> tuple[Shown, str]:
         **read(played),
         "cameras": cameras((played, drawn)),
         "live": {
-            "controls": [_control(item) for item in (*controls, larger)],
+            "controls": [
+                {"key": knob.key, "name": knob.shown.words, "label": knob.shown.label,
+                 "low": knob.low, "high": knob.high, "step": knob.step}
+                for knob in (*controls, larger)
+            ],
             "state": Session(shown).state(),
         },
-    }
+    }  # fmt: skip
     messages = [*machine_messages(mechanism, drawn), animation(played, drawn)]
     page = assembled(messages, found, __package__, _CONNECT)
     return shown, page
-
-
-def _control(knob: Knob) -> dict[str, object]:
-    return {"key": knob.key, "name": knob.shown.words, "label": knob.shown.label,
-            "low": knob.low, "high": knob.high, "step": knob.step}  # fmt: skip

@@ -5,16 +5,14 @@ and pillow; each is imported where such a file is written.
 """
 
 from .film import Film, Look, film
-from .solids import CYLINDER, FIXED, Colour, Solid, cylinder_axis, pictured, solids
+from .solids import CYLINDER, FIXED, Solid, pictured, solids
 
 __all__ = [
     "CYLINDER",
     "FIXED",
-    "Colour",
     "Film",
     "Look",
     "Solid",
-    "cylinder_axis",
     "film",
     "pictured",
     "solids",

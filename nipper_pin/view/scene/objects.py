@@ -24,7 +24,7 @@ from .arrows import JUMP, arrow_body, arrow_place, arrow_scale, arrow_shares, ar
 from .colours import ARROW, LINE, SPRING, channels
 from .film import Film, bouncing_stop
 from .meshes import as_stl, coil
-from .solids import CYLINDER, FIXED, THICK, Colour, Solid, across_plane, cylinder_axis, extent
+from .solids import CYLINDER, FIXED, THICK, Colour, Solid, across_plane, extent, guide
 
 ROOT = "nipper"
 LINE_WIDTH = 0.003  # of the extent of the mechanism
@@ -53,9 +53,9 @@ def solid_commands(mechanism: Mechanism, solid: Solid) -> Iterator[dict[str, obj
     """
     path = solid_path(mechanism, solid)
     place = solid.placement.copy()
-    axis = cylinder_axis(mechanism)
-    if solid.body == CYLINDER and axis is not None:
-        place[[0, 2], 3] -= axis
+    law = guide(mechanism)
+    if solid.body == CYLINDER and law is not None:
+        place[[0, 2], 3] -= law.crank_axis
     place[:3, :3] = place[:3, :3] * solid.scale
     if solid.kind == "cylinder":
         place = place @ _UPRIGHT
@@ -162,9 +162,9 @@ def _bodies(film: Film) -> Iterator[dict[str, object]]:
         (body, film.position[:, body], heights[body], film.angle[:, body])
         for body in range(len(mechanism.joints))
     ]
-    axis = cylinder_axis(mechanism)
-    if axis is not None:
-        moved.append((CYLINDER, np.tile(axis, (len(t), 1)), 0.0, film.turned))
+    law = guide(mechanism)
+    if law is not None:
+        moved.append((CYLINDER, np.tile(law.crank_axis, (len(t), 1)), 0.0, film.turned))
     for body, place, height, angle in moved:
         # A rotation about -y, in three.js's order x, y, z, w.
         turned = np.column_stack([zero, -np.sin(0.5 * angle), zero, np.cos(0.5 * angle)])

@@ -134,7 +134,8 @@ def assembled(
         "style": "".join(text for name, text in texts.items() if name.endswith(".css")),
         "viewer": viewer,
         "scene": json.dumps([encoded(item) for item in (*_BARE, *messages)]),
-        "film": _in_script(json.dumps(found, allow_nan=False)),
+        # It cannot end the script element it stands in.
+        "film": json.dumps(found, allow_nan=False).replace("<", "\\u003c"),
         "script": script,
     }  # fmt: skip
     pieces = []
@@ -173,11 +174,6 @@ def _policy(*scripts: str, connect: str) -> str:
         f"default-src 'none'; script-src {own}; style-src 'unsafe-inline'; "
         f"img-src data: blob:; connect-src {connect}"
     )
-
-
-def _in_script(text: str) -> str:
-    """JSON that cannot end the script element it stands in."""
-    return text.replace("<", "\\u003c")
 
 
 def _licences() -> str:

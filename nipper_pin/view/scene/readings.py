@@ -12,7 +12,7 @@ import numpy as np
 from ...arrays import FloatArray
 from ...hybrid import Collision, Solution, Window
 from ...hybrid.result.quantities import force_unit
-from ...mechanism import INDEX_PER_TURN, Mechanism, Stop
+from ...mechanism import INDEX_PER_TURN, Mechanism
 from ...terms import digits
 from ...units import MS_PER_S
 from ..phases import intervals
@@ -151,11 +151,8 @@ def columns(film: Film) -> Iterator[tuple[str, str, FloatArray]]:
         yield f"{stop.name} {gap_noun(mechanism, stop)}", term.unit, term.value(gap)
         if (lips := contact_shown(stop)) is not None:
             yield f"{stop.name} {lips.words}", lips.unit, lips.value(gap)
-        yield _force(film, stop), force_unit(mechanism, stop), film.force[stop.name]
-
-
-def _force(film: Film, stop: Stop) -> str:
-    return f"{stop.name} {force_name(film.solution.mechanism, stop.name).partition(' [')[0]}"
+        name = force_name(mechanism, stop.name).partition(" [")[0]
+        yield f"{stop.name} {name}", force_unit(mechanism, stop), film.force[stop.name]
 
 
 def note(film: Film) -> str:

@@ -89,12 +89,10 @@ class Solid:
         return np.asarray(turned + self.placement[:3, 3])
 
 
-def cylinder_axis(mechanism: Mechanism) -> tuple[float, float] | None:
-    """Axis (x, z) that drawn parts of the cylinder turn about [m]; None if no drive tells it."""
-    for drive in mechanism.drives:
-        if isinstance(drive.law, OscillatingGuide):
-            return drive.law.crank_axis
-    return None
+def guide(mechanism: Mechanism) -> OscillatingGuide | None:
+    """The law of a drive that tells where the crank of the cylinder is; None if none does."""
+    laws = (drive.law for drive in mechanism.drives)
+    return next((law for law in laws if isinstance(law, OscillatingGuide)), None)
 
 
 def across_plane(mechanism: Mechanism) -> list[float]:
@@ -157,7 +155,7 @@ def _shapes(
         xyz, rpy = origin(element, key, file)
         local = np.eye(4)
         local[:3, :3], local[:3, 3] = rotation_from_rpy(rpy), xyz
-        turns = body == FIXED and name.startswith("cylinder_") and cylinder_axis(mechanism)
+        turns = body == FIXED and name.startswith("cylinder_") and guide(mechanism)
         yield Solid(
             name=name,
             body=CYLINDER if turns else body,

@@ -1,6 +1,6 @@
 """A labelled drawing of a mechanism, made from the model: ``nipper-pin check --drawing FILE``."""
 
 from .draw import write_sketch
-from .places import Sketch, sketch
+from .places import sketch
 
-__all__ = ["Sketch", "sketch", "write_sketch"]
+__all__ = ["sketch", "write_sketch"]

@@ -8,9 +8,10 @@ import numpy as np
 import pinocchio as pin
 
 from ...arrays import FloatArray
-from ...mechanism import Mechanism, joint_axis, joint_placements
-from ...mechanism.drives import OscillatingGuide
+from ...mechanism import Joint, Mechanism, Stop, joint_axis, joint_placements
+from ...mechanism.parts import Closure
 from ..scene.arrows import arrow_body
+from ..scene.solids import guide
 
 # A joint may have the name of a link.
 _LINK = pin.FrameType.BODY
@@ -94,9 +95,9 @@ def sketch(mechanism: Mechanism) -> Sketch:
     model = mechanism.model
     world = joint_placements(model)
     origins = [item.translation[[0, 2]] for item in world[1:]]
-    nodes = [_tree_node(mechanism, place, world) for place in range(len(origins))]
-    nodes += [_cut_node(mechanism, place, world) for place in range(len(mechanism.closures))]
-    stops = tuple(_mark(mechanism, place, world) for place in range(len(mechanism.stops)))
+    nodes = [_tree_node(mechanism, joint, world) for joint in mechanism.joints]
+    nodes += [_cut_node(mechanism, closure, world) for closure in mechanism.closures]
+    stops = tuple(_mark(mechanism, stop, world) for stop in mechanism.stops)
     links = []
     for body, joint in enumerate(mechanism.joints):
         points = [origins[body]]
@@ -119,35 +120,34 @@ def sketch(mechanism: Mechanism) -> Sketch:
         (item.name, np.array([_frame(model, name, world) for name in (item.frame_a, item.frame_b)]))
         for item in mechanism.struts
     )
-    return Sketch(
-        mechanism.title or mechanism.name, tuple(links), tuple(nodes), stops, struts,
-        _crank(mechanism),
-    )  # fmt: skip
+    law = guide(mechanism)
+    crank = None if law is None else (np.array(law.crank_axis), law.crank_radius_m)
+    title = mechanism.title or mechanism.name
+    return Sketch(title, tuple(links), tuple(nodes), stops, struts, crank)
 
 
-def _tree_node(mechanism: Mechanism, place: int, world: list[pin.SE3]) -> Node:
+def _tree_node(mechanism: Mechanism, joint: Joint, world: list[pin.SE3]) -> Node:
     """A joint of the tree."""
-    joint = mechanism.joints[place]
-    along, at = np.zeros(2), world[place + 1].translation[[0, 2]]
+    along, at = np.zeros(2), world[joint.index + 1].translation[[0, 2]]
     if joint.kind == "prismatic":
-        along, at = _slide(mechanism, place, world)
+        along, at = _slide(mechanism, joint.index, world)
     names = [item.name for item in mechanism.springs if item.index == joint.index]
     names += [item.name for item in mechanism.tabulated_springs if item.index == joint.index]
     return Node(
         joint.name,
         "pin" if joint.kind == "revolute" else "slide",
-        place,
+        joint.index,
         at,
         along,
-        mechanism.model.parents[place + 1] == 0,
+        mechanism.model.parents[joint.index + 1] == 0,
         next((item.name for item in mechanism.drives if item.index == joint.index), ""),
         ", ".join(names),
     )
 
 
-def _cut_node(mechanism: Mechanism, place: int, world: list[pin.SE3]) -> Node:
+def _cut_node(mechanism: Mechanism, closure: Closure, world: list[pin.SE3]) -> Node:
     """A joint that closes a loop."""
-    model, closure = mechanism.model, mechanism.closures[place]
+    model = mechanism.model
     frames = (closure.frame_a, closure.frame_b)
     parents = [model.frames[model.getFrameId(name, _LINK)].parentJoint for name in frames]
     along, kind = np.zeros(2), "cut pin"
@@ -161,9 +161,8 @@ def _cut_node(mechanism: Mechanism, place: int, world: list[pin.SE3]) -> Node:
     return Node(closure.name, kind, body, at, along, 0 in parents)
 
 
-def _mark(mechanism: Mechanism, place: int, world: list[pin.SE3]) -> Mark:
+def _mark(mechanism: Mechanism, stop: Stop, world: list[pin.SE3]) -> Mark:
     """A stop at its contact point, or at its joint."""
-    stop = mechanism.stops[place]
     body = arrow_body(mechanism, stop)
     if stop.contact is not None:
         return Mark(stop.name, body, stop.contact.point[[0, 2]], stop.contact.normal[[0, 2]])
@@ -186,10 +185,3 @@ def _slide(mechanism: Mechanism, place: int, world: list[pin.SE3]) -> tuple[Floa
 def _frame(model: pin.Model, name: str, world: list[pin.SE3]) -> FloatArray:
     frame = model.frames[model.getFrameId(name, _LINK)]
     return np.asarray((world[frame.parentJoint] * frame.placement).translation[[0, 2]])
-
-
-def _crank(mechanism: Mechanism) -> tuple[FloatArray, float] | None:
-    for drive in mechanism.drives:
-        if isinstance(drive.law, OscillatingGuide):
-            return np.array(drive.law.crank_axis), drive.law.crank_radius_m
-    return None
