@@ -160,7 +160,7 @@ def _of_part(
             elif segment.t_end > segment.t_start:
                 flights.append(segment)
         step = last.get(event.source)
-        if step is None or not step.starts_from(state):
+        if step is None or step.before != state:
             flown = sum(segment.t_end - segment.t_start for segment in segments[first:place])
             arrival = _Arrival(event, segments[place - 1] if place else None, flown, flights)
             step = last[event.source] = _stepped(maps, state, arrival)
@@ -198,11 +198,6 @@ class _Step(NamedTuple):
     before: _State
     after: _State
     stated: EventError
-
-    def starts_from(self, state: _State) -> bool:
-        """True if this is what was known before."""
-        deviations, error = self.before
-        return deviations is state.deviations and error is state.error
 
 
 class _Arrival(NamedTuple):

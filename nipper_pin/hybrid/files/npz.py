@@ -177,16 +177,14 @@ def save(solution: Solution, path: str | Path) -> Path:
         target = target.with_name(target.name + ".npz")
     panels: _Stored = {}
     states: _Stored = {}
-    document = {
-        **_setting(solution.mechanism, solution.case),
-        "shaft": _fields(ShaftRecord, solution.shaft),
-        "segments": [_segment_record(segment, panels) for segment in solution.segments],
-        "events": [_event_record(event, states) for event in solution.events],
-        "outcome": solution.outcome.name,
-        "evaluations": solution.evaluations,
-        "wall_s": solution.wall_s,
-        "repeated_from": solution.repeated_from,
-    }
+    document = _setting(solution.mechanism, solution.case) | _fields(
+        Run,
+        solution,
+        shaft=_fields(ShaftRecord, solution.shaft),
+        segments=[_segment_record(segment, panels) for segment in solution.segments],
+        events=[_event_record(event, states) for event in solution.events],
+        outcome=solution.outcome.name,
+    )
     stored = {
         "document": np.array(json.dumps(document, default=_plain)),
         **{f"panel{place}": np.stack(arrays) for place, arrays in panels.values()},

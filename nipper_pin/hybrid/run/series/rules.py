@@ -127,8 +127,7 @@ class NestedBounces:
             series = NestedSeries()
         series = series.struck(state.t, -stop.rate(before.v), struck.number)
         self._known[key] = series
-        fastest = max(rate for name, rate in struck.rates.items() if name in names)
-        t, error = rest_of_nested(struck, names, fastest, series)
+        t, error = _rest_of_nested(struck, names, series)
         if not isfinite(t):
             return None
         stops = tuple(item for item in system.mechanism.stops if item.name in names)
@@ -140,23 +139,17 @@ class NestedBounces:
         self._known = {key: own for key, own in self._known.items() if key[0] not in part}
 
 
-def rest_of_nested(
-    struck: ImpactOutcome, names: Collection[str], fastest: float, series: NestedSeries
+def _rest_of_nested(
+    struck: ImpactOutcome, names: Closed, series: NestedSeries
 ) -> tuple[float, float]:
     """Time [s] at which stops that throw one another open come to rest together, and its error.
 
-    The collision is one at one of them, the others having been at rest.
-
-    Args:
-        names: Names of all of them.
-        fastest: Largest rate at which one of them opens [rad/s or m/s].
-        series: The collisions of that one.
-
-    Returns:
-        Both are infinite while not known yet.
+    The series has the collisions of one of them, the others having been at rest. Infinite while not
+    known yet.
     """
     system, case, state = struck.system, struck.case, struck.after
     if case.rest_rate is not None:
+        fastest = max(rate for name, rate in struck.rates.items() if name in names)
         return (state.t if fastest < case.rest_rate else inf), 0.0
     if any(system.mechanism.stop(name).restitution >= 1.0 for name in names):
         # One that loses nothing comes to rest by what the others lose, if at all.
