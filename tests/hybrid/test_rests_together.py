@@ -15,6 +15,7 @@ from nipper_pin.dynamics.constraint_set import parts as parts_of
 from nipper_pin.hybrid import State
 from nipper_pin.hybrid.history import Closed
 from nipper_pin.hybrid.run.phase_manager import EventLog
+from nipper_pin.hybrid.run.series.bounces import Change
 
 GRAVITY = 9.81
 
@@ -344,8 +345,8 @@ def test_a_rest_that_is_brought_forward_is_off_by_what_it_was_moved(
     impact = Impact(none, none, np.zeros(0), {}, 0.0)
     state = State(0.5, none, none, np.zeros((0, 1)), (none, none, none), Closed())
     log = EventLog(lambda _: frozenset({"jaw", "steeve"}))
-    log.record(EventKind.REST, state, rest, ["jaw"], impact, Closed(), series_error=1e-6)
-    log.record(EventKind.COLLISION, state, 0.9, ["steeve"], impact, Closed())
+    log.record(EventKind.REST, state, Change(rest, 1e-6, ["jaw"], impact, Closed()))
+    log.record(EventKind.COLLISION, state, Change(0.9, 0.0, ["steeve"], impact, Closed()))
     first, hit = log.events
     assert (first.t, hit.t) == (there, 0.9)
     assert first.series_error == pytest.approx(error, rel=1e-12)

@@ -18,7 +18,7 @@ from ..case import Case
 from ..contact.active_set import active_set, active_set_next, stilled, touching
 from ..history import Closed, Event, EventKind, Segment, State
 from ..motion.panel import Panel
-from .series.bounces import ImpactOutcome, Rest, Series
+from .series.bounces import Change, ImpactOutcome, Series
 from .series.rules import NestedBounces, need_no_jam, series_rules
 
 
@@ -30,26 +30,16 @@ class EventLog:
         self.events: list[Event] = []
         self._coupled = coupled
 
-    def record(
-        self,
-        kind: EventKind,
-        state: State,
-        t: float,
-        stops: Sequence[str],
-        impact: Impact,
-        closed: Closed,
-        series_error: float = 0.0,
-    ) -> int:
+    def record(self, kind: EventKind, state: State, change: Change) -> int:
         """Write an event down: before those rests of parts that it does not touch that come later.
 
         Args:
             state: State just before it.
-            t: Its time [s]; that of a limit of bounces lies beyond the state.
-            series_error: Estimated error of such a limit [s].
 
         Returns:
             The number of the event.
         """
+        t, error, stops, impact, closed = change
         closed_before, later = state.closed, list[Event]()
         if self.events and self.events[-1].t > t:
             later = self._later(t, stops)
@@ -64,14 +54,10 @@ class EventLog:
                 stops=tuple(stops),
                 q=state.q,
                 v_before=state.v,
-                v_after=impact.v_after,
-                delta=impact.delta,
-                P_N=impact.P_N,
-                P_g=impact.P_g,
-                energy_lost=impact.energy_lost,
+                **vars(impact),
                 closed_before=closed_before,
                 closed_after=closed,
-                series_error=series_error,
+                series_error=error,
                 source=number,
             )
         )
@@ -276,8 +262,8 @@ class PhaseManager:
         at_rest = state.closed.difference(rates).union(still)
         after = state._replace(v=impact.v_after)
         closed = active_set(self.system, after, at_rest, met)
-        struck = _struck(impact, hit)
-        number = self._log.record(EventKind.COLLISION, state, state.t, struck, impact, closed)
+        change = Change(state.t, 0.0, _struck(impact, hit), impact, closed)
+        number = self._log.record(EventKind.COLLISION, state, change)
         after = after._replace(closed=closed, series=self._apart(met))
         newly = met & closed
         if newly:
@@ -322,12 +308,10 @@ class PhaseManager:
                     return
                 struck = struck._replace(after=self.state, rebounding=left)
 
-    def _rest(self, rest: Rest) -> None:
+    def _rest(self, rest: Change) -> None:
         """End a series at its limit, or at the threshold of the case."""
         state = self.state
-        self._log.record(
-            EventKind.REST, state, rest.t, rest.stops, rest.impact, rest.closed, rest.error
-        )
+        self._log.record(EventKind.REST, state, rest)
         series = self._apart(rest.stops)
         self.state = state._replace(v=rest.impact.v_after, closed=rest.closed, series=series)
 
@@ -341,7 +325,7 @@ class PhaseManager:
     def _close(self, state: State, newly: Set[str], closed: Closed) -> None:
         """Write down that stops rest without an impact."""
         still = no_impact(self.system, state.v)
-        self._log.record(EventKind.REST, state, state.t, sorted(newly), still, closed)
+        self._log.record(EventKind.REST, state, Change(state.t, 0.0, sorted(newly), still, closed))
 
     def _release(self, released: Set[str], panel: Panel) -> State:
         """Open the stops whose force has fallen to zero."""
@@ -360,7 +344,8 @@ class PhaseManager:
         # Stops that are not pressed shut are no series any more.
         self._nested.forget(released)
         still = no_impact(self.system, state.v)
-        self._log.record(EventKind.RELEASE, state, state.t, sorted(released), still, closed)
+        change = Change(state.t, 0.0, sorted(released), still, closed)
+        self._log.record(EventKind.RELEASE, state, change)
         self.state = state._replace(closed=closed, series=self._apart(released))
         return self.state
 

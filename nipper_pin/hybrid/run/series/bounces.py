@@ -56,20 +56,20 @@ class ImpactOutcome(NamedTuple):
         return self.acceleration(self.after)
 
 
-class Rest(NamedTuple):
-    """The limit of a series of bounces.
+class Change(NamedTuple):
+    """What an event changes: a collision, a release, or a rest, the limit of a series of bounces.
 
     Attributes:
-        t: Its time [s].
-        error: Estimated error of that [s].
-        stops: Names of the stops that come to rest.
-        impact: What takes their last rates away.
+        t: Its time [s]; that of a limit lies beyond the state before it.
+        error: Estimated error of a limit [s]; zero for others.
+        stops: Names of the stops that it concerns.
+        impact: Its impulses; at a limit what takes the last rates away.
         closed: Closed stops from then on.
     """
 
     t: float
     error: float
-    stops: list[str]
+    stops: Sequence[str]
     impact: Impact
     closed: Closed
 
@@ -95,7 +95,7 @@ class Limit(NamedTuple):
         return frozenset(stop.name for stop in self.stops)
 
 
-Followed = tuple[Series, Sequence[Rest]]
+Followed = tuple[Series, Sequence[Change]]
 """All series of bounces after a collision; and the ends that are known, in order of time."""
 Rule = Callable[[ImpactOutcome], Followed]
 UNKNOWN = inf, inf
@@ -128,7 +128,7 @@ def lowest_gap(gap: float, rate: float, acceleration: float, left: float) -> flo
     return gap + left * (min(rate, 0.0) + left * acceleration)
 
 
-def rests_of(system: System, state: State, parts: Iterable[list[Limit]]) -> list[Rest]:
+def rests_of(system: System, state: State, parts: Iterable[list[Limit]]) -> list[Change]:
     """Rests at the limits of each part, in order of time; parts that move alike rest as one."""
     instant = SIMULTANEOUS * system.shaft.period
     groups: list[list[Limit]] = []
@@ -137,7 +137,7 @@ def rests_of(system: System, state: State, parts: Iterable[list[Limit]]) -> list
             groups[-1].extend(part)
         else:
             groups.append(part)
-    rests = list[Rest]()
+    rests = list[Change]()
     for group in groups:
         rest = _rest(system, state, group)
         if rest is not None:
@@ -146,7 +146,7 @@ def rests_of(system: System, state: State, parts: Iterable[list[Limit]]) -> list
     return rests
 
 
-def _rest(system: System, state: State, limits: Sequence[Limit]) -> Rest | None:
+def _rest(system: System, state: State, limits: Sequence[Limit]) -> Change | None:
     """The rest of stops that come to rest as one; None if they are not pressed shut then."""
     stops = [stop for limit in limits for stop in limit.stops]
     names = frozenset(stop.name for stop in stops)
@@ -166,7 +166,7 @@ def _rest(system: System, state: State, limits: Sequence[Limit]) -> Rest | None:
     closed = active_set(system, after, state.closed | names, names)
     if names <= closed:
         newly = sorted(names - state.closed)
-        return Rest(latest(limits), latest_error(limits), newly, impact, closed)
+        return Change(latest(limits), latest_error(limits), newly, impact, closed)
     loose = system.coupled(names - closed)
     others = [limit for limit in limits if loose.isdisjoint(limit.names)]
     return _rest(system, state, others) if others else None
