@@ -22,26 +22,6 @@ FORMATS = ("svg", "png", "pdf")
 _UNDATED = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
 
 
-def plain(figure: Figure) -> Figure:
-    """Have the texts of a figure read as they stand; powers of ten beside axes stay formulas."""
-    _make_plain(figure)
-    return figure
-
-
-def _make_plain(artist: Artist) -> None:
-    if isinstance(artist, Axis):
-        texts = [artist.label]
-        if isinstance(artist.get_major_locator(), FixedLocator):
-            texts += artist.get_ticklabels()
-        for text in texts:
-            text.set_parse_math(False)
-        return
-    if isinstance(artist, Text):
-        artist.set_parse_math(False)
-    for child in artist.get_children():
-        _make_plain(child)
-
-
 def figure_format(path: str | Path) -> str:
     """The format of a figure, by the suffix of its file.
 
@@ -72,3 +52,23 @@ def save_figure(figure: Figure, path: Path, kind: str) -> None:
     # Without a salt matplotlib draws the names of an SVG's parts by lot.
     with rc_context({"svg.hashsalt": "nipper_pin"}):
         plain(figure).savefig(path, format=kind, metadata=_UNDATED.get(kind))
+
+
+def plain(figure: Figure) -> Figure:
+    """Have the texts of a figure read as they stand; powers of ten beside axes stay formulas."""
+    _make_plain(figure)
+    return figure
+
+
+def _make_plain(artist: Artist) -> None:
+    if isinstance(artist, Axis):
+        texts = [artist.label]
+        if isinstance(artist.get_major_locator(), FixedLocator):
+            texts += artist.get_ticklabels()
+        for text in texts:
+            text.set_parse_math(False)
+        return
+    if isinstance(artist, Text):
+        artist.set_parse_math(False)
+    for child in artist.get_children():
+        _make_plain(child)

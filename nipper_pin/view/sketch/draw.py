@@ -33,6 +33,59 @@ _INK, DRIVE = "#1c2430", "#0072B2"
 _PIN, _BAR, _COIL, _ARROW = 0.013, 9.0, 0.09, 0.07
 
 
+def write_sketch(mechanism: Mechanism, path: str | Path) -> Path:
+    """Write the labelled drawing of a mechanism in its touch configuration.
+
+    Args:
+        path: File to write, ``NAME.svg``, ``.png`` or ``.pdf``; it appears when it is complete.
+
+    Raises:
+        InputError: The file cannot be written, or its suffix names no format.
+    """
+    return write_figure(drawn(sketch(mechanism)), path)
+
+
+def drawn(shown: Sketch) -> Figure:
+    """The figure of a sketch."""
+    figure = blank(WIDTH_IN)
+    axes = figure.add_subplot()
+    points = np.concatenate(
+        [link.points for link in shown.links] + [ends for _, ends in shown.struts]
+    )
+    if shown.crank is not None:
+        axis, radius = shown.crank
+        points = np.concatenate([points, axis + radius * np.array([[-1, -1], [1, 1]])])
+    points = MM_PER_M * points
+    # A machine without any length is drawn in a square of one metre, as it is viewed.
+    extent = float(np.ptp(points, axis=0).max())
+    size = extent or MM_PER_M
+    labels = symbols(axes, shown, size).labels
+    _opening(axes, shown, size)
+    room = (0.16 if extent else 0.5) * size
+    low, high = points.min(axis=0) - room, points.max(axis=0) + room
+    axes.set_xlim(low[0], high[0])
+    axes.set_ylim(low[1], high[1])
+    axes.set_aspect("equal")
+    axes.set_xlabel("x [mm]", fontsize=SMALL)
+    axes.set_ylabel("z [mm]", fontsize=SMALL)
+    axes.tick_params(labelsize=SMALL)
+    for label in placed(labels, low, high):
+        line = {"arrowstyle": "-", "color": label.colour, "lw": 0.5}
+        paper = {"fc": "white", "ec": "none", "alpha": 0.8, "pad": 0.8}
+        axes.annotate(
+            label.text, (label.at[0], label.at[1]), label.text_at, fontsize=SMALL, ha="center",
+            va="center", color=label.colour, arrowprops=line, bbox=paper, parse_math=False,
+        )  # fmt: skip
+    title = textwrap.fill(f"{shown.title}: touch configuration", 80)
+    axes.set_title(title, fontsize=TEXT, parse_math=False)
+    figure.supxlabel(
+        "circle: pin; dashed circle: pin that closes a loop; box: slide; hatched: joint with the "
+        "frame;\nblue: driven; red: spring; orange: stop, the arrow shows how it opens",
+        fontsize=SMALL,
+    )
+    return figure
+
+
 @dataclass(frozen=True)
 class Label:
     """A text and what it names.
@@ -92,18 +145,6 @@ def _cost(
     return cost + float(((named > begin) & (named < end)).all(axis=1).sum())
 
 
-def write_sketch(mechanism: Mechanism, path: str | Path) -> Path:
-    """Write the labelled drawing of a mechanism in its touch configuration.
-
-    Args:
-        path: File to write, ``NAME.svg``, ``.png`` or ``.pdf``; it appears when it is complete.
-
-    Raises:
-        InputError: The file cannot be written, or its suffix names no format.
-    """
-    return write_figure(drawn(sketch(mechanism)), path)
-
-
 @dataclass
 class Symbols:
     """What is drawn of a sketch, in mm.
@@ -119,47 +160,6 @@ class Symbols:
     links: list[Polygon] = field(default_factory=list)
     struts: list[Line2D] = field(default_factory=list)
     carried: list[tuple[int, Artist]] = field(default_factory=list)
-
-
-def drawn(shown: Sketch) -> Figure:
-    """The figure of a sketch."""
-    figure = blank(WIDTH_IN)
-    axes = figure.add_subplot()
-    points = np.concatenate(
-        [link.points for link in shown.links] + [ends for _, ends in shown.struts]
-    )
-    if shown.crank is not None:
-        axis, radius = shown.crank
-        points = np.concatenate([points, axis + radius * np.array([[-1, -1], [1, 1]])])
-    points = MM_PER_M * points
-    # A machine without any length is drawn in a square of one metre, as it is viewed.
-    extent = float(np.ptp(points, axis=0).max())
-    size = extent or MM_PER_M
-    labels = symbols(axes, shown, size).labels
-    _opening(axes, shown, size)
-    room = (0.16 if extent else 0.5) * size
-    low, high = points.min(axis=0) - room, points.max(axis=0) + room
-    axes.set_xlim(low[0], high[0])
-    axes.set_ylim(low[1], high[1])
-    axes.set_aspect("equal")
-    axes.set_xlabel("x [mm]", fontsize=SMALL)
-    axes.set_ylabel("z [mm]", fontsize=SMALL)
-    axes.tick_params(labelsize=SMALL)
-    for label in placed(labels, low, high):
-        line = {"arrowstyle": "-", "color": label.colour, "lw": 0.5}
-        paper = {"fc": "white", "ec": "none", "alpha": 0.8, "pad": 0.8}
-        axes.annotate(
-            label.text, (label.at[0], label.at[1]), label.text_at, fontsize=SMALL, ha="center",
-            va="center", color=label.colour, arrowprops=line, bbox=paper, parse_math=False,
-        )  # fmt: skip
-    title = textwrap.fill(f"{shown.title}: touch configuration", 80)
-    axes.set_title(title, fontsize=TEXT, parse_math=False)
-    figure.supxlabel(
-        "circle: pin; dashed circle: pin that closes a loop; box: slide; hatched: joint with the "
-        "frame;\nblue: driven; red: spring; orange: stop, the arrow shows how it opens",
-        fontsize=SMALL,
-    )
-    return figure
 
 
 def symbols(axes: Axes, shown: Sketch, size: float) -> Symbols:
