@@ -108,8 +108,7 @@ class PanelMaps:
         """
         system, panel = self.system, segment.panels[0]
         events = self._at.get(segment.t_start, [])
-        reached = np.zeros(system.body.nv, dtype=np.bool_)
-        reached[:] = not events
+        reached = np.full(system.body.nv, not events)
         for event in events:
             for name in event.stops:
                 reached[system.members(system.mechanism.stop(name).index)] = True

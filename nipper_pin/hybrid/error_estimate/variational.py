@@ -129,11 +129,10 @@ class Freedoms:
 
 def lifts(jacobian: FloatArray, split: Partition, directions: FloatArray) -> FloatArray:
     """Derivatives of all coordinates along independent ones at N states, (C, N, nv), by (C, nv)."""
-    shape = len(directions), len(jacobian), jacobian.shape[2]
-    units = np.zeros(shape)
-    units[:] = directions[:, None]
+    units = directions[:, None].repeat(len(jacobian), axis=1)
     repeated = np.tile(jacobian, (len(directions), 1, 1))
-    return close_velocities(units.reshape(-1, shape[2]), repeated, split).reshape(shape)
+    flat = units.reshape(-1, directions.shape[1])
+    return close_velocities(flat, repeated, split).reshape(units.shape)
 
 
 def tangents(

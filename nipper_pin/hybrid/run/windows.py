@@ -276,24 +276,19 @@ def initial_state(system: System, start_index: float, starts: Sequence[Start] = 
     shut = [stop for stop in mechanism.stops if stop.name in closed]
     travel = shaft.start_angle_rad - mechanism.cylinder.angle_at_touch_rad
     # In the touch configuration all coordinates are zero: there is nothing to assemble.
-    places = [(stop.index, stop.at) for stop in shut] + [(item.index, item.at) for item in starts]
-    moved = any(at for _, at in places)
+    places = [(stop.index, stop.at, 0.0) for stop in shut]
+    places += [(item.index, item.at, item.rate) for item in starts]
+    moved = any(at for _, at, _ in places)
     away = travel != 0.0 or moved
     steps = max(ceil(_STEPS_A_TURN * abs(travel) / tau), _STEPS_OF_STOPS if moved else 1)
     end = shaft.start_angle_rad
     turned = np.linspace(end - travel, end, steps + 1) if away else np.array([end])
     angles, rates, accelerations = shaft.driven_along(turned) if away else shaft.driven_at(0.0)
-    driven = shaft.indices
-    given = [*driven, *[index for index, _ in places]]
+    given = [*shaft.indices, *(index for index, _, _ in places)]
     _check_starts(system, starts, shut, given)
-    path = np.zeros((len(turned) - 1, len(given)))
-    path[:, : len(driven)] = angles[1:]
-    for column, (_, at) in enumerate(places, start=len(driven)):
-        if at:
-            path[:, column] = np.linspace(0.0, at, len(turned))[1:]
-    end_rates = np.zeros(len(given))
-    end_rates[: len(driven)] = rates[-1]
-    end_rates[len(given) - len(starts) :] = [item.rate for item in starts]
+    ways = [np.linspace(0.0, at, len(turned))[1:] for _, at, _ in places]
+    path = np.column_stack([angles[1:], *ways])
+    end_rates = np.array([*rates[-1], *(rate for _, _, rate in places)])
     q, v, jacobian = assemble(system.body, path, given, end_rates)
     for stop in mechanism.stops:
         gap = stop.gap(q)
