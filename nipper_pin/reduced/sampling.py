@@ -51,9 +51,7 @@ def unfit(mechanism: Mechanism, drive: DriveMode | str = DriveMode.HELD) -> str 
     Returns:
         One sentence, or None if it can be.
     """
-    if drive != DriveMode.HELD:
-        return "the reduced engine needs held drives: inertial shafts move on their own"
-    reason = unfit_turns(mechanism)
+    reason = unfit_turns(mechanism, drive)
     if reason is not None:
         return reason
     others = [

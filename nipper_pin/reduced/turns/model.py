@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import FloatArray
-from ...dynamics import ShaftMotion, System
+from ...dynamics import DriveMode, ShaftMotion, System
 from ...errors import InputError
 from ...hybrid import comes_back, initial_state
 from ...mechanism import Mechanism, Stop
@@ -19,12 +19,17 @@ from .arcs import ContactArc, ContactContinuation, system_at
 from .charts import ChartSampler, chart_of
 
 
-def unfit_turns(mechanism: Mechanism) -> str | None:
-    """Return why the turns of a mechanism with held drives cannot be reduced.
+def unfit_turns(mechanism: Mechanism, drive: DriveMode | str = DriveMode.HELD) -> str | None:
+    """Return why the turns of a mechanism cannot be reduced.
+
+    Args:
+        drive: Behaviour of the driven shafts.
 
     Returns:
         One sentence, or None if they can be.
     """
+    if drive != DriveMode.HELD:
+        return "the reduced engine needs held drives: inertial shafts move on their own"
     free = mechanism.degrees_of_freedom - len(mechanism.drives)
     if free != 1:
         return f"the reduced engine needs one degree of freedom in flight, and {free} are left"

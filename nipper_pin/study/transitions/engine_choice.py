@@ -91,8 +91,7 @@ def table_of(
         unfit=lambda: unfit(mechanism, drive),
     )
     left = list(range(count))
-    turns = engine == "auto" and drive is DriveMode.HELD and installed("numba")
-    turns = turns and unfit_turns(mechanism) is None
+    turns = engine == "auto" and installed("numba") and unfit_turns(mechanism, drive) is None
     if model is not None:
         left = run.reduced(model, keep_all=engine == "reduced")
         if turns and len(left) >= TURNS_PAY_FROM:

@@ -7,14 +7,14 @@ from numpy.typing import NDArray
 
 from ...arrays import FloatArray
 from ...errors import NipperError, SimulationError
+from ...hybrid.result.rebound_errors import rebound_error
 from ...mechanism import Mechanism
 from ...reduced import ReducedModel, Status, transitions
 from ...reduced.kernels import layout as rows
 from ...reduced.kernels.layout import FAILS, HOLDS, UNKNOWN
 from ..cases import Cases, Settings, one_of
-from ..true_transition import assumed_transition, transition_of_turns
+from ..true_transition import TrueTransition, assumed_transition, transition_of_turns
 from ..turn_transition import TurnTransition, touch_turns, turn_transition
-from .rows import collision_rows, rest_numbers
 from .table import FAILED, REDUCED, REDUCED_TURN, TURN, TransitionTable
 
 # Cases of one batch, and columns of its table; few cases have more collisions.
@@ -160,11 +160,11 @@ class Run:
             if why is not None:
                 found = transition_of_turns(mechanism, case, why)
                 self._engine[number] = TURN
-            block = collision_rows(found)
+            block = _collision_rows(found)
         except NipperError as error:
             self._message[number] = error.message
         else:
-            self._rest[number] = rest_numbers(found)
+            self._rest[number] = _rest_numbers(found)
             self._outcome[number] = found.outcome.name.lower()
             self._collisions[number] = block.shape[1]
             self._message[number] = found.message or self._message[number]
@@ -200,3 +200,36 @@ class Run:
             table=table,
             mechanism=self._mechanism,
         )
+
+
+def _collision_rows(transition: TrueTransition) -> FloatArray:
+    """Collisions of the transition stop, shape (rows, collisions)."""
+    hits, errors = transition.collisions, transition.errors
+    found = np.full((rows.COLUMNS, len(hits)), np.nan)
+    for i, (hit, error) in enumerate(zip(hits, errors, strict=True)):
+        found[rows.TIME, i] = hit.t - hits[0].t
+        found[rows.ANGLE, i] = hit.cylinder_angle
+        found[rows.APPROACH, i] = hit.approach_rate
+        found[rows.SEPARATION, i] = hit.separation_rate
+        found[rows.IMPULSE, i] = hit.impulse
+        found[rows.ENERGY, i] = hit.energy_lost
+        found[rows.TIME_ERROR, i] = error.time
+        found[rows.RATE_ERROR, i] = error.impulse * abs(hit.approach_rate)
+        found[rows.IMPULSE_ERROR, i] = error.impulse * abs(hit.impulse)
+        if hit.rebound_amplitude is None or hit.rebound_time is None:
+            continue
+        rebound = rebound_error(transition.solution, hit)
+        found[rows.AMPLITUDE, i] = hit.rebound_amplitude
+        found[rows.REBOUND, i] = hit.rebound_time
+        found[rows.AMPLITUDE_ERROR, i] = rebound.amplitude
+        found[rows.REBOUND_ERROR, i] = rebound.time
+    return found
+
+
+def _rest_numbers(transition: TrueTransition) -> tuple[float, float, float]:
+    """Duration, its stated error and the share of the first two rebounds; NaN without rest."""
+    found, error = transition.transition, transition.duration_error
+    if found is None or error is None:
+        return np.nan, np.nan, np.nan
+    share = np.nan if found.first_two_share is None else found.first_two_share
+    return found.duration, error, share

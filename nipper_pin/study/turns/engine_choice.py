@@ -106,7 +106,7 @@ def turns_of(
         engine=engine,
         count=count,
         pays_from=TURNS_PAY_FROM,
-        unfit=lambda: _unfit(mechanism, settings.drive),
+        unfit=lambda: unfit_turns(mechanism, settings.drive),
     )
     left = list(range(count))
     if model is not None:
@@ -120,7 +120,7 @@ def turns_of(
 
 def _model(mechanism: Mechanism, drive: DriveMode, *, torques: bool = False) -> TurnModel:
     """The tables of a mechanism, which keeps them; those of its torques are made, too, if asked."""
-    reason = _unfit(mechanism, drive)
+    reason = unfit_turns(mechanism, drive)
     if reason is not None:
         message = f"{mechanism.name}: {reason}"
         raise InputError(message, model=mechanism.name)
@@ -128,13 +128,6 @@ def _model(mechanism: Mechanism, drive: DriveMode, *, torques: bool = False) -> 
     if torques:
         torque_model(mechanism, model.start_index, 1.0)
     return model
-
-
-def _unfit(mechanism: Mechanism, drive: DriveMode) -> str | None:
-    """Why the reduced engine cannot follow turns, as far as that is known without tables."""
-    if drive != DriveMode.HELD:
-        return "the reduced engine needs held drives: inertial shafts move on their own"
-    return unfit_turns(mechanism)
 
 
 def _need_clamp(mechanism: Mechanism) -> None:
