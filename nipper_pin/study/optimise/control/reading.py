@@ -13,14 +13,14 @@ import numpy as np
 from ....dynamics import ShaftMotion, System
 from ....errors import SimulationError
 from ....hybrid import Case, Event, EventKind, Solution, Window, comes_back, simulate
-from ....hybrid.result.turns import Turn, of_turn
+from ....hybrid.result.turns import INDICES, Turn, of_turn
 from ....hybrid.result.turns.held import held
 from ....mechanism import INDEX_PER_TURN, Mechanism, counted_from, rad_s_from_rpm
 from ....tolerances.study import CONTROL_ROUND_OFF
 from ....units import S_PER_MIN
 from ...true_transition import TrueTransition, first_transition
 from ..points.turn import opening, turn_values
-from ..problem.quantities import INDICES, MARGIN, QUANTITIES
+from ..problem.quantities import MARGIN, QUANTITIES
 
 MOST_TURNS = 8
 """Largest number of turns before one repeats exactly."""

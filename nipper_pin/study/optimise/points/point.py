@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ....arrays import FloatArray
+from ....hybrid.result.turns import INDICES
+from ....mechanism import index_difference
 from ..problem.problem import Limit
-from ..problem.quantities import INDICES, nearest_turn
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -75,5 +76,6 @@ def _slacks(limit: Limit, values: Mapping[str, float], waiting: FloatArray) -> l
         return [float(force) - limit.value for force in waiting]
     value = values[limit.quantity]
     if limit.quantity in INDICES:
-        value = nearest_turn(value, limit.value)
+        # On the turn on which it is nearest to the limit: 39 is one below 0.
+        value = limit.value + index_difference(value, limit.value)
     return [sign * (value - limit.value)]

@@ -11,6 +11,7 @@ import msgspec
 from msgspec import Meta
 
 from ....hybrid.result.quantities import refuse_unknown
+from ....hybrid.result.turns import INDICES
 from ....mechanism import Mechanism, number_of
 from ....mechanism.files import Positive
 from ....tolerances.reduced import FINEST_TOLERANCE
@@ -28,7 +29,7 @@ from ...toml_files import (
     refuse,
 )
 from .problem import Aim, Limit, Parameter, Problem
-from .quantities import INDICES, QUANTITIES, check_fit, units
+from .quantities import QUANTITIES, check_fit, units
 
 _Names = str | tuple[str, ...]
 _MOST_AIMS = 2

@@ -17,7 +17,7 @@ import numpy as np
 from ....arrays import FloatArray
 from ....errors import InputError
 from ....hybrid.result.quantities import coordinate_unit, force_unit
-from ....mechanism import Mechanism, index_difference
+from ....mechanism import Mechanism
 from ....terms import term_of
 from ....units import MM_PER_M
 from ...identify.problem.working_cycle import Phase, WorkingCycle, unfit
@@ -69,8 +69,6 @@ QUANTITIES: Mapping[str, Quantity] = {
     "energy_lost_turn_J": Quantity("turn"),
 }
 """All quantities by name."""
-
-INDICES = ("closing_index", "opening_index", "rest_index")
 
 
 def units(names: Iterable[str], mechanism: Mechanism) -> dict[str, str]:
@@ -155,8 +153,3 @@ def lowest(places: FloatArray, values: FloatArray) -> FloatArray:
     number = np.clip(np.searchsorted(places, turns, side="right") - 1, 0, len(least) - 1)
     np.minimum.at(least, number, spline(turns))
     return np.asarray(least)
-
-
-def nearest_turn(index: float, bound: float) -> float:
-    """An index on the turn on which it is nearest to a bound: 39 is one below 0."""
-    return bound + index_difference(index, bound)

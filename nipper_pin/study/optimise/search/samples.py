@@ -16,10 +16,10 @@ from functools import partial
 import numpy as np
 
 from ....arrays import FloatArray
+from ....hybrid.result.turns import INDICES
 from ....tolerances.study import FEASIBLE, LEAST_SCALE, NO_SPREAD
 from ..points import Point, evaluator
 from ..problem.problem import Aim, Problem
-from ..problem.quantities import INDICES
 from .trace import Scales
 
 Merit = tuple[float, str]
