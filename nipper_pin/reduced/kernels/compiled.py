@@ -26,14 +26,23 @@ _CONSTANTS = "hybrid", "mechanics", "reduced"
 def compiled(function: _Function) -> _Function:
     """Compile a function to machine code at its first call, kept on disk where a folder allows it.
 
-    IEEE arithmetic in the order of the source: no fast-math, so a case gives the same bits alone
-    and in a batch.
+    It is called with arguments of the same types by all processes: what two of them keep of one
+    function for different types at the same time may be taken for one another.
     """
-    wrapped = numba.njit(error_model="numpy", no_cfunc_wrapper=True)(function)
+    wrapped: Any = allocating(function)
     kept = _kept(function)
     if kept is not None:
         wrapped._cache = kept
     return cast("_Function", wrapped)
+
+
+def allocating(function: _Function) -> _Function:
+    """Compile a function that makes arrays for compiled ones, and is kept with them.
+
+    IEEE arithmetic in the order of the source: no fast-math, so a case gives the same bits alone
+    and in a batch.
+    """
+    return cast("_Function", numba.njit(error_model="numpy", no_cfunc_wrapper=True)(function))
 
 
 def part(function: _Function) -> _Function:

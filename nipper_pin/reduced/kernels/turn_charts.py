@@ -6,13 +6,13 @@ import numpy as np
 
 from ...arrays import FloatArray
 from . import layout as rows
-from .compiled import compiled, part
+from .compiled import allocating, part
 from .flight_errors import sizes_of
 from .layout import Case, Cases, Charts, Records, Work
 from .panel import Source, cell_at
 
 
-@compiled
+@allocating
 def scratch(charts: Charts, most: int, panels: int) -> Work:
     """Scratch arrays.
 
@@ -32,7 +32,7 @@ def scratch(charts: Charts, most: int, panels: int) -> Work:
     )  # fmt: skip
 
 
-@compiled
+@allocating
 def records_in(events: FloatArray, turns: int) -> Records:
     """Room for what turns do, with that for their events; what is not written is never touched."""
     count = max(turns, 1)

@@ -58,11 +58,11 @@ def optimise(
         InfeasibleError: No design that was found meets all limits.
         SimulationError: No sample is a machine that can be simulated, or a process died.
     """
-    problem = problem if isinstance(problem, Problem) else read_problem(problem)
     whole("starts", starts, 1, MOST_STARTS)
     whole("seed", seed, 0, MOST_SEED)
     whole("points", points, 2, MOST_STARTS)
     count = worker_count(workers)
+    problem = problem if isinstance(problem, Problem) else read_problem(problem)
     began = time.perf_counter()
     with Work(count, progress) as work:
         search = Search(problem, screen(problem, seed, work), starts, seed, work)
