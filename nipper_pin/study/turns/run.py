@@ -2,25 +2,34 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from ...arrays import FloatArray
 from ...errors import NipperError
 from ...hybrid import START_INDEX, Case, Outcome, Solution, Window, simulate
 from ...hybrid.result.turns import Turn, of_turn, read_of, reported_turn, turn_names
-from ...mechanism import Mechanism
+from ...mechanism import INDEX_PER_TURN, Mechanism, within_turn
 from ...reduced.results import TURN_REASONS
-from ...reduced.turns import TurnStatus, turn_quantities
+from ...reduced.turns import TurnQuantities, TurnStatus, turn_quantities
 from ..cases import Cases, Settings, one_of
 from ..transitions import FAILED, REDUCED
-from .reduced_columns import reduced_columns
 from .table import FOLLOWED, TurnTable
 
 DIRECT = "direct"
 # Turns of the direct engine that are computed at first, and how many times as many then.
 _FIRST_TURNS, _MORE_TURNS = 5, 4
+# Travels of the reduced engine by the columns of indices.
+_TRAVELS = {
+    "closing_index": "closed_at",
+    "rest_index": "rests_at",
+    "loss_index": "lost_at",
+    "opening_index": "opened_at",
+}
+_PER_RAD = INDEX_PER_TURN / math.tau
 _STATUS = {int(status): status.name.lower() for status in TurnStatus}
 
 
@@ -83,7 +92,7 @@ class Run:
             max_collisions=settings.max_collisions,
         )
         status = found.status
-        self._found |= reduced_columns(found)
+        self._found = {key: _reduced_column(found, *key) for key in self._found}
         self._engine[:] = REDUCED
         self._outcome[:] = [_STATUS[number] for number in status.tolist()]
         self._turns = np.where(status == TurnStatus.FOLLOWED, found.turns, 0)
@@ -145,6 +154,20 @@ class Run:
             mechanism=self._mechanism,
             **columns,
         )
+
+
+def _reduced_column(found: TurnQuantities, column: str, part: str) -> FloatArray:
+    """A column of the table, by its attribute and the name of a stop or drive, if it is of one."""
+    travel = _TRAVELS.get(column.removesuffix("_error"))
+    if travel is not None:
+        if column.endswith("_error"):
+            return np.asarray(_PER_RAD * getattr(found, f"{travel}_error"))
+        return within_turn(START_INDEX + _PER_RAD * getattr(found, travel))
+    values = getattr(found, column)
+    if part:
+        parts = found.drives if column.startswith("largest_torque") else found.stops
+        values = values[:, parts.index(part)]
+    return np.array(values, dtype=np.float64)
 
 
 def _until_repeated(
