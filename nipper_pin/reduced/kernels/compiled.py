@@ -45,7 +45,7 @@ def allocating(function: _Function) -> _Function:
     return cast("_Function", numba.njit(error_model="numpy", no_cfunc_wrapper=True)(function))
 
 
-def part(function: _Function) -> _Function:
+def part(function: _Function, *, inlined: bool = False) -> _Function:
     """Compile a function that only compiled ones call; called from Python it does nothing.
 
     It is typed, and becomes machine code in those that call it: machine code of its own, which
@@ -54,9 +54,14 @@ def part(function: _Function) -> _Function:
     """
     wrapped = numba.njit(
         error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, pipeline_class=_Typed,
-        _nrt=False,
+        _nrt=False, forceinline=inlined,
     )(function)  # fmt: skip
     return cast("_Function", wrapped)
+
+
+def inlined(function: _Function) -> _Function:
+    """A part that stands where it is called: of each flight, a tenth of the time is spared so."""
+    return part(function, inlined=True)
 
 
 class _PartLibrary(JITCodeLibrary):  # type: ignore[misc]

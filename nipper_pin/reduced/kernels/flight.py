@@ -17,7 +17,7 @@ from math import nan, sqrt
 from ...arrays import FloatArray
 from ...tolerances.reduced import NEWTON_STEP, TRAVEL_END, ZERO_RESOLUTION
 from . import layout as rows
-from .compiled import part
+from .compiled import inlined, part
 from .flight_errors import grow, size
 from .hits import SolvedPanel, first_hit
 from .panel import (
@@ -225,7 +225,7 @@ def _ballistic(case: FloatArray, source: Source, poly: FloatArray, degree: int, 
     return 2.0 * v / -mean if mean < 0.5 * a0 else h
 
 
-@part
+@inlined
 def flight(grids: FloatArray, case: FloatArray, source: Source, poly: FloatArray,
             nodes: FloatArray, degree: int, u0: float, x0: float, w: float, tolerance: float,
             touching: bool) -> tuple[float, ...]:  # fmt: skip

@@ -18,7 +18,7 @@ from ...tolerances.hybrid import ITERATION_FLOOR
 from ...tolerances.mechanics import EPS
 from ...tolerances.reduced import COARSE_SWEEP, DEFECT_EFFECT
 from . import layout as rows
-from .compiled import part
+from .compiled import inlined, part
 from .layout import Case
 
 # Panels end this much beyond the zero of x that is expected.
@@ -180,7 +180,7 @@ def _positions(
             nodes[rows.NODE_X, j] += grids[rows.TWICE, level, i, j] * twice
 
 
-@part
+@inlined
 def _sweep(grids: FloatArray, case: FloatArray, poly: FloatArray, nodes: FloatArray, degree: int,
            level: int, h: float, x0: float, v0: float) -> float:  # fmt: skip
     """One Picard sweep; returns the largest change of the accelerations."""

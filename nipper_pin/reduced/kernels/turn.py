@@ -11,7 +11,7 @@ from ...arrays import FloatArray
 from ...tolerances.mechanics import EPS
 from ...tolerances.reduced import LIMIT_ERROR_SAFETY
 from . import layout as rows
-from .compiled import part
+from .compiled import inlined, part
 from .flight import describe, flight, full, keep_rest, kept
 from .flight_errors import flight_errors
 from .layout import Case, Charts, Motion, Records, Settings, Work, numbered
@@ -147,7 +147,7 @@ def _hold(charts: Charts, memory: FloatArray, records: Records, at: Motion, u: f
     counts[rows.STRETCHES] += 1
 
 
-@part
+@inlined
 def _bounce(charts: Charts, work: Work, one: Case, settings: Settings, to_rest: bool,
             records: Records, at: Motion) -> tuple[int, int, Motion]:  # fmt: skip
     """Count a bounce, and come to rest where what is left of its series is known."""
@@ -197,7 +197,7 @@ def _bounce(charts: Charts, work: Work, one: Case, settings: Settings, to_rest: 
     return rows.GOES_ON, RESTING, Motion(c, u, t, 0.0, 0.0, dt, 0.0, 0.0)
 
 
-@part
+@inlined
 def _fly(grids: FloatArray, charts: Charts, work: Work, one: Case, settings: Settings,
          bounced: bool, records: Records, at: Motion) -> tuple[int, int, Motion]:  # fmt: skip
     """Fly to the next collision, with the own stop or another one, or to the end of the chart."""

@@ -58,18 +58,21 @@ def widening(
         found: Written by it, shape (n, ...).
         run: Follows some of the cases on the tables of a scale of gaps.
     """
-    left: slice | NDArray[np.intp] = slice(None)
+    left: NDArray[np.intp] | None = None
     for gap_scale in GAP_SCALES:
         try:
             model = turn_model(mechanism, start_index, gap_scale)
-            here = told[left], found[left]
-            run(model, gap_scale, Cases(*(item[left] for item in cases)), *here)
+            if left is None:
+                run(model, gap_scale, cases, told, found)
+            else:
+                here = told[left], found[left]
+                run(model, gap_scale, Cases(*(item[left] for item in cases)), *here)
+                told[left], found[left] = here
         except SimulationError:
             # There are no tables that wide, or none of what is asked for beside them.
-            if gap_scale == GAP_SCALES[0]:
+            if left is None:
                 raise
             return
-        told[left], found[left] = here
         left = np.flatnonzero(told[:, 0] == LEFT_GAP)
         if not len(left):
             return
