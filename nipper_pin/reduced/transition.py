@@ -34,7 +34,8 @@ from .kernels.layout import (
 from .model import ReducedModel
 from .results import REASONS, ReducedTransition, Status, TransitionBatch
 
-_AT_REST, _TRANSITIONS, _ARRIVALS = int(Status.AT_REST), int(TRANSITIONS), int(ARRIVALS)
+_AT_REST, _TOO_MANY = int(Status.AT_REST), int(Status.TOO_MANY_COLLISIONS)
+_TRANSITIONS, _ARRIVALS = int(TRANSITIONS), int(ARRIVALS)
 # What the job of a transition has between its collisions and the touch.
 _NO_TURNS = Job(0, 0)[2:-2]
 # Bounces of the waiting stop that are followed on the way to the touch.
@@ -84,10 +85,10 @@ def transition(
     springs = model.stiffness, model.preload
     cases = one_case(springs, speed_rpm, restitutions, stiffness, preload)
     # Few transitions need the room for all collisions, which takes time to clear.
-    for most in sorted({min(_USUAL, max_collisions), max_collisions}):
+    for most in (_USUAL, max_collisions) if max_collisions > _USUAL else (max_collisions,):
         found, tell = _solved(model, cases, rest_rate, tolerance, assumed, most)
         status, count, _ = found.told[0].tolist()
-        if status != Status.TOO_MANY_COLLISIONS:
+        if status != _TOO_MANY:
             break
     if status != _AT_REST:
         raise _refusal(model, Status(status), count, speed_rpm, max_collisions)
