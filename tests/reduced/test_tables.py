@@ -77,9 +77,11 @@ class Known:
     def __init__(self, bent: float = 0.3, steep: float = 1.0) -> None:
         self.bent, self.steep = bent, steep
         self.asked: list[FloatArray] = []
+        self.sampled = 0
 
     def grid(self, u: Any, x: Any) -> Any:
         self.asked.append(u)
+        self.sampled += len(u) * len(x)
         return np.array([[[at, place] for place in x] for at in u])
 
     def values(self, u: Any, x: Any) -> Any:
@@ -97,10 +99,10 @@ def test_samples_of_a_domain() -> None:
     """Grid, configurations, functions, gaps, and the inertia at x = 0; from the touch outwards."""
     known = Known()
     domain = Domain(1.3, -0.1, 0.5)
-    tables, sampled = resolved(known, domain, np.array([1.0, 1.0]), 1e-9)  # type: ignore[arg-type]
+    tables = resolved(known, domain, np.array([1.0, 1.0]), 1e-9)  # type: ignore[arg-type]
     cells = tables.equation.shape[1]
     assert cells == 3
-    assert sampled == 3 * 16 * 12
+    assert known.sampled == 3 * 16 * 12
     assert tables.equation.shape == (2, 3, 16, 12)
     assert (np.diff(tables.u) > 0.0).all()
     assert (np.diff(tables.x) > 0.0).all()
@@ -136,11 +138,11 @@ def test_samples_of_a_domain() -> None:
 )
 def test_what_is_refined(known: Known, domain: Domain, shape: tuple[int, int]) -> None:
     """Cells for what changes fast along the travel, orders for what changes across; not both."""
-    tables, sampled = resolved(known, domain, np.ones(2), 1e-9)  # type: ignore[arg-type]
+    tables = resolved(known, domain, np.ones(2), 1e-9)  # type: ignore[arg-type]
     assert (tables.equation.shape[1], tables.equation.shape[3]) == shape
     assert max(series2d.tails(tables.equation, np.ones(2))) <= 1e-9
     before = 16 * domain.count_x if shape != (1, 12) else 0
-    assert sampled == before + 16 * shape[0] * shape[1]
+    assert known.sampled == before + 16 * shape[0] * shape[1]
 
 
 def test_functions_that_no_refinement_resolves() -> None:
@@ -162,7 +164,7 @@ def test_functions_that_no_refinement_resolves() -> None:
 def test_residuals_are_twice_the_largest_error_at_the_checks() -> None:
     """Errors that are planted into single cells are found, each in its own function."""
     known, domain = Known(), Domain(1.3, -0.1, 0.5)
-    tables, _ = resolved(known, domain, np.ones(2), 1e-12)  # type: ignore[arg-type]
+    tables = resolved(known, domain, np.ones(2), 1e-12)  # type: ignore[arg-type]
     points = checks(known, domain, tables)  # type: ignore[arg-type]
     true = points.true.equation
     largest = np.array([1.2, 43.0])
@@ -223,7 +225,7 @@ def test_noise_of_samples_is_accepted_up_to_the_root_of_the_tolerance(tolerance:
     times the noise.
     """
     domain, root = Domain(1.0, -0.1, 1.0), tolerance**0.5
-    tables, _ = resolved(Noisy(0.05 * root), domain, np.ones(1), tolerance)  # type: ignore[arg-type]
+    tables = resolved(Noisy(0.05 * root), domain, np.ones(1), tolerance)  # type: ignore[arg-type]
     assert tolerance < max(series2d.tails(tables.equation, np.ones(1))) <= root
     with pytest.raises(ConvergenceError, match="too rough") as caught:
         resolved(Noisy(2.0 * root), domain, np.ones(1), tolerance)  # type: ignore[arg-type]

@@ -22,7 +22,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -33,7 +33,6 @@ from ...mechanism import Mechanism, Stop, rad_s_from_rpm
 from ...tolerances.mechanics import EPS, TABLE_END_OVERRUN
 
 _ROOT_STEPS = 40
-_NO_STOP = Stop(name="end of a table", index=0, restitution=0.0, contact=None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,7 +154,8 @@ def _table_ends(mechanism: Mechanism) -> Iterator[Stop]:
         for sense, at in ((1.0, low - slack), (-1.0, high + slack)):
             own = [stop for stop in mechanism.stops if stop.index == spring.index]
             if not any(stop.sense == sense and sense * (stop.at - at) >= 0.0 for stop in own):
-                yield replace(_NO_STOP, index=spring.index, sense=sense, at=at)
+                yield Stop(name=spring.name, index=spring.index, restitution=0.0, contact=None,
+                           sense=sense, at=at)  # fmt: skip
 
 
 class Sampler:

@@ -86,7 +86,7 @@ class Tables:
 
 def resolved(
     sampler: PointSampler, domain: Domain, weights: FloatArray, tolerance: float
-) -> tuple[Tables, int]:
+) -> Tables:
     """Refine cells and degrees until the tails of all functions are below the tolerance.
 
     Args:
@@ -94,7 +94,7 @@ def resolved(
         tolerance: Largest weighted tail.
 
     Returns:
-        The tables and the number of points sampled for them and for coarser ones.
+        The tables.
     """
     cells, count_x = max(1, math.ceil(domain.travel / CELL_RAD)), domain.count_x
     sampled = 0
@@ -111,7 +111,7 @@ def resolved(
             # Half of the digits at least, where round-off of the samples keeps the others.
             if max(by_u, by_x) > math.sqrt(tolerance):
                 break
-            return tables, sampled
+            return tables
         before, refined = (by_u, by_x), refine
         cells, count_x = cells * (1 + refine[0]), count_x * (1 + refine[1])
         if cells > _MOST_CELLS or count_x > _MOST_X:
@@ -255,7 +255,7 @@ def chart_over(
     Raises:
         ConvergenceError: The functions are not smooth enough on this domain.
     """
-    tables, _ = resolved(sampler, domain, weights, tolerance)
+    tables = resolved(sampler, domain, weights, tolerance)
     points = checks(sampler, domain, tables)
     kept = zip(
         series2d.needed(tables.equation, weights, TRIMMED_SHARE * tolerance),
