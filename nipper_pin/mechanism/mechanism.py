@@ -265,6 +265,9 @@ class Mechanism:
         if not name:
             message = f"{self.name} has no stop, so nothing bounces: give it one ([stops.NAME])"
             raise InputError(message, model=self.name)
+        for stop in self.stops:
+            if stop.name == name:
+                return stop
         return looked_up("stop", name, {stop.name: stop for stop in self.stops}, self.name)
 
     def phase(self, number: int) -> Phase:

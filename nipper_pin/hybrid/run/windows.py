@@ -6,7 +6,6 @@ A run starts in the touch configuration, or at an index in its initial phase.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from itertools import takewhile
 from math import ceil, tau
 
 import numpy as np
@@ -112,8 +111,12 @@ def transition(manager: PhaseManager) -> Outcome:
 
 def _rest_of(manager: PhaseManager, name: str) -> Event | None:
     """The rest of a stop, if the latest events hold it."""
-    rests = takewhile(lambda event: event.kind is EventKind.REST, reversed(manager.events))
-    return next((event for event in rests if name in event.stops), None)
+    for event in reversed(manager.events):
+        if event.kind is not EventKind.REST:
+            break
+        if name in event.stops:
+            return event
+    return None
 
 
 def _followed(manager: PhaseManager, name: str, t_rest: float) -> bool:
@@ -286,8 +289,10 @@ def initial_state(system: System, start_index: float, starts: Sequence[Start] = 
     angles, rates, accelerations = shaft.driven_along(turned) if away else shaft.driven_at(0.0)
     given = [*shaft.indices, *(index for index, _, _ in places)]
     _check_starts(system, starts, shut, given)
-    ways = [np.linspace(0.0, at, len(turned))[1:] for _, at, _ in places]
-    path = np.column_stack([angles[1:], *ways])
+    path = np.empty((0, len(given)))
+    if away:
+        ways = [np.linspace(0.0, at, len(turned))[1:] for _, at, _ in places]
+        path = np.column_stack([angles[1:], *ways])
     end_rates = np.array([*rates[-1], *(rate for _, _, rate in places)])
     q, v, jacobian = assemble(system.body, path, given, end_rates)
     for stop in mechanism.stops:

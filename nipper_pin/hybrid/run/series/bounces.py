@@ -208,6 +208,8 @@ def bounces(struck: ImpactOutcome) -> Followed:
         t_rest, error = accumulation_point(struck, stop, series)
         if isfinite(t_rest):
             known.append(Limit((stop,), t_rest, error, series.start))
+    if not known:
+        return (*state.series, *found), ()
     parts: dict[frozenset[str], list[Limit]] = {}
     for limit in known:
         parts.setdefault(system.coupled(limit.names), []).append(limit)
@@ -218,7 +220,7 @@ def bounces(struck: ImpactOutcome) -> Followed:
         for part, limits in parts.items()
         if len(limits) == len(bouncing & part) and (len(limits) == 1 or _as_one(struck, limits))
     ]
-    return (*state.series, *found), rests_of(system, state, at_rest) if at_rest else ()
+    return (*state.series, *found), rests_of(system, state, at_rest)
 
 
 def _as_one(struck: ImpactOutcome, limits: Sequence[Limit]) -> bool:
