@@ -75,11 +75,9 @@ FORCE_SIGN = 1e-9
 """[1] An extreme of a force that is smaller, by its largest mean on a cell of the tables, has no
 certain sign. A choice: ten times ``ARRIVAL_TABLES``, the least tolerance of those tables."""
 LATE_REST_SAFETY = 2.0
-"""[1] Factor on what a series of bounces still lasts at constant deceleration. A choice: one that
-is lower by a quarter, ``STEADY_DECELERATION``, lengthens it by a third only."""
-STEADY_DECELERATION = 0.25
-"""[1] Relative change of a deceleration up to which it may count as constant. A choice, which
-``LATE_REST_SAFETY`` covers."""
+"""[1] Factor on what a series of bounces lasts at constant deceleration, within which it ends at
+one that changes a little. A choice: a rest that much later still changes nothing, if the stop is
+pressed until then."""
 FLIGHT_UNRESOLVED = 1e-3
 """[1] Error of the gap at the touch, by the gap, from which a flight over it is not resolved. A
 choice: of a smaller error the effect on the collision is nearly proportional to it."""

@@ -24,7 +24,6 @@ from written_tables import (
 from nipper_pin.reduced.kernels import (
     flight_errors,
     layout,
-    panel,
     release,
     series,
 )
@@ -151,39 +150,61 @@ def test_a_series_under_a_changing_force_is_followed() -> None:
     ("change", "over"),
     [
         ({}, True),
-        # No deceleration, no loss, no end before that of the chart.
-        ({"a": 1.0}, False),
+        # No deceleration, no loss, no end before that of the chart, no room in it.
         ({"still": 0.0}, False),
+        ({"still": A}, False),
         ({"e": 1.0}, False),
-        ({"u": 1.0}, False),
-        # x'' changes by a quarter until then, and just not so.
-        ({"slope": 0.26}, False),
-        ({"slope": 0.24}, True),
-        # The stop is let go within that time, and just not so.
-        ({"let_go": 0.99}, False),
-        ({"let_go": 1.01}, True),
+        ({"u": 2.0}, False),
+        ({"high": 0.08}, False),
+        # Along the closed stop x'' falls, or grows, by this part until then.
+        ({"change": -0.34}, True),
+        ({"change": -0.36}, False),
+        ({"change": -1.0, "e": 0.0}, False),
+        ({"change": 1.24}, True),
+        ({"change": 1.26}, False),
+        ({"change": 2.9, "e": 0.0}, True),
+        ({"change": 3.1, "e": 0.0}, False),
+        # The gap, or the rate, changes it by this part either way.
+        ({"steepest_x": 0.26}, True),
+        ({"steepest_x": 0.28}, False),
+        ({"largest": 0.26}, True),
+        ({"largest": 0.28}, False),
+        # A rebound opens the other stop, or closes it.
+        ({"opens": 0.5}, True),
+        ({"opens": -0.5}, False),
     ],
 )
-def test_a_series_that_is_surely_over(change: dict[str, float], over: bool) -> None:
-    """After twice the time that it has at a constant x'', in which the stop is pressed."""
-    given = {"a": -A, "still": -A, "e": E_N, "u": 0.2, "slope": 0.0, "let_go": 9.0} | change
-    w, u, travel = 0.6, given["u"], 3.0
-    ahead = 2.0 * w / (A * (1.0 - given["e"])) if given["e"] < 1.0 else 0.0
-    # A drift is three times the change of x'' by x'' itself.
-    steepest = given["slope"] * A / (3.0 * SPEED**3 * ahead) if ahead else 0.0
-    charts = tables_of(
-        level(given["a"] / SPEED**2), travel=travel, steepest_u=np.array([steepest, *[0.0] * 5])
-    )
-    work, source = work_of(charts, case(SPEED, [], []))
-    panel.contract(source.mixed, work.poly, 0, 1.0 / travel, u)
-    until = u + given["let_go"] * 2.0 * SPEED * ahead
-    line = np.array([[0.5 * travel - until, 0.5 * travel]])
-    found = series.surely_over(
-        work.case[0], work.poly, 3, work.sizes[0], line, u, w, given["e"], given["still"]
-    )
+def test_a_series_that_is_surely_over(change: dict[str, Any], over: bool) -> None:
+    """Within twice the time that it has at a constant x'', however x'' changes within its bounds.
+
+    It takes longest where a body rises against the least deceleration and falls with the most.
+    """
+    given = {"still": -A, "e": E_N, "u": 0.2, "change": 0.0, "opens": 0.5} | change
+    w, u, travel, e = 0.6, given["u"], 4.0, given["e"]
+    ahead = 2.0 * 2.0 * w / (A * (1.0 - e)) if e < 1.0 else 1.0
+    # In these units x'' may change by A, at a gap of w w / A and a rate of 2 w.
+    units = {"steepest_x": (A / w / SPEED) ** 2 * np.eye(6)[0],
+             "largest": A / (2.0 * w * SPEED) * np.eye(6)[1]}  # fmt: skip
+    bounds = {name: given[name] * unit for name, unit in units.items() if name in given}
+    felt = sum(given[name] for name in bounds)
+    charts = tables_of(level(-A / SPEED**2), travel=travel, gaps=level(1.0)[:1],
+                       high=given.get("high", 1.0), **bounds)  # fmt: skip
+    charts.gaps[0, 1, 0, 0, 0] = given["opens"]
+    work, _ = work_of(charts, case(SPEED, [], []))
+    # -A (1 + change (u - begin) / (over - begin)).
+    slope = -A * given["change"] / (SPEED * ahead)
+    work.line[0, 0] = -A + slope * (0.5 * travel - u), slope * 0.5 * travel, 0.0
+    found = series.surely_over(charts, work, 0, u, w, e, given["still"])
     assert found[0] == over
     if over:
-        assert found[1] == pytest.approx(2.0 * ahead, rel=1e-12)
+        assert found[1] == pytest.approx(ahead, rel=1e-12)
+        least, most = (A * (1.0 + pick(given["change"], 0.0) + sign * felt)
+                       for pick, sign in ((min, -1.0), (max, 1.0)))  # fmt: skip
+        lasts, rate = 0.0, w
+        for _ in range(200):
+            lasts += rate / least + rate / math.sqrt(least * most)
+            rate *= e * math.sqrt(most / least)
+        assert lasts <= found[1]
 
 
 GAP_ERRORS = np.array([2e-6, 3e-6, 5e-6])

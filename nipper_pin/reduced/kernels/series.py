@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from math import pi
+from math import pi, sqrt
 
 import numpy as np
 
 from ...arrays import FloatArray
-from ...tolerances.reduced import LATE_REST_SAFETY, LIMIT_CHANGE_SHARE, STEADY_DECELERATION
+from ...tolerances.reduced import LATE_REST_SAFETY, LIMIT_CHANGE_SHARE
 from . import layout as rows
 from .compiled import part
-from .flight_errors import drift
-from .panel import acceleration
-from .release import released
+from .flight_errors import drift, size
+from .layout import Charts, Work
+from .panel import acceleration, range_along
+from .turn_charts import surface
 
 _POINTS = 8
 
@@ -92,25 +93,37 @@ def settles(case: FloatArray, poly: FloatArray, degree: int, sizes: FloatArray, 
 
 
 @part
-def surely_over(case: FloatArray, poly: FloatArray, degree: int, sizes: FloatArray,
-                line: FloatArray, u: float, w: float, restitution: float,
+def surely_over(charts: Charts, work: Work, c: int, u: float, w: float, restitution: float,
                 still: float) -> tuple[bool, float]:  # fmt: skip
     """Whether a series surely ends while its stop is pressed, and how long it takes at the most.
 
-    Args:
-        line: x'' along x = 0 at rest.
-        u: Travel of the last collision [rad].
+    With x'' between -b and -a a flight takes 2 w / a at the most, and lands no faster than
+    w sqrt(b / a). So all of them together take no more than 2 w / (a - e sqrt(a b)).
 
-    All others are those of ``settles``.
+    Args:
+        u: Travel of the last collision in the chart [rad].
+        w: Rate after it, above zero.
+        still: x'' at x = 0 at rest.
     """
-    a = acceleration(case, poly, rows.ZERO, degree, 0.0, w)
-    if not (a < 0.0 and still < 0.0 and restitution < 1.0):
+    case, sizes, d, speed = work.case[c], work.sizes[c], -still, work.case[c, rows.SPEED]
+    if not (d > 0.0 and restitution < 1.0):
         return False, 0.0
-    ahead = -2.0 * w / (a * (1.0 - restitution))
-    if drift(sizes, case[rows.SPEED], w, a, ahead) >= STEADY_DECELERATION:
-        return False, 0.0
-    ahead *= LATE_REST_SAFETY
-    over = u + case[rows.SPEED] * ahead
-    if over >= case[rows.TRAVEL_MOST]:
+    ahead = LATE_REST_SAFETY * 2.0 * w / (d * (1.0 - restitution))
+    # Rates stay below 2 w, and gaps below w w / d.
+    over, gap = u + speed * ahead, w * w / d
+    if over >= case[rows.TRAVEL_MOST] or gap > case[rows.HIGH]:
         return False, ahead
-    return released(line, case[rows.PER_RAD], u, over) > over, ahead
+    low, high = range_along(work.line[c], case[rows.PER_RAD], u, over)
+    felt = 2.0 * w * size(sizes, rows.BY_V, 2.0 * w) + gap * size(sizes, rows.BY_X, 2.0 * w)
+    least, most = -high - felt, felt - low
+    if not (least > 0.0 and most <= 4.0 * least):
+        return False, ahead
+    if 2.0 * w > ahead * (least - restitution * sqrt(least * most)):
+        return False, ahead
+    # No rebound meets another stop that it opens: along the closed stop none closes.
+    gaps = charts.gaps[c]
+    others = len(gaps) // 3
+    for row in range(others, 2 * others):
+        if min(surface(gaps, row, case, u, 0.0), surface(gaps, row, case, over, 0.0)) < 0.0:
+            return False, ahead
+    return True, ahead

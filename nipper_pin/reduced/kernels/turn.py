@@ -173,10 +173,7 @@ def _bounce(charts: Charts, work: Work, one: Case, settings: Settings, to_rest: 
             one.restitution[stop], settings.rest_rate, settings.tolerance, still,
         )  # fmt: skip
         if settings.rough and settings.rest_rate == 0.0 and not found:
-            found, ahead = surely_over(
-                case, work.poly, degree, sizes, work.line[c], at.u, at.v, one.restitution[stop],
-                still,
-            )  # fmt: skip
+            found, ahead = surely_over(charts, work, c, at.u, at.v, one.restitution[stop], still)
             uncertain = 0.0
     elif to_rest and not found:
         return rows.NOT_PRESSED, STRUCK, at
