@@ -17,6 +17,7 @@ from ...tolerances.reduced import (
 )
 from . import layout as rows
 from .compiled import compiled, part
+from .held import held
 from .layout import Case, Cases, Charts, Job, Motion, Plain, Records, Settings, Work
 from .release import released
 from .turn import FLYING, STRIKING, follow
@@ -177,18 +178,25 @@ def run(grids: FloatArray, charts: Plain, cases: Plain, settings: Plain, job: Pl
     """
     machine, given, shared, asked = Charts(*charts), Cases(*cases), Settings(*settings), Job(*job)
     work, room = scratch(machine, asked.bounces, 0), records_in(events[0], asked.turns)
-    for i in range(len(given.speed)):
-        own = events[min(i, len(events) - 1)]
-        records = Records(own, room.holds, room.ends, room.counts)
-        _one(grids, machine, work, given, i, shared, asked, records, told[i], found[i])
+    _all(grids, machine, work, given, shared, asked, room, events, told, found)
 
 
 @part
-def _one(grids: FloatArray, charts: Charts, work: Work, cases: Cases, i: int, settings: Settings,
-         job: Job, records: Records, told: NDArray[np.int64], found: FloatArray,
+def _all(grids: FloatArray, machine: Charts, scratches: Work, cases: Cases, settings: Settings,
+         job: Job, room: Records, events: FloatArray, told: NDArray[np.int64], found: FloatArray,
          ) -> None:  # fmt: skip
+    """All cases, one after the other."""
+    charts, work = held(machine), held(scratches)
+    for i in range(len(cases.speed)):
+        one, own = held(case_of(cases, i)), events[min(i, len(events) - 1)]
+        records = held(Records(own, room.holds, room.ends, room.counts))
+        _one(grids, charts, work, one, settings, job, records, told[i], found[i])
+
+
+@part
+def _one(grids: FloatArray, charts: Charts, work: Work, one: Case, settings: Settings, job: Job,
+         records: Records, told: NDArray[np.int64], found: FloatArray) -> None:  # fmt: skip
     """One of the cases."""
-    one = case_of(cases, i)
     if job.task == rows.TRANSITIONS:
         _transition(grids, charts, work, one, settings, job, records, found[0], told)
     elif job.task == rows.ARRIVALS:
