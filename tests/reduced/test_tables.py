@@ -92,7 +92,7 @@ class Known:
         assert np.abs(q - np.stack([u, x], axis=-1)).max() < 1.5
         inertia = 2.0 + np.cos(u) * (1.0 + 0.1 * x)
         gaps = np.array([u - 7.0 * x, np.full_like(u, -7.0), np.ones_like(u)])
-        return Samples(q, self.values(u, x), gaps, inertia)
+        return Samples(self.values(u, x), gaps, inertia)
 
 
 def test_samples_of_a_domain() -> None:
@@ -211,10 +211,10 @@ class Noisy:
     def grid(self, u: Any, x: Any) -> Any:
         return np.zeros((len(u), len(x), 1))
 
-    def at(self, u: Any, x: Any, q: Any) -> Samples:
+    def at(self, u: Any, x: Any, _q: Any) -> Samples:
         random = np.random.default_rng(len(u))
         value = np.sin(u) * np.cos(x) + self.noise * random.uniform(-1.0, 1.0, len(u))
-        return Samples(q, value[None], np.zeros((0, len(u))), np.ones(len(u)))
+        return Samples(value[None], np.zeros((0, len(u))), np.ones(len(u)))
 
 
 @pytest.mark.parametrize("tolerance", [1e-8, 1e-4, 1e-3])

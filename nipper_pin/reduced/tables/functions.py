@@ -36,91 +36,24 @@ _ROOT_STEPS = 40
 
 
 @dataclass(frozen=True, eq=False)
-class Rates:
-    """Configurations and their rates.
+class _Motion:
+    """Configurations, their rates and forces.
 
     Attributes:
         q: Configurations, shape (N, nv).
         n: Rates by that of x, shape (N, nv).
         m: Rates by that of the cylinder with x held, shape (N, nv).
+        jacobian: Derivatives of the closures, shape (N, rows, nv).
+        weight: Generalised forces of the weight, shape (N, nv).
+        inertial: M b + h - weight at the rates (1, 0), (1, 1), (1, -1) and (0, 1), likewise.
     """
 
     q: FloatArray
     n: FloatArray
     m: FloatArray
-
-
-def inertial_forces(
-    system: System, motion: Rates, accelerations: FloatArray, armature: FloatArray
-) -> tuple[FloatArray, ...]:
-    """M b + h - weight at the rates (1, 0), (1, 1), (1, -1) and (0, 1), then the weight.
-
-    Args:
-        accelerations: Of the driven coordinates, at 1 rad/s of the cylinder, shape (N, drives).
-        armature: Inertia added to the joints, shape (nv,): infinite where they are held.
-
-    Returns:
-        Generalised forces, shape (N, nv) each; those of inertia by the square of :func:`_fast`.
-    """
-    body, q, fast = system.body, motion.q, _fast(system)
-    zero = np.zeros_like(q)
-    weight = body.inverse_dynamics(q, zero, zero)
-
-    def at(w: float, rate: float) -> FloatArray:
-        v = fast * (w * motion.m + rate * motion.n)
-        tau = zero.copy()
-        tau[:, system.driven] = INFINITE_INERTIA * (fast * w) ** 2 * accelerations
-        b = body.accelerations(q, v, tau, armature)
-        return np.asarray(body.inverse_dynamics(q, v, b) - weight)
-
-    return at(1.0, 0.0), at(1.0, 1.0), at(1.0, -1.0), at(0.0, 1.0), weight
-
-
-def resisted(
-    system: System, along: FloatArray, forces: tuple[FloatArray, ...], motion: Rates
-) -> FloatArray:
-    """What resists motion along a direction while x'' is zero, by function.
-
-    Args:
-        along: The direction, shape (N, nv).
-        forces: As of :func:`inertial_forces`.
-
-    Returns:
-        Shape (functions, N), in the order of the equation of motion.
-    """
-    *inertial, weight = forces
-    by_speed, both, against, by_rate = (
-        np.einsum("ni,ni->n", along, force) / _fast(system) ** 2 for force in inertial
-    )
-    weighed = np.einsum("ni,ni->n", along, weight)
-    terms = [by_speed, 0.5 * (both - against), by_rate, weighed]
-    for spring in system.mechanism.springs:
-        terms += [along[:, spring.index], along[:, spring.index] * motion.q[:, spring.index]]
-    return np.array([*terms, *_by_elements(system, along, motion)])
-
-
-def _by_elements(system: System, along: FloatArray, motion: Rates) -> list[FloatArray]:
-    """The same of tables, dampers and struts: at rest, by the cylinder's speed and by x'."""
-    mechanism = system.mechanism
-    if not (mechanism.dampers or mechanism.tabulated_springs or mechanism.struts):
-        return []
-    zero = np.zeros_like(motion.q)
-    still = zero if system.elements is None else system.elements.forces(motion.q, zero)
-    all_still = system.applied_forces(motion.q, zero)
-
-    def of(force: FloatArray) -> FloatArray:
-        return -np.asarray(np.einsum("ni,ni->n", along, force))
-
-    rates = (of(system.applied_forces(motion.q, v) - all_still) for v in (motion.m, motion.n))
-    return [of(still), *rates]
-
-
-def _fast(system: System) -> float:
-    """Cylinder speed at which inertial forces are evaluated [rad/s].
-
-    At 1 rad/s the round-off of the subtracted weight would exceed them.
-    """
-    return rad_s_from_rpm(system.mechanism.cylinder.rated_speed_rpm)
+    jacobian: FloatArray
+    weight: FloatArray
+    inertial: tuple[FloatArray, ...]
 
 
 @dataclass(frozen=True)
@@ -128,7 +61,6 @@ class Samples:
     """Functions at N points.
 
     Attributes:
-        q: Configurations, shape (N, nv).
         equation: F0, F1, F2, Fg, then F_k and F_k s_k of every spring, shape (4 + 2 springs, N);
             of a machine with other elements three more, shape (7 + 2 springs, N): what they do at
             rest, and by the rates of the cylinder and of x.
@@ -137,7 +69,6 @@ class Samples:
         inertia: C, shape (N,) [kg m^2 or kg].
     """
 
-    q: FloatArray
     equation: FloatArray
     gaps: FloatArray
     inertia: FloatArray
@@ -193,17 +124,14 @@ class Sampler:
             raise InputError(message, stop=stop.name)
         self._system = system
         self._stop = stop
-        self._column = stop.index
         others = [item for item in system.mechanism.stops if item.name != stop.name]
         self._others = (*others, *_table_ends(system.mechanism))
         self._path = path
         self._armature = np.zeros(system.body.nv)
         self._armature[[*system.driven, stop.index]] = INFINITE_INERTIA
-
-    @property
-    def size(self) -> int:
-        """Number of coordinates."""
-        return self._system.body.nv
+        # Cylinder speed at which inertial forces are evaluated: at 1 rad/s the round-off of the
+        # subtracted weight would exceed them.
+        self._fast = rad_s_from_rpm(system.mechanism.cylinder.rated_speed_rpm)
 
     def grid(self, u: FloatArray, x: FloatArray) -> FloatArray:
         """Close the loops on a grid, from neighbour to neighbour, so that the branch is kept.
@@ -218,12 +146,9 @@ class Sampler:
         Raises:
             SimulationError: The mechanism cannot reach a point of the grid.
         """
-        found = np.empty((len(u), len(x), self.size))
         if self._path is None:
-            rows = self._across(x, np.zeros(1), np.zeros((1, self.size)))[0]
-            for number, configurations in enumerate(self.along(u, x, rows)):
-                found[number] = configurations
-            return found
+            rows = self._across(x, np.zeros(1), np.zeros((1, self._system.body.nv)))[0]
+            return np.array([*self.along(u, x, rows)])
         travels, path = self._path
         near = np.abs(u[:, None] - travels).argmin(axis=1)
         jacobian = self._system.body.closures(path[near])[1]
@@ -284,7 +209,7 @@ class Sampler:
     def _across(self, x: FloatArray, u: FloatArray, q: FloatArray) -> FloatArray:
         """Configurations at all x from those at x = 0, shape (U, X, nv)."""
         jacobian = self._system.body.closures(q)[1]
-        found = np.empty((len(u), len(x), self.size))
+        found = np.empty((len(u), len(x), q.shape[1]))
         # Outwards from x = 0, first to one side and then to the other.
         for side in (np.flatnonzero(x >= 0.0), np.flatnonzero(x < 0.0)):
             rows, slopes = q, jacobian
@@ -295,13 +220,15 @@ class Sampler:
 
     def at(self, u: FloatArray, x: FloatArray, guess: FloatArray) -> Samples:
         """Evaluate all functions."""
-        motion, _, forces = self._motion(u, x, guess)
-        q, n, m = motion.q, motion.n, motion.m
-        inertia = 2.0 * self._system.body.kinetic_energy(q, n)
-        equation = -resisted(self._system, n, forces, motion) / inertia
-        gaps = [stop.gaps(q) for stop in self._others]
-        gaps += [stop.rates(by) for by in (n, m) for stop in self._others]
-        return Samples(q, equation, np.reshape(gaps, (len(gaps), len(q))), inertia)
+        motion = self._motion(u, x, guess)
+        inertia = 2.0 * self._system.body.kinetic_energy(motion.q, motion.n)
+        gaps = [stop.gaps(motion.q) for stop in self._others]
+        gaps += [stop.rates(by) for by in (motion.n, motion.m) for stop in self._others]
+        return Samples(
+            -self._resisted(motion.n, motion) / inertia,
+            np.reshape(gaps, (len(gaps), len(u))),
+            inertia,
+        )
 
     def torques(self, u: FloatArray, x: FloatArray, guess: FloatArray) -> FloatArray:
         """Evaluate the functions of the drives' torques, which are linear in x'', too.
@@ -313,42 +240,68 @@ class Sampler:
             By drive the functions as of the equation of motion, and last the factor of x'', shape
             (drives, functions + 1, N).
         """
-        motion, jacobian, forces = self._motion(u, x, guess)
+        motion = self._motion(u, x, guess)
         # M n; the weight is taken off again, so the rates are those of inertial forces.
-        scale = _fast(self._system) ** 2
-        pushed = self._system.body.inverse_dynamics(motion.q, 0.0 * motion.q, scale * motion.n)
-        pushed = (pushed - forces[-1]) / scale
+        scale, zero = self._fast**2, np.zeros_like(motion.q)
+        pushed = self._system.body.inverse_dynamics(motion.q, zero, scale * motion.n)
+        pushed = (pushed - motion.weight) / scale
         found = []
         for index in self._system.driven:
-            k = np.zeros_like(motion.q)
+            k = zero.copy()
             k[:, index] = 1.0
-            k = close_velocities(k, jacobian, self._split)
+            k = close_velocities(k, motion.jacobian, self._split)
             by_acceleration = np.einsum("ni,ni->n", k, pushed)
-            found.append([*resisted(self._system, k, forces, motion), by_acceleration])
+            found.append([*self._resisted(k, motion), by_acceleration])
         return np.array(found)
 
-    def _motion(
-        self, u: FloatArray, x: FloatArray, guess: FloatArray
-    ) -> tuple[Rates, FloatArray, tuple[FloatArray, ...]]:
-        """Closed configurations with their rates, closure Jacobians, and forces of inertia."""
-        driven, rates, accelerations = self._system.shaft.driven(u)
-        q = guess.copy()
-        q[:, self._system.driven] = driven
-        q[:, self._column] = self._coordinate(x)
-        q, jacobian = close_positions(self._system.body, q, self._split)
-        motion = Rates(q, *self._rates(rates, q, jacobian))
-        forces = inertial_forces(self._system, motion, accelerations, self._armature)
-        return motion, jacobian, forces
+    def _motion(self, u: FloatArray, x: FloatArray, guess: FloatArray) -> _Motion:
+        """Closed configurations with their rates and forces."""
+        body, driven, fast = self._system.body, self._system.driven, self._fast
+        _, rates, accelerations = self._system.shaft.driven(u)
+        q, jacobian = close_positions(body, self._set(guess, u, x), self._split)
+        n, m = self._rates(rates, q, jacobian)
+        zero = np.zeros_like(q)
+        weight = body.inverse_dynamics(q, zero, zero)
 
-    def _coordinate(self, x: FloatArray) -> FloatArray:
-        """Coordinate of the stop's joint at a gap x."""
-        return np.asarray(self._stop.at + self._stop.sense * x)
+        def inertial(w: float, rate: float) -> FloatArray:
+            v, tau = fast * (w * m + rate * n), zero.copy()
+            tau[:, driven] = INFINITE_INERTIA * (fast * w) ** 2 * accelerations
+            b = body.accelerations(q, v, tau, self._armature)
+            return np.asarray(body.inverse_dynamics(q, v, b) - weight)
+
+        forces = inertial(1.0, 0.0), inertial(1.0, 1.0), inertial(1.0, -1.0), inertial(0.0, 1.0)
+        return _Motion(q, n, m, jacobian, weight, forces)
+
+    def _resisted(self, along: FloatArray, motion: _Motion) -> FloatArray:
+        """What resists motion along a direction, shape (N, nv), while x'' is zero.
+
+        Returns:
+            Shape (functions, N), in the order of the equation of motion.
+        """
+        system, q = self._system, motion.q
+
+        def of(force: FloatArray) -> FloatArray:
+            return np.asarray(np.einsum("ni,ni->n", along, force))
+
+        by_speed, both, against, by_rate = (of(force) / self._fast**2 for force in motion.inertial)
+        terms = [by_speed, 0.5 * (both - against), by_rate, of(motion.weight)]
+        for spring in system.mechanism.springs:
+            terms += [along[:, spring.index], along[:, spring.index] * q[:, spring.index]]
+        # Tables, dampers and struts: at rest, by the cylinder's speed and by x'.
+        machine = system.mechanism
+        if machine.dampers or machine.tabulated_springs or machine.struts:
+            zero = np.zeros_like(q)
+            still = zero if system.elements is None else system.elements.forces(q, zero)
+            all_still = system.applied_forces(q, zero)
+            rates = (system.applied_forces(q, v) - all_still for v in (motion.m, motion.n))
+            terms += [-of(force) for force in (still, *rates)]
+        return np.array(terms)
 
     def _rates(
         self, driven: FloatArray, q: FloatArray, jacobian: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         n, m = np.zeros_like(q), np.zeros_like(q)
-        n[:, self._column] = self._stop.sense
+        n[:, self._stop.index] = self._stop.sense
         m[:, self._system.driven] = driven
         return (
             close_velocities(n, jacobian, self._split),
@@ -359,13 +312,12 @@ class Sampler:
         self, q: FloatArray, jacobian: FloatArray, u: FloatArray, x: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """Closed configurations at new points, from those of neighbours along the tangent."""
-        system = self._system
-        driven = system.shaft.driven(u)[0]
-        step = np.zeros_like(q)
-        step[:, system.driven] = driven - q[:, system.driven]
-        coordinate = self._coordinate(x)
-        step[:, self._column] = coordinate - q[:, self._column]
-        guess = q + close_velocities(step, jacobian, self._split)
-        guess[:, system.driven] = driven
-        guess[:, self._column] = coordinate
-        return close_positions(system.body, guess, self._split)
+        step = close_velocities(self._set(q, u, x) - q, jacobian, self._split)
+        return close_positions(self._system.body, self._set(q + step, u, x), self._split)
+
+    def _set(self, q: FloatArray, u: FloatArray, x: FloatArray) -> FloatArray:
+        """Configurations with the drives and the stop at new points; the others are kept."""
+        found = q.copy()
+        found[:, self._system.driven] = self._system.shaft.driven(u)[0]
+        found[:, self._stop.index] = self._stop.at + self._stop.sense * x
+        return found

@@ -53,7 +53,7 @@ class ChartSampler:
         kind = next(j.kind for j in self.mechanism.joints if j.index == arc.after.index)
         extent = 1.0 if kind == "revolute" else self.mechanism.reach_m
         wrong = CORNER_ROUND_OFF * (TURN + extent / abs(rate))
-        size = rounded.size(self.sampler.size + arc.after.index) + self._bend(rate) * wrong
+        size = rounded.size(len(m[0]) + arc.after.index) + self._bend(rate) * wrong
         return rate, size, 1.0 / arc.after.rate(n[0]), wrong
 
     def placed(self, chart: Chart) -> Chart:

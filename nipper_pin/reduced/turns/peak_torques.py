@@ -50,7 +50,7 @@ class _DriveSampler:
     def at(self, u: FloatArray, x: FloatArray, guess: FloatArray) -> Samples:
         """The functions of the torque, in the place of those of the equation of motion."""
         found = self.around.sampler.torques(u, x, guess)[self.drive]
-        return Samples(guess, found, np.empty((0, len(u))), np.ones(len(u)))
+        return Samples(found, np.empty((0, len(u))), np.ones(len(u)))
 
 
 @made_once
