@@ -11,7 +11,7 @@ from numpy.polynomial import chebyshev
 
 from nipper_pin.arrays import FloatArray
 from nipper_pin.reduced.kernels import kernel, layout, panel, turn_charts
-from nipper_pin.reduced.kernels.layout import Case, Cases, Charts, Settings, Work
+from nipper_pin.reduced.kernels.layout import Case, Cases, Charts, Settings, Solver
 from nipper_pin.reduced.model import Arrival
 
 # Bounces of the waiting stop that are followed on the way to the touch.
@@ -227,14 +227,17 @@ def case(speed: float, stiffness: Any, preload: Any, e_N: float = 0.0) -> Case:
     return Case(speed, np.full(4, e_N), np.array(stiffness), np.array(preload))
 
 
-def work_of(charts: Charts, one: Case, *, most: int = 8) -> tuple[Work, panel.Source]:
-    """Scratch arrays, filled with what no result may contain, and the chart combined for a case."""
+def solver_of(charts: Charts, one: Case, *, most: int = 8) -> Solver:
+    """What motions of a case are computed with, its first chart combined.
+
+    Scratch arrays are filled with what no result may contain.
+    """
     work = turn_charts.scratch(charts, most, 0)
     for array in (work.case, work.mixed, work.line, work.poly, work.nodes, work.series):
         array.fill(np.nan)
     work.pressed.fill(False)
-    turn_charts.press(charts, work, 0, one)
-    source = turn_charts.source_of(charts, work, 0, one)
-    per_rad, travel = work.case[0, [layout.PER_RAD, layout.TRAVEL_MOST]]
-    panel.reach(source, per_rad, 0.0, travel)
-    return work, source
+    records = turn_charts.records_in(np.full((most, layout.COLUMNS), np.nan), 1)
+    solver = Solver(panel.grids(), charts, work, one, records)
+    turn_charts.press(solver, 0)
+    panel.reach(solver, 0, 0.0, work.case[0, layout.TRAVEL_MOST])
+    return solver

@@ -17,8 +17,8 @@ from written_tables import (
     level,
     rest_of_turn,
     solve,
+    solver_of,
     tables_of,
-    work_of,
 )
 
 from nipper_pin.reduced.kernels import (
@@ -28,7 +28,7 @@ from nipper_pin.reduced.kernels import (
     series,
 )
 from nipper_pin.reduced.kernels import turn_events as events
-from nipper_pin.reduced.kernels.layout import FAILS, HOLDS, UNKNOWN, Cases, Charts, Settings
+from nipper_pin.reduced.kernels.layout import FAILS, HOLDS, UNKNOWN, Cases, Charts, Motion, Settings
 from nipper_pin.tolerances.mechanics import EPS
 
 pytestmark = pytest.mark.usefixtures("plain")
@@ -190,11 +190,12 @@ def test_a_series_that_is_surely_over(change: dict[str, Any], over: bool) -> Non
     charts = tables_of(level(-A / SPEED**2), travel=travel, gaps=level(1.0)[:1],
                        high=given.get("high", 1.0), **bounds)  # fmt: skip
     charts.gaps[0, 1, 0, 0, 0] = given["opens"]
-    work, _ = work_of(charts, case(SPEED, [], []))
+    solver = solver_of(charts, case(SPEED, [], [], e))
     # -A (1 + change (u - begin) / (over - begin)).
     slope = -A * given["change"] / (SPEED * ahead)
-    work.line[0, 0] = -A + slope * (0.5 * travel - u), slope * 0.5 * travel, 0.0
-    found = series.surely_over(charts, work, 0, u, w, e, given["still"])
+    solver.work.line[0, 0] = -A + slope * (0.5 * travel - u), slope * 0.5 * travel, 0.0
+    thrown = Motion(0, u, 0.0, 0.0, w, 0.0, 0.0, 0.0)
+    found = series.surely_over(solver, thrown, given["still"])
     assert found[0] == over
     if over:
         assert found[1] == pytest.approx(ahead, rel=1e-12)

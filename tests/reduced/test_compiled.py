@@ -165,7 +165,7 @@ def test_all_machine_code_is_kept_so() -> None:
         for file in (package / room).rglob("*.py")
         if re.search(r"^\s*(import|from) numba", file.read_text(encoding="utf-8"), re.MULTILINE)
     }
-    assert users == {"reduced/kernels/compiled.py", "reduced/kernels/held.py"}
+    assert users == {"reduced/kernels/compiled.py", "reduced/kernels/in_memory.py"}
 
 
 def test_other_columns_of_a_table_compile_nothing(model: ReducedModel, e62: Mechanism) -> None:

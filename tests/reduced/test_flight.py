@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 from numpy.polynomial import Chebyshev, chebyshev
 from scipy.integrate import quad, solve_ivp
-from written_tables import bounded, case, level, linear, tables_of, work_of, x_dd
+from written_tables import bounded, case, level, linear, solver_of, tables_of, x_dd
 
 from nipper_pin.reduced.kernels import flight, flight_errors, panel
+from nipper_pin.reduced.kernels.hits import SolvedPanel
 from nipper_pin.reduced.kernels.layout import (
     AT_REST,
     BY_U,
@@ -25,13 +26,13 @@ from nipper_pin.reduced.kernels.layout import (
     NODE_V,
     NODE_X,
     OTHER_STOP,
-    PER_RAD,
     PROBES,
     RESIDUAL,
     SERIES_ONCE,
     SIGMA,
     UNRESOLVED,
     Charts,
+    Motion,
 )
 from nipper_pin.reduced.kernels.panel import grids
 from nipper_pin.tolerances.mechanics import EPS
@@ -107,13 +108,10 @@ def solved(tables: Charts, u: float, x: float, v: float) -> Any:
 
 def flown(tables: Charts, u: float, x: float, v: float, tolerance: float = 1e-10) -> Any:
     k, p = np.array(SPRINGS).T
-    work, source = work_of(tables, case(SPEED, k, p))
-    panel.contract(source.mixed, work.poly, 0, work.case[0, PER_RAD], u)
-    found = flight.flight(
-        grids(), work.case[0], source, work.poly, work.nodes, tables.equation.shape[4], u, x,
-        v, tolerance, x == 0.0,
-    )  # fmt: skip
-    return found, work
+    solver = solver_of(tables, case(SPEED, k, p))
+    panel.contract(solver, 0, 0, u)
+    found = flight.flight(solver, Motion(0, u, 0.0, x, v, 0.0, 0.0, 0.0), tolerance)
+    return found, solver.work
 
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-12])
@@ -271,11 +269,13 @@ def test_a_top_behind_the_end_of_a_flight_does_not_count(past: float) -> None:
     places = grids()[SIGMA, order, 0]
     end = places[number] + 0.1 * (places[number + 1] - places[number])
     top = end + past * (places[number + 1] - end)
-    nodes = np.zeros((7, LEVELS[-1] + 2))
+    solver = solver_of(tables_of(level(1.0)), case(SPEED, [], []))
+    nodes = solver.work.nodes
+    nodes[:] = 0.0
     nodes[NODE_X, : LEVELS[order]] = (places * (2.0 * top - places))[: LEVELS[order]]
     # Its rate, 2 (p - s), as a series on -1 to 1.
     nodes[SERIES_ONCE, :2] = 2.0 * top - 1.0, -1.0
-    found = flight._highest(grids(), nodes, order, 1.0, 0.0, 0.0, end)
+    found = flight._highest(SolvedPanel(solver, 0, order, 0.0, 1.0, 0.0, 0.0), end)
     assert found == (nodes[NODE_X, number], places[number])
 
 
@@ -302,7 +302,7 @@ def by_travel(gap: Callable[[Any], Any]) -> Gap:
     return lambda u, _: gap(u)
 
 
-def beside(*gaps: Gap, x: float = 0.0) -> Any:
+def beside(*gaps: Gap, x: float = 0.0, start: float = START) -> Any:
     """A flight beside stops whose gaps are given as polynomials of (u, x)."""
     coefficients = np.zeros((len(gaps), 1, 5, 5))
     place = np.cos(np.pi * (np.arange(5) + 0.5) / 5)
@@ -313,7 +313,7 @@ def beside(*gaps: Gap, x: float = 0.0) -> Any:
         values = gap(u[:, None], across[None, :]) + 0.0 * u[:, None] * across
         coefficients[number, 0] = basis @ values @ basis.T
     tables = tables_of(level(-1.0, count=5), gaps=coefficients, low=LOW, high=HIGH, travel=TRAVEL)
-    return flown(tables, START, x, THROWN)[0]
+    return flown(tables, start, x, THROWN)[0]
 
 
 @pytest.mark.parametrize("share", [0.02, 0.3, 0.5, 0.77, 0.99])
@@ -367,16 +367,21 @@ def test_what_would_close_after_the_collision_does_not_happen() -> None:
 
 
 def test_a_stop_that_has_just_been_thrown_open_is_not_hit_at_the_start() -> None:
-    """Its gap is zero at the start of a flight from the stop, and counts from the first node on.
+    """Its gap is zero where a chart begins, by a collision, and counts from the first node on.
 
-    A flight from above the stop ends there at once, and so does one beside a closed stop.
+    A flight from above the stop ends there at once, and so do one from elsewhere and one beside a
+    closed stop.
     """
-    opening = by_travel(lambda u: u - START - 1e-9)
-    assert beside(opening)[0] == AT_REST
-    for ended in (beside(opening, x=0.1), beside(by_travel(lambda u: -1.0 + 0.0 * u))):
+    opening = by_travel(lambda u: u - 1e-9)
+    assert beside(opening, start=0.0)[0] == AT_REST
+    for ended in (
+        beside(opening, x=0.1, start=0.0),
+        beside(by_travel(lambda u: u - START - 1e-9)),
+        beside(by_travel(lambda u: -1.0 + 0.0 * u), start=0.0),
+    ):
         assert (ended[0], ended[10]) == (OTHER_STOP, 0.0)
         assert ended[1] == pytest.approx(0.0, abs=1e-15)
-    falling = beside(by_travel(lambda u: (u - START) * (START + 0.9 - u)))
+    falling = beside(by_travel(lambda u: u * (0.9 - u)), start=0.0)
     assert falling[0] == OTHER_STOP
     assert falling[1] == pytest.approx(0.9 / SPEED, rel=1e-9)
 
@@ -418,13 +423,11 @@ def test_a_panel_is_as_accurate_as_it_says(
     No grid can be as fine as the least tolerance; what is at round-off counts as resolved.
     """
     tables, motion = oscillator(1.5, 0.2, -0.5, 2.0)
-    work, source = work_of(tables, case(QUICK, [], []))
-    nodes = work.nodes
+    solver = solver_of(tables, case(QUICK, [], []))
+    nodes = solver.work.nodes
     a0 = -(QUICK**2) * (1.5 * x0 + 1.0) - 0.4 * QUICK * v0
-    panel.contract(source.mixed, work.poly, 0, work.case[0, PER_RAD], 0.0)
-    level, length, change, left = panel.solve_panel(
-        grids(), work.case[0], source, work.poly, nodes, 3, 0.0, h, x0, v0, a0, False, tolerance
-    )
+    panel.contract(solver, 0, 0, 0.0)
+    level, length, change, left = panel.solve_panel(solver, 0, 0.0, h, x0, v0, a0, False, tolerance)
     assert length == h
     count = LEVELS[level]
     x, v = motion(h * grids()[SIGMA, level, 0, :count], x0, v0)
@@ -448,15 +451,14 @@ def test_a_panel_is_as_accurate_as_it_says(
 def test_the_length_of_a_panel_meets_the_next_zero(guess: float, left_over: float) -> None:
     """From a guess that is too long or too short, but never beyond the travel."""
     tables, motion = oscillator(1.5, 0.2, -0.5, 2.0)
-    work, source = work_of(tables, case(QUICK, [], []))
-    panel.contract(source.mixed, work.poly, 0, work.case[0, PER_RAD], 30.0 - left_over)
+    solver, u = solver_of(tables, case(QUICK, [], [])), 30.0 - left_over
+    panel.contract(solver, 0, 0, u)
     level, length, _, _ = panel.solve_panel(
-        grids(), work.case[0], source, work.poly, work.nodes, 3, 30.0 - left_over, guess,
-        0.0, 4.0, -(QUICK**2) - 0.4 * QUICK * 4.0, True, 1e-10,
-    )  # fmt: skip
+        solver, 0, u, guess, 0.0, 4.0, -(QUICK**2) - 0.4 * QUICK * 4.0, True, 1e-10
+    )
     assert level >= 0
     x, v = motion(length * grids()[SIGMA, level, 0, : LEVELS[level]], 0.0, 4.0)
-    np.testing.assert_allclose(work.nodes[NODE_X, : LEVELS[level]], x, atol=1e-9)
+    np.testing.assert_allclose(solver.work.nodes[NODE_X, : LEVELS[level]], x, atol=1e-9)
     if left_over < 1.0:
         assert length <= left_over / QUICK * (1.0 + 1e-12)
         assert guess < 0.01 or length == pytest.approx(left_over / QUICK)

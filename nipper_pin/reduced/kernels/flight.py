@@ -20,9 +20,9 @@ from . import layout as rows
 from .compiled import inlined, part
 from .flight_errors import grow, size
 from .hits import SolvedPanel, first_hit
+from .layout import Motion, Solver
 from .panel import (
     OVERSHOOT,
-    Source,
     acceleration,
     chebyshev,
     coefficients,
@@ -42,16 +42,16 @@ from .panel import (
 @part
 def keep(solved: SolvedPanel, covered: float) -> None:
     """Keep a panel of a flight up to a part of it, if panels are kept and there is room."""
-    nodes = solved.nodes
+    nodes, order = solved.solver.work.nodes, rows.LEVELS[solved.level]
     first = _next_block(nodes)
     if first + rows.SCRATCH_ROWS > nodes.shape[0]:
         return
     for row in (rows.SERIES, rows.SERIES_ONCE, rows.SERIES_TWICE):
-        for i in range(solved.order + 2):
+        for i in range(order + 2):
             nodes[first + row, i] = nodes[row, i]
     numbers = nodes[first + rows.KEPT]
     numbers[FROM], numbers[LENGTH], numbers[COVERED] = solved.u, solved.h, covered
-    numbers[X_BEGIN], numbers[V_BEGIN], numbers[NODES] = solved.x0, solved.v0, float(solved.order)
+    numbers[X_BEGIN], numbers[V_BEGIN], numbers[NODES] = solved.x0, solved.v0, float(order)
     numbers[BOUNCED] = 0.0
 
 
@@ -151,11 +151,10 @@ def _zero(nodes: FloatArray, count: int, h: float, x0: float, v0: float, low: fl
 
 
 @part
-def _first_zero(
-    grids: FloatArray, nodes: FloatArray, level: int, h: float, x0: float, v0: float
-) -> float:
+def _first_zero(solved: SolvedPanel) -> float:
     """First passage of x from positive to not positive on a panel, or -1."""
-    count = rows.LEVELS[level]
+    grids, nodes, level = solved.solver.grids, solved.solver.work.nodes, solved.level
+    count, h, x0, v0 = rows.LEVELS[level], solved.h, solved.x0, solved.v0
     for j in range(1, count):
         x, before = nodes[rows.NODE_X, j], grids[rows.SIGMA, level, 0, j - 1]
         if x <= 0.0:
@@ -179,10 +178,10 @@ def _first_zero(
 
 
 @part
-def _highest(grids: FloatArray, nodes: FloatArray, level: int, h: float, x0: float,
-             v0: float, end: float) -> tuple[float, float]:  # fmt: skip
+def _highest(solved: SolvedPanel, end: float) -> tuple[float, float]:
     """Largest x on [0, end] and its place."""
-    count = rows.LEVELS[level]
+    grids, nodes, level = solved.solver.grids, solved.solver.work.nodes, solved.level
+    count, h, x0, v0 = rows.LEVELS[level], solved.h, solved.x0, solved.v0
     best, place, number = x0, 0.0, 0
     for j in range(1, count):
         if grids[rows.SIGMA, level, 0, j] < end and nodes[rows.NODE_X, j] > best:
@@ -212,24 +211,21 @@ def _highest(grids: FloatArray, nodes: FloatArray, level: int, h: float, x0: flo
 
 
 @part
-def _ballistic(case: FloatArray, source: Source, poly: FloatArray, degree: int, u: float,
-               x: float, v: float, a0: float) -> float:  # fmt: skip
+def _ballistic(solver: Solver, c: int, u: float, x: float, v: float, a0: float) -> float:
     """Time to the next zero of x, for an acceleration a0 < 0 that changes linearly with time."""
     h = (v + sqrt(max(v * v - 2.0 * a0 * x, 0.0))) / -a0
-    until, row = u + h * case[rows.SPEED], poly.shape[0] - 1
-    if x > 0.0 or until > case[rows.TRAVEL_MOST] or until - u < _STEADY:
+    until, row = u + h * solver.one.speed, len(solver.work.poly) - 1
+    if x > 0.0 or until > solver.work.case[c, rows.TRAVEL_MOST] or until - u < _STEADY:
         return h
-    reach(source, case[rows.PER_RAD], until, until)
-    contract(source.mixed, poly, row, case[rows.PER_RAD], until)
-    mean = (2.0 * a0 + acceleration(case, poly, row, degree, 0.0, -v)) / 3.0
+    reach(solver, c, until, until)
+    contract(solver, c, row, until)
+    mean = (2.0 * a0 + acceleration(solver, c, row, 0.0, -v)) / 3.0
     return 2.0 * v / -mean if mean < 0.5 * a0 else h
 
 
 @inlined
-def flight(grids: FloatArray, case: FloatArray, source: Source, poly: FloatArray,
-            nodes: FloatArray, degree: int, u0: float, x0: float, w: float, tolerance: float,
-            touching: bool) -> tuple[float, ...]:  # fmt: skip
-    """Flight from x0 with rate w to the next zero of x; from x0 = 0 with w > 0, or at a release.
+def flight(solver: Solver, at: Motion, tolerance: float) -> tuple[float, ...]:
+    """Flight to the next zero of x; from x = 0 with a rate above zero, or at a release.
 
     Its start has been contracted into the first row.
 
@@ -239,9 +235,9 @@ def flight(grids: FloatArray, case: FloatArray, source: Source, poly: FloatArray
         acceleration at the end, fastest rate, of all panels the largest last change and steady
         error of x'', x at the end, and the number of the other stop.
     """
-    speed, travel, mixed = case[rows.SPEED], case[rows.TRAVEL_MOST], source.mixed
-    t, x, v = 0.0, x0, w
-    a = 0.0
+    c, work, speed, u0, x0 = at.chart, solver.work, solver.one.speed, at.u, at.x
+    nodes, travel, high = work.nodes, work.case[c, rows.TRAVEL_MOST], work.case[c, rows.HIGH]
+    t, x, v, a = 0.0, x0, at.v, 0.0
     amplitude = peak_time = fastest = changed = left = 0.0
     failed = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0)
     nodes[rows.GROWTH, 0] = nan
@@ -251,18 +247,18 @@ def flight(grids: FloatArray, case: FloatArray, source: Source, poly: FloatArray
         if longest <= TRAVEL_END * travel / speed:
             return rows.LEFT_TRAVEL, t, v, amplitude, peak_time, a, fastest, changed, left, x, -1.0
         if panel > 0:
-            reach(source, case[rows.PER_RAD], u, u)
-            contract(mixed, poly, rows.ZERO, case[rows.PER_RAD], u)
-        a0 = acceleration(case, poly, rows.ZERO, degree, x, v)
+            reach(solver, c, u, u)
+            contract(solver, c, rows.ZERO, u)
+        a0 = acceleration(solver, c, rows.ZERO, x, v)
         h = longest
         # At a release a0 is round-off.
         if a0 < 0.0 and (x > 0.0 or v > 0.0):
-            h = OVERSHOOT * _ballistic(case, source, poly, degree, u, x, v, a0)
+            h = OVERSHOOT * _ballistic(solver, c, u, x, v, a0)
         level = -1
         change = missing = 0.0
         for halving in range(_MOST_HALVINGS):
             level, h, change, missing = solve_panel(
-                grids, case, source, poly, nodes, degree, u, h, x, v, a0, halving == 0, tolerance
+                solver, c, u, h, x, v, a0, halving == 0, tolerance
             )
             if level >= 0:
                 break
@@ -272,17 +268,18 @@ def flight(grids: FloatArray, case: FloatArray, source: Source, poly: FloatArray
             highest = 0.0
             for j in range(rows.LEVELS[-1]):
                 highest = max(highest, nodes[rows.NODE_X, j])
-            return (rows.LEFT_GAP if highest > case[rows.HIGH] else rows.UNRESOLVED), *failed
+            return (rows.LEFT_GAP if highest > high else rows.UNRESOLVED), *failed
         changed, left = max(changed, change), max(left, missing)
         count = rows.LEVELS[level]
-        coefficients(grids, nodes, level)
-        end = _first_zero(grids, nodes, level, h, x, v)
+        coefficients(solver, level)
+        solved = SolvedPanel(solver, c, level, u, h, x, v)
+        end = _first_zero(solved)
         until = end if end >= 0.0 else 1.0
-        first = 1 if panel == 0 and touching else 0
+        # A stop that is thrown open at the begin of a chart touches another one there.
+        first = 1 if panel == 0 and u0 == 0.0 and x0 == 0.0 else 0
         for j in range(count):
             fastest = max(fastest, abs(nodes[rows.NODE_V, j]))
-        solved = SolvedPanel(mixed, case, poly, nodes, degree, rows.LEVELS[level], u, h, x, v)
-        place, hit = first_hit(grids, solved, level, until, first)
+        place, hit = first_hit(solved, until, first)
         if hit >= 0:
             until = place
         # The usual bounce ends on its first panel, and its errors are known by a formula.
@@ -290,25 +287,19 @@ def flight(grids: FloatArray, case: FloatArray, source: Source, poly: FloatArray
             grow(solved, until)
         if nodes.shape[0] > rows.SCRATCH_ROWS:
             keep(solved, until)
-        top, highest_at = _highest(grids, nodes, level, h, x, v, until)
-        if not top <= case[rows.HIGH]:
+        top, highest_at = _highest(solved, until)
+        if not top <= high:
             return rows.LEFT_GAP, *failed
         if top > amplitude:
             amplitude, peak_time = top, t + h * highest_at
-        if hit >= 0:
-            rate = rate_at(nodes, count, h, v, place)
-            a = chebyshev(nodes, rows.SERIES, 0, count, 2.0 * place - 1.0)
-            gap = position(nodes, count, h, x, v, place)
+        if hit >= 0 or end >= 0.0:
+            rate = rate_at(nodes, count, h, v, until)
+            a = chebyshev(nodes, rows.SERIES, 0, count, 2.0 * until - 1.0)
+            gap = position(nodes, count, h, x, v, until) if hit >= 0 else 0.0
+            status = rows.OTHER_STOP if hit >= 0 else rows.AT_REST
             return (
-                rows.OTHER_STOP, t + h * place, rate, max(amplitude, gap), peak_time, a, fastest,
-                changed, left, gap, hit,
-            )  # fmt: skip
-        if end >= 0.0:
-            rate = rate_at(nodes, count, h, v, end)
-            a = chebyshev(nodes, rows.SERIES, 0, count, 2.0 * end - 1.0)
-            return (
-                rows.AT_REST, t + h * end, rate, amplitude, peak_time, a, fastest, changed, left,
-                0.0, -1.0,
+                status, t + h * until, rate, max(amplitude, gap), peak_time, a, fastest, changed,
+                left, gap, hit,
             )  # fmt: skip
         t += h
         x, v = nodes[rows.NODE_X, count - 1], nodes[rows.NODE_V, count - 1]

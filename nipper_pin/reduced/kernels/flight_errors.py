@@ -54,8 +54,7 @@ def grow(solved: SolvedPanel, end: float) -> None:
     The row GROWTH holds what becomes of dx = 1 and dv = 1 at the start of the flight and of e = 1:
     three errors of x, then three of x'. NaN: no panel has been traced yet.
     """
-    nodes = solved.nodes
-    g = nodes[rows.GROWTH]
+    g = solved.solver.work.nodes[rows.GROWTH]
     if np.isnan(g[0]):
         g[0], g[1], g[2], g[3], g[4], g[5] = 1.0, 0.0, 0.0, 0.0, 1.0, 0.0
     xx, xv, vx, vv, rx, rv = 1.0, 0.0, 0.0, 1.0, 0.0, 0.0
@@ -79,13 +78,12 @@ def grow(solved: SolvedPanel, end: float) -> None:
 @part
 def _slopes(solved: SolvedPanel, sigma: float) -> tuple[float, float]:
     """Derivatives of x'' by x and by x' at a place of a panel."""
-    case, poly, degree = solved.case, solved.poly, solved.degree
-    row = poly.shape[0] - 1
-    contract(
-        solved.mixed, poly, row, case[rows.PER_RAD], solved.u + solved.h * case[rows.SPEED] * sigma
-    )
-    x = position(solved.nodes, solved.order, solved.h, solved.x0, solved.v0, sigma)
-    v = rate_at(solved.nodes, solved.order, solved.h, solved.v0, sigma)
+    solver, c = solved.solver, solved.c
+    poly, nodes, case = solver.work.poly, solver.work.nodes, solver.work.case[c]
+    row, degree, order = len(poly) - 1, solver.charts.equation.shape[4], rows.LEVELS[solved.level]
+    contract(solver, c, row, solved.u + solved.h * solver.one.speed * sigma)
+    x = position(nodes, order, solved.h, solved.x0, solved.v0, sigma)
+    v = rate_at(nodes, order, solved.h, solved.v0, sigma)
     place = case[rows.SCALE] * (x - case[rows.LOW]) - 1.0
     by_v = chebyshev(poly, row, degree, degree, place)
     by_v += 2.0 * v * chebyshev(poly, row, 2 * degree, degree, place)

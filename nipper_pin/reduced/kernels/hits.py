@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...arrays import FloatArray
 from . import layout as rows
 from .compiled import part
+from .layout import Solver
 from .panel import chebyshev, contract, position
 
 # Halvings of a bracket from a panel to round-off.
@@ -19,24 +19,17 @@ class SolvedPanel(NamedTuple):
     """A panel that has been solved.
 
     Attributes:
-        mixed: Functions combined for the case, as of ``Work``.
-        case: Its numbers.
-        poly: Functions as polynomials in x at the nodes; the last row is scratch.
-        nodes: Values at the nodes, and series of the motion.
-        degree: Coefficients of a polynomial.
-        order: Nodes.
+        c: The chart.
+        level: The grid.
         u: Travel at the start of the panel [rad].
         h: Its length [s].
         x0: Coordinate at its start.
         v0: Rate there.
     """
 
-    mixed: FloatArray
-    case: FloatArray
-    poly: FloatArray
-    nodes: FloatArray
-    degree: int
-    order: int
+    solver: Solver
+    c: int
+    level: int
     u: float
     h: float
     x0: float
@@ -44,18 +37,17 @@ class SolvedPanel(NamedTuple):
 
 
 @part
-def first_hit(
-    grids: FloatArray, solved: SolvedPanel, level: int, end: float, first: int
-) -> tuple[float, int]:
+def first_hit(solved: SolvedPanel, end: float, first: int) -> tuple[float, int]:
     """First place before ``end`` where another stop closes, and its number; -1 without one.
 
     Nodes before ``first`` do not count: there a stop has just been thrown open.
     """
-    place, hit = end, -1
-    poly, nodes, case, degree = solved.poly, solved.nodes, solved.case, solved.degree
+    place, hit, work, level = end, -1, solved.solver.work, solved.level
+    grids, poly, nodes, case = solved.solver.grids, work.poly, work.nodes, work.case[solved.c]
+    degree = solved.solver.charts.equation.shape[4]
     for column in range(3 * degree, poly.shape[1], degree):
         older = old = -np.inf
-        for j in range(solved.order):
+        for j in range(rows.LEVELS[level]):
             sigma = grids[rows.SIGMA, level, 0, j]
             at = case[rows.SCALE] * (nodes[rows.NODE_X, j] - case[rows.LOW]) - 1.0
             gap = chebyshev(poly, j, column, degree, at)
@@ -80,18 +72,13 @@ def first_hit(
 @part
 def _gap_at(solved: SolvedPanel, column: int, sigma: float) -> float:
     """Gap of another stop at a place sigma of the panel."""
-    row, case = solved.poly.shape[0] - 1, solved.case
-    contract(
-        solved.mixed,
-        solved.poly,
-        row,
-        case[rows.PER_RAD],
-        solved.u + solved.h * case[rows.SPEED] * sigma,
-    )
-    x = position(solved.nodes, solved.order, solved.h, solved.x0, solved.v0, sigma)
-    return chebyshev(
-        solved.poly, row, column, solved.degree, case[rows.SCALE] * (x - case[rows.LOW]) - 1.0
-    )
+    solver, c = solved.solver, solved.c
+    poly, nodes, case = solver.work.poly, solver.work.nodes, solver.work.case[c]
+    row, order = len(poly) - 1, rows.LEVELS[solved.level]
+    contract(solver, c, row, solved.u + solved.h * solver.one.speed * sigma)
+    x = position(nodes, order, solved.h, solved.x0, solved.v0, sigma)
+    place = case[rows.SCALE] * (x - case[rows.LOW]) - 1.0
+    return chebyshev(poly, row, column, solver.charts.equation.shape[4], place)
 
 
 @part

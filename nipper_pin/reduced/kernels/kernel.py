@@ -17,8 +17,8 @@ from ...tolerances.reduced import (
 )
 from . import layout as rows
 from .compiled import compiled, part
-from .held import held
-from .layout import Case, Cases, Charts, Job, Motion, Plain, Records, Settings, Work
+from .in_memory import in_memory
+from .layout import Cases, Charts, Job, Motion, Plain, Records, Settings, Solver, Work
 from .release import released
 from .turn import FLYING, STRIKING, follow
 from .turn_charts import case_of, press, records_in, scratch
@@ -31,50 +31,48 @@ _ONE_TURN: int = rows.numbered(1, 1)[0]
 
 
 @part
-def _met(charts: Charts, c: int, to: int, speed: float) -> Motion:
+def _met(solver: Solver, c: int, to: int) -> Motion:
     """Just before the collision of the stop that takes over at the end of a chart."""
-    number = charts.numbers[c]
+    number, speed = solver.charts.numbers[c], solver.one.speed
     rate, wrong = number[rows.ARRIVE] * speed, number[rows.ARRIVE_ERROR] * speed
     return Motion(to, 0.0, 0.0, 0.0, rate, 0.0, 0.0, wrong)
 
 
 @part
-def _arrival(grids: FloatArray, turn: Charts, work: Work, one: Case, settings: Settings,
-             vague: float, records: Records) -> tuple[int, Motion]:  # fmt: skip
+def _arrival(solver: Solver, settings: Settings, vague: float) -> tuple[int, Motion]:
     """In which phase a machine arrives at the touch: HOLDS, FAILS or UNKNOWN, and its state.
 
     Motion after a rest is independent of the motion before it.
 
     Args:
-        turn: The charts of the rest of the turn.
+        solver: With the charts of the rest of the turn.
         settings: Of these flights.
         vague: Error of the gap at the touch, by the gap, from which on a flight is not known.
     """
-    opening = _met(turn, _CLAMPING, _WAITING, one.speed)
-    status, _ = follow(
-        grids, turn, work, one, settings, _ONE_TURN, STRIKING, opening, _CLAMPING, records
-    )
+    records, numbers = solver.records, solver.charts.numbers
+    opening = _met(solver, _CLAMPING, _WAITING)
+    status, _ = follow(solver, settings, _ONE_TURN, STRIKING, opening, _CLAMPING)
     end, last = records.ends[1], records.events[records.counts[rows.EVENTS] - 1]
     at = Motion(_CLAMPING, 0.0, 0.0, end[3], end[4], 0.0, end[5], end[6])
-    near = BEFORE_TOUCH + one.speed * last[rows.TIME_ERROR]
+    near = BEFORE_TOUCH + solver.one.speed * last[rows.TIME_ERROR]
     if status != rows.AT_REST or last[rows.TRAVEL] > 2.0 * pi - near:
         return rows.UNKNOWN, at
-    if end[1] >= turn.numbers[_WAITING, rows.TRAVEL_MOST]:
+    if end[1] >= numbers[_WAITING, rows.TRAVEL_MOST]:
         return rows.HOLDS, at
-    known = at.x < turn.numbers[_CLAMPING, rows.HIGH] and at.dx < vague * at.x
+    known = at.x < numbers[_CLAMPING, rows.HIGH] and at.dx < vague * at.x
     return rows.FAILS if known else rows.UNKNOWN, at
 
 
 @part
-def _clamps(turn: Charts, work: Work, one: Case, rest: float) -> bool:
+def _clamps(solver: Solver, rest: float) -> bool:
     """Whether the clamping stop is pressed shut from a travel up to its opening."""
-    opening = turn.numbers[_CLAMPING, rows.TRAVEL_MOST]
+    work, number = solver.work, solver.charts.numbers[_CLAMPING]
+    opening = number[rows.TRAVEL_MOST]
     if not rest < opening:
         return False
     work.pressed[_CLAMPING] = False
-    press(turn, work, _CLAMPING, one)
-    per_rad = turn.numbers[_CLAMPING, rows.PER_RAD]
-    return bool(released(work.line[_CLAMPING], per_rad, rest, opening) > opening)
+    press(solver, _CLAMPING)
+    return bool(released(work.line[_CLAMPING], number[rows.PER_RAD], rest, opening) > opening)
 
 
 @part
@@ -108,21 +106,19 @@ def summary(events: FloatArray, status: int, count: int, rest: FloatArray) -> No
 
 
 @part
-def _transition(grids: FloatArray, charts: Charts, work: Work, one: Case, settings: Settings,
-                job: Job, records: Records, rest: FloatArray,
+def _transition(solver: Solver, settings: Settings, job: Job, rest: FloatArray,
                 told: NDArray[np.int64]) -> None:  # fmt: skip
     """One transition: from the touch, from the flight over it, or from what is not known."""
-    events, most = records.events, len(records.events) - rows.BESIDE
-    phase, at = STRIKING, _met(charts, _CLAMPING, _CLAMPING, one.speed)
+    events = solver.records.events
+    most = len(events) - rows.BESIDE
+    phase, at = STRIKING, _met(solver, _CLAMPING, _CLAMPING)
     if told[2] == rows.FAILS:
         over = rest[rows.OVER :]
         phase, at = FLYING, Motion(_CLAMPING, 0.0, 0.0, over[0], over[1], 0.0, over[2], over[3])
     status, count = rows.UNTOLD, rows.ZERO
     if told[2] != rows.UNKNOWN:
-        status, _ = follow(
-            grids, charts, work, one, settings, rows.ZERO, phase, at, _CLAMPING, records
-        )
-        count = records.counts[rows.EVENTS]
+        status, _ = follow(solver, settings, rows.ZERO, phase, at, _CLAMPING)
+        count = solver.records.counts[rows.EVENTS]
     rest[rows.RESTS] = np.nan
     if count > 0:
         if events[count - 1, rows.KIND] == rows.REST:
@@ -136,19 +132,19 @@ def _transition(grids: FloatArray, charts: Charts, work: Work, one: Case, settin
 
 
 @part
-def _premise(grids: FloatArray, turn: Charts, work: Work, one: Case, settings: Settings,
-             rest: FloatArray, told: NDArray[np.int64], records: Records) -> None:  # fmt: skip
+def _premise(solver: Solver, settings: Settings, rest: FloatArray,
+             told: NDArray[np.int64]) -> None:  # fmt: skip
     """Find how one machine arrives, and how its transition begins, or whether that ends so."""
     if told[2] == rows.NOT_ASKED:
         rough = Settings(settings.rest_rate, PHASE_TOLERANCE, True)
-        told[2], _ = _arrival(grids, turn, work, one, rough, 1.0, records)
+        told[2], _ = _arrival(solver, rough, 1.0)
         if told[0] == rows.GOES_ON and told[2] == rows.FAILS:
             finer = max(ARRIVAL_SHARE * settings.tolerance, FINEST_TOLERANCE)
             fine = Settings(settings.rest_rate, finer, False)
-            told[2], at = _arrival(grids, turn, work, one, fine, FLIGHT_UNRESOLVED, records)
+            told[2], at = _arrival(solver, fine, FLIGHT_UNRESOLVED)
             over = rest[rows.OVER :]
             over[0], over[1], over[2], over[3] = at.x, at.v, at.dx, at.dv
-    known = told[0] == rows.AT_REST and _clamps(turn, work, one, rest[rows.RESTS])
+    known = told[0] == rows.AT_REST and _clamps(solver, rest[rows.RESTS])
     if told[0] != rows.GOES_ON and not known:
         told[2] = rows.UNKNOWN
 
@@ -186,20 +182,14 @@ def _all(grids: FloatArray, machine: Charts, scratches: Work, cases: Cases, sett
          job: Job, room: Records, events: FloatArray, told: NDArray[np.int64], found: FloatArray,
          ) -> None:  # fmt: skip
     """All cases, one after the other."""
-    charts, work = held(machine), held(scratches)
+    charts, work = in_memory(machine), in_memory(scratches)
     for i in range(len(cases.speed)):
-        one, own = held(case_of(cases, i)), events[min(i, len(events) - 1)]
-        records = held(Records(own, room.holds, room.ends, room.counts))
-        _one(grids, charts, work, one, settings, job, records, told[i], found[i])
-
-
-@part
-def _one(grids: FloatArray, charts: Charts, work: Work, one: Case, settings: Settings, job: Job,
-         records: Records, told: NDArray[np.int64], found: FloatArray) -> None:  # fmt: skip
-    """One of the cases."""
-    if job.task == rows.TRANSITIONS:
-        _transition(grids, charts, work, one, settings, job, records, found[0], told)
-    elif job.task == rows.ARRIVALS:
-        _premise(grids, charts, work, one, settings, found[0], told, records)
-    else:
-        turns_of(grids, charts, work, one, settings, job, records, told, found)
+        own = events[min(i, len(events) - 1)]
+        records = in_memory(Records(own, room.holds, room.ends, room.counts))
+        solver = in_memory(Solver(grids, charts, work, in_memory(case_of(cases, i)), records))
+        if job.task == rows.TRANSITIONS:
+            _transition(solver, settings, job, found[i, 0], told[i])
+        elif job.task == rows.ARRIVALS:
+            _premise(solver, settings, found[i, 0], told[i])
+        else:
+            turns_of(solver, settings, job, told[i], found[i])

@@ -289,3 +289,21 @@ class Work(NamedTuple):
     nodes: FloatArray
     series: FloatArray
     memory: FloatArray
+
+
+class Solver(NamedTuple):
+    """What the motion of a case is computed with.
+
+    Attributes:
+        grids: Collocation grids, shape (operators, levels, N, N + 2).
+        charts: Those of the machine.
+        work: Scratch arrays for them.
+        one: The case.
+        records: What is written of its motion.
+    """
+
+    grids: FloatArray
+    charts: Charts
+    work: Work
+    one: Case
+    records: Records

@@ -7,10 +7,8 @@ once a node; a sweep then costs three short polynomials in x for each node.
 from __future__ import annotations
 
 from functools import cache
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...arrays import FloatArray
 from ...chebyshev import evaluate, nodes, prolonged
@@ -19,7 +17,7 @@ from ...tolerances.mechanics import EPS
 from ...tolerances.reduced import COARSE_SWEEP, DEFECT_EFFECT
 from . import layout as rows
 from .compiled import inlined, part
-from .layout import Case
+from .layout import Solver
 
 # Panels end this much beyond the zero of x that is expected.
 OVERSHOOT = 1.01
@@ -27,43 +25,26 @@ OVERSHOOT = 1.01
 _GUESSES = 4
 
 
-class Source(NamedTuple):
-    """Functions of a chart that are combined for a case cell by cell, where a motion goes.
-
-    Attributes:
-        equation: Functions in x'', shape (functions, cells, Nu, Nx).
-        gaps: Gaps of the other stops and their derivatives, shape (3 S, cells, Nu, Nx).
-        one: The case.
-        mixed: Shape (cells, Nu, (3 + S) Nx).
-        ready: Whether a cell is combined, shape (cells,).
-    """
-
-    equation: FloatArray
-    gaps: FloatArray
-    one: Case
-    mixed: FloatArray
-    ready: NDArray[np.bool_]
-
-
 @part
-def reach(source: Source, per_rad: float, u: float, until: float) -> None:
-    """Combine the cells between two travels."""
-    cells = len(source.ready)
-    first, last = cell_at(per_rad, cells, u)[0], cell_at(per_rad, cells, until)[0]
+def reach(solver: Solver, c: int, u: float, until: float) -> None:
+    """Combine the cells of a chart between two travels for the case, where that is not done yet."""
+    work = solver.work
+    ready, per_rad = work.ready[c], work.case[c, rows.PER_RAD]
+    first, last = cell_at(per_rad, len(ready), u)[0], cell_at(per_rad, len(ready), until)[0]
     for cell in range(first, last + 1):
-        if not source.ready[cell]:
-            _mix(source, cell)
-            source.ready[cell] = True
+        if not ready[cell]:
+            _mix(solver, c, cell)
+            ready[cell] = True
 
 
 @part
-def _mix(source: Source, cell: int) -> None:
+def _mix(solver: Solver, c: int, cell: int) -> None:
     """Combine the functions of a cell for the parameters of the case."""
-    f, gaps, one = source.equation, source.gaps, source.one
+    f, gaps, one = solver.charts.equation[c], solver.charts.gaps[c], solver.one
     speed, stiffness, preload = one.speed, one.stiffness, one.preload
     count_u, count_x = f.shape[2], f.shape[3]
     for i in range(count_u):
-        row = source.mixed[cell, i]
+        row = solver.work.mixed[c, cell, i]
         for m in range(count_x):
             row[m] = speed * speed * f[0, cell, i, m] + f[3, cell, i, m]
             row[count_x + m] = speed * f[1, cell, i, m]
@@ -91,10 +72,11 @@ def cell_at(per_rad: float, cells: int, u: float) -> tuple[int, float]:
 
 
 @part
-def contract(mixed: FloatArray, poly: FloatArray, j: int, per_rad: float, u: float) -> None:
-    """Polynomials in x at one travel, into row j of ``poly``."""
+def contract(solver: Solver, c: int, j: int, u: float) -> None:
+    """Functions of a chart at one travel, as polynomials in x, into row j of the scratch array."""
+    poly, mixed = solver.work.poly, solver.work.mixed[c]
     cells, count_u, size = mixed.shape
-    cell, place = cell_at(per_rad, cells, u)
+    cell, place = cell_at(solver.work.case[c, rows.PER_RAD], cells, u)
     for m in range(size):
         poly[j, m] = mixed[cell, 0, m] + place * mixed[cell, 1, m]
     older, old, i = 1.0, place, 2
@@ -151,10 +133,9 @@ def range_along(line: FloatArray, per_rad: float, u: float, until: float) -> tup
 
 
 @part
-def acceleration(
-    case: FloatArray, poly: FloatArray, row: int, degree: int, x: float, v: float
-) -> float:
+def acceleration(solver: Solver, c: int, row: int, x: float, v: float) -> float:
     """Acceleration at the travel that was contracted into a row."""
+    poly, case, degree = solver.work.poly, solver.work.case[c], solver.charts.equation.shape[4]
     place = case[rows.SCALE] * (x - case[rows.LOW]) - 1.0
     p0 = chebyshev(poly, row, 0, degree, place)
     p1 = chebyshev(poly, row, degree, degree, place)
@@ -163,8 +144,9 @@ def acceleration(
 
 
 @part
-def _spread(grids: FloatArray, poly: FloatArray, nodes: FloatArray, level: int) -> None:
+def _spread(solver: Solver, level: int) -> None:
     """Move the nodes of the level below to their places in this one, and refine accelerations."""
+    grids, poly, nodes = solver.grids, solver.work.poly, solver.work.nodes
     coarse, fine = rows.LEVELS[level - 1], rows.LEVELS[level]
     for j in range(coarse - 1, 0, -1):
         for m in range(poly.shape[1]):
@@ -180,11 +162,9 @@ def _spread(grids: FloatArray, poly: FloatArray, nodes: FloatArray, level: int) 
 
 
 @part
-def _positions(
-    grids: FloatArray, nodes: FloatArray, level: int, h: float, x0: float, v0: float
-) -> None:
+def _positions(solver: Solver, level: int, h: float, x0: float, v0: float) -> None:
     """Positions and rates at the nodes from the accelerations there."""
-    count = rows.LEVELS[level]
+    grids, nodes, count = solver.grids, solver.work.nodes, rows.LEVELS[level]
     for j in range(count):
         nodes[rows.NODE_X, j] = x0 + h * grids[rows.SIGMA, level, 0, j] * v0
         nodes[rows.NODE_V, j] = v0
@@ -197,11 +177,11 @@ def _positions(
 
 
 @inlined
-def _sweep(grids: FloatArray, case: FloatArray, poly: FloatArray, nodes: FloatArray, degree: int,
-           level: int, h: float, x0: float, v0: float) -> float:  # fmt: skip
+def _sweep(solver: Solver, c: int, level: int, h: float, x0: float, v0: float) -> float:
     """One Picard sweep; returns the largest change of the accelerations."""
-    _positions(grids, nodes, level, h, x0, v0)
-    low, scale = case[rows.LOW], case[rows.SCALE]
+    _positions(solver, level, h, x0, v0)
+    poly, nodes, degree = solver.work.poly, solver.work.nodes, solver.charts.equation.shape[4]
+    low, scale = solver.work.case[c, rows.LOW], solver.work.case[c, rows.SCALE]
     change = 0.0
     for j in range(rows.LEVELS[level]):
         # Beyond the domain the answer is refused; until then it only has to stay finite.
@@ -223,11 +203,10 @@ def _sweep(grids: FloatArray, case: FloatArray, poly: FloatArray, nodes: FloatAr
 
 
 @part
-def _defect(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatArray,
-            nodes: FloatArray, degree: int, level: int, u: float, h: float, x0: float,
-            v0: float) -> float:  # fmt: skip
+def _defect(solver: Solver, c: int, level: int, u: float, h: float, x0: float, v0: float) -> float:
     """By how much x'' of the panel misses the equation of motion between the nodes."""
-    most, row = 0.0, poly.shape[0] - 1
+    grids, nodes, speed = solver.grids, solver.work.nodes, solver.one.speed
+    most, row = 0.0, len(solver.work.poly) - 1
     for probe in range(rows.PROBES):
         value = once = twice = 0.0
         for j in range(rows.LEVELS[level]):
@@ -236,19 +215,19 @@ def _defect(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatA
             once += grids[rows.PROBE_ONCE, level, j, probe] * a
             twice += grids[rows.PROBE_TWICE, level, j, probe] * a
         sigma = grids[rows.SIGMA, level, 1, probe]
-        contract(mixed, poly, row, case[rows.PER_RAD], u + h * case[rows.SPEED] * sigma)
+        contract(solver, c, row, u + h * speed * sigma)
         x, v = x0 + h * (sigma * v0 + h * twice), v0 + h * once
-        most = max(most, abs(acceleration(case, poly, row, degree, x, v) - value))
+        most = max(most, abs(acceleration(solver, c, row, x, v) - value))
     return most
 
 
 @part
-def _too_coarse(grids: FloatArray, nodes: FloatArray, level: int, allowed: float) -> bool:
+def _too_coarse(solver: Solver, level: int, allowed: float) -> bool:
     """Whether a grid will leave out more than is allowed, if coefficients go on to fall as they do.
 
     It only saves sweeps: whether a finer grid resolves the motion is asked there.
     """
-    count = rows.LEVELS[level]
+    grids, nodes, count = solver.grids, solver.work.nodes, rows.LEVELS[level]
     last = before = 0.0
     for j in range(count):
         last += grids[rows.VALUE, level, j, count - 1] * nodes[rows.NODE_A, j]
@@ -257,10 +236,8 @@ def _too_coarse(grids: FloatArray, nodes: FloatArray, level: int, allowed: float
 
 
 @part
-def solve_panel(grids: FloatArray, case: FloatArray, source: Source, poly: FloatArray,
-                nodes: FloatArray, degree: int, u: float, h: float, x0: float, v0: float,
-                a0: float, estimate: bool,
-                tolerance: float) -> tuple[int, float, float, float]:  # fmt: skip
+def solve_panel(solver: Solver, c: int, u: float, h: float, x0: float, v0: float, a0: float,
+                estimate: bool, tolerance: float) -> tuple[int, float, float, float]:  # fmt: skip
     """Solve one panel; its length first meets the next zero of x, if ``estimate``.
 
     Its start has been contracted into the first row.
@@ -269,22 +246,22 @@ def solve_panel(grids: FloatArray, case: FloatArray, source: Source, poly: Float
         Level of the grid (-1: not resolved), length, the last change of x'', and the steady error
         of x'' that does what the coefficients missing from the series and round-off do.
     """
-    speed, per_rad, mixed = case[rows.SPEED], case[rows.PER_RAD], source.mixed
-    longest = (case[rows.TRAVEL_MOST] - u) / speed
+    grids, nodes, speed = solver.grids, solver.work.nodes, solver.one.speed
+    longest = (solver.work.case[c, rows.TRAVEL_MOST] - u) / speed
     for j in range(rows.LEVELS[0]):
         nodes[rows.NODE_A, j] = a0
     for guess in range(_GUESSES + 1):
         h = min(h, longest)
-        reach(source, per_rad, u, u + h * speed)
+        reach(solver, c, u, u + h * speed)
         for j in range(1, rows.LEVELS[0]):
-            contract(mixed, poly, j, per_rad, u + h * speed * grids[rows.SIGMA, 0, 0, j])
+            contract(solver, c, j, u + h * speed * grids[rows.SIGMA, 0, 0, j])
         if not estimate or guess == _GUESSES:
             break
         for _ in range(3):
-            change = _sweep(grids, case, poly, nodes, degree, rows.ZERO, h, x0, v0)
+            change = _sweep(solver, c, rows.ZERO, h, x0, v0)
             if change <= COARSE_SWEEP * abs(a0):
                 break
-        _positions(grids, nodes, rows.ZERO, h, x0, v0)
+        _positions(solver, rows.ZERO, h, x0, v0)
         end = rows.LEVELS[0] - 1
         end_x, end_v = nodes[rows.NODE_X, end], nodes[rows.NODE_V, end]
         # Nor does a motion that overflows tell where its zero is.
@@ -298,20 +275,20 @@ def solve_panel(grids: FloatArray, case: FloatArray, source: Source, poly: Float
     for level in range(len(rows.LEVELS)):
         count = rows.LEVELS[level]
         if level > 0:
-            _spread(grids, poly, nodes, level)
+            _spread(solver, level)
             for j in range(1, count, 2):
-                contract(mixed, poly, j, per_rad, u + h * speed * grids[rows.SIGMA, level, 0, j])
+                contract(solver, c, j, u + h * speed * grids[rows.SIGMA, level, 0, j])
         converged = False
         scale = 1.0
         change = np.inf
         for sweep in range(24 if level == last else 4):
             previous = change
-            change = _sweep(grids, case, poly, nodes, degree, level, h, x0, v0)
+            change = _sweep(solver, c, level, h, x0, v0)
             largest = 0.0
             for j in range(count):
                 largest = max(largest, abs(nodes[rows.NODE_A, j]))
             scale = abs(v0) / h + largest
-            if sweep == 0 and level < last and _too_coarse(grids, nodes, level, tolerance * scale):
+            if sweep == 0 and level < last and _too_coarse(solver, level, tolerance * scale):
                 break
             # Infinity is within no tolerance of itself.
             if change <= tolerance * scale < np.inf:
@@ -322,18 +299,18 @@ def solve_panel(grids: FloatArray, case: FloatArray, source: Source, poly: Float
                 break
         if not converged:
             continue
-        left = _defect(grids, case, mixed, poly, nodes, degree, level, u, h, x0, v0)
+        left = _defect(solver, c, level, u, h, x0, v0)
         left *= DEFECT_EFFECT / (count * count)
         if left <= tolerance * scale < np.inf:
-            _positions(grids, nodes, level, h, x0, v0)
+            _positions(solver, level, h, x0, v0)
             return level, h, change, left + 8.0 * EPS * scale
     return -1, h, np.inf, np.inf
 
 
 @part
-def coefficients(grids: FloatArray, nodes: FloatArray, level: int) -> None:
+def coefficients(solver: Solver, level: int) -> None:
     """Series of the accelerations and of their integrals from the start of the panel."""
-    count = rows.LEVELS[level]
+    grids, nodes, count = solver.grids, solver.work.nodes, rows.LEVELS[level]
     for i in range(count):
         nodes[rows.SERIES, i] = 0.0
     for j in range(count):

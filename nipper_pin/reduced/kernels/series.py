@@ -11,7 +11,7 @@ from ...tolerances.reduced import LATE_REST_SAFETY, LIMIT_CHANGE_SHARE
 from . import layout as rows
 from .compiled import part
 from .flight_errors import drift, size
-from .layout import Charts, Work
+from .layout import Motion, Settings, Solver
 from .panel import acceleration, range_along
 from .turn_charts import surface
 
@@ -59,28 +59,28 @@ def limit(series: FloatArray, count: int, changes: float) -> tuple[float, float,
 
 
 @part
-def settles(case: FloatArray, poly: FloatArray, degree: int, sizes: FloatArray, series: FloatArray,
-            count: int, late: bool, w: float, speed: float, restitution: float, rest_rate: float,
-            tolerance: float, still: float) -> tuple[bool, float, float]:  # fmt: skip
+def settles(solver: Solver, settings: Settings, at: Motion, count: int, late: bool,
+            still: float) -> tuple[bool, float, float]:  # fmt: skip
     """Whether the rest of a series of bounces is known, how far it is ahead, and the error of that.
 
     Args:
-        poly: Polynomials of the place of the last collision, in their first row.
-        series: Times and rates of the bounces, and scratch, shape (3, collisions).
+        at: After the last collision, with a rate above zero; its place was contracted into the
+            first row.
+        count: Bounces.
         late: Whether the rebounds are slow enough for an extrapolation.
-        w: Rate after the last collision, above zero.
-        speed: Cylinder speed [rad/s].
         still: x'' at x = 0 at rest.
     """
-    if rest_rate > 0.0:
-        return w < rest_rate and still < 0.0, 0.0, 0.0
-    a = acceleration(case, poly, rows.ZERO, degree, 0.0, w)
+    c, w, series, tolerance = at.chart, at.v, solver.work.series, settings.tolerance
+    restitution, speed = solver.one.restitution[solver.charts.stops[c, rows.OWN]], solver.one.speed
+    if settings.rest_rate > 0.0:
+        return w < settings.rest_rate and still < 0.0, 0.0, 0.0
+    a = acceleration(solver, c, rows.ZERO, 0.0, w)
     ahead, uncertain = np.inf, np.inf
     if a < 0.0 and restitution < 1.0:
         ahead = -2.0 * w / (a * (1.0 - restitution))
     found = ahead <= tolerance * 2.0 * pi / speed
     if found or late:
-        changes = drift(sizes, speed, w, a, ahead)
+        changes = drift(solver.work.sizes[c], speed, w, a, ahead)
         if found:
             uncertain = ahead * changes
         else:
@@ -93,19 +93,19 @@ def settles(case: FloatArray, poly: FloatArray, degree: int, sizes: FloatArray, 
 
 
 @part
-def surely_over(charts: Charts, work: Work, c: int, u: float, w: float, restitution: float,
-                still: float) -> tuple[bool, float]:  # fmt: skip
+def surely_over(solver: Solver, at: Motion, still: float) -> tuple[bool, float]:
     """Whether a series surely ends while its stop is pressed, and how long it takes at the most.
 
     With x'' between -b and -a a flight takes 2 w / a at the most, and lands no faster than
     w sqrt(b / a). So all of them together take no more than 2 w / (a - e sqrt(a b)).
 
     Args:
-        u: Travel of the last collision in the chart [rad].
-        w: Rate after it, above zero.
+        at: After the last collision, with a rate above zero.
         still: x'' at x = 0 at rest.
     """
-    case, sizes, d, speed = work.case[c], work.sizes[c], -still, work.case[c, rows.SPEED]
+    charts, work, c, u, w, d = solver.charts, solver.work, at.chart, at.u, at.v, -still
+    case, sizes, speed = work.case[c], work.sizes[c], solver.one.speed
+    restitution = solver.one.restitution[charts.stops[c, rows.OWN]]
     if not (d > 0.0 and restitution < 1.0):
         return False, 0.0
     ahead = LATE_REST_SAFETY * 2.0 * w / (d * (1.0 - restitution))

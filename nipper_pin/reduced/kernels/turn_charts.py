@@ -8,8 +8,8 @@ from ...arrays import FloatArray
 from . import layout as rows
 from .compiled import allocating, part
 from .flight_errors import sizes_of
-from .layout import Case, Cases, Charts, Records, Work
-from .panel import Source, cell_at
+from .layout import Case, Cases, Charts, Motion, Records, Solver, Work
+from .panel import cell_at
 
 
 @allocating
@@ -51,8 +51,9 @@ def case_of(cases: Cases, i: int) -> Case:
 
 
 @part
-def press(charts: Charts, work: Work, c: int, one: Case) -> None:
+def press(solver: Solver, c: int) -> None:
     """Combine what presses the stop of a chart for the case, where that is first asked for."""
+    charts, work, one = solver.charts, solver.work, solver.one
     if work.pressed[c]:
         return
     case = work.case[c]
@@ -63,12 +64,6 @@ def press(charts: Charts, work: Work, c: int, one: Case) -> None:
     line(charts.along[c], one, work.line[c])
     work.ready[c] = False
     work.pressed[c] = True
-
-
-@part
-def source_of(charts: Charts, work: Work, c: int, one: Case) -> Source:
-    """The functions of a chart, combined cell by cell."""
-    return Source(charts.equation[c], charts.gaps[c], one, work.mixed[c], work.ready[c])
 
 
 @part
@@ -105,20 +100,20 @@ def surface(table: FloatArray, row: int, case: FloatArray, u: float, x: float) -
 
 
 @part
-def seen_by(charts: Charts, work: Work, c: int, s: int, speed: float, u: float, x: float,
-            v: float, dx: float, dw: float) -> tuple[float, float, float, float]:  # fmt: skip
-    """Gap and rate of another stop, and bounds on their errors, from x and x' of a chart."""
-    gaps, case = charts.gaps[c], work.case[c]
+def seen_by(solver: Solver, s: int, at: Motion) -> tuple[float, float, float, float]:
+    """Gap and rate of another stop, and bounds on their errors, from those of a motion."""
+    charts, speed, c, u, x, v = solver.charts, solver.one.speed, at.chart, at.u, at.x, at.v
+    gaps, case = charts.gaps[c], solver.work.case[c]
     others = len(gaps) // 3
     gap = surface(gaps, s, case, u, x)
     by_x = surface(gaps, others + s, case, u, x)
     by_u = surface(gaps, 2 * others + s, case, u, x)
     wrong = charts.gap_bounds[c, s::others]
     # The slopes change by less than themselves over the whole domain.
-    bent = dx / (case[rows.HIGH] - case[rows.LOW])
-    d_gap = abs(by_x) * dx + wrong[0]
+    bent = at.dx / (case[rows.HIGH] - case[rows.LOW])
+    d_gap = abs(by_x) * at.dx + wrong[0]
     d_rate = (
-        abs(by_x) * dw
+        abs(by_x) * at.dv
         + abs(v) * (wrong[1] + abs(by_x) * bent)
         + speed * (wrong[2] + abs(by_u) * bent)
     )

@@ -12,7 +12,7 @@ from ...tolerances.reduced import GROWTH_SAFETY, SAME_TURN
 from . import layout as rows
 from .compiled import part
 from .flight_errors import exponent, size
-from .layout import Case, Charts, Motion, Records, Work
+from .layout import Charts, Motion, Records, Solver
 from .panel import along
 
 TURN = 2.0 * pi
@@ -45,10 +45,10 @@ def errors_after(nodes: FloatArray, sizes: FloatArray, speed: float, T: float, f
 
 
 @part
-def strike(charts: Charts, work: Work, one: Case, records: Records, at: Motion) -> Motion:
+def strike(solver: Solver, at: Motion) -> Motion:
     """Write a collision of a chart's stop, and return the motion after it."""
-    memory, counts = work.memory, records.counts
-    number = charts.numbers[at.chart]
+    charts, one, records = solver.charts, solver.one, solver.records
+    memory, counts, number = solver.work.memory, records.counts, charts.numbers[at.chart]
     stop = charts.stops[at.chart, rows.OWN]
     e_N, lever, v = one.restitution[stop], charts.lever[stop], at.v
     C = along(charts.inertia[at.chart], number[rows.PER_RAD], at.u)
@@ -73,12 +73,12 @@ def strike(charts: Charts, work: Work, one: Case, records: Records, at: Motion) 
 
 
 @part
-def rebounded(events: FloatArray, memory: FloatArray, T: float, top: float, late: float,
-              wrong: float) -> None:  # fmt: skip
+def rebounded(solver: Solver, T: float, top: float, late: float, wrong: float) -> None:
     """Write the rebound of the last collision, whose last flight took a time T up to a gap."""
+    memory = solver.work.memory
     if memory[rows.LAST] < 0.0:
         return
-    row = events[int(memory[rows.LAST])]
+    row = solver.records.events[int(memory[rows.LAST])]
     row[rows.AMPLITUDE] = max(memory[rows.RISEN], top)
     row[rows.AMPLITUDE_ERROR] = max(memory[rows.RISEN_ERROR], wrong)
     row[rows.AMPLITUDE_ERROR] += 4.0 * EPS * row[rows.AMPLITUDE]

@@ -13,7 +13,7 @@ from ...tolerances.mechanics import EPS
 from . import layout as rows
 from .compiled import part
 from .flight_errors import drift, size
-from .layout import Case, Charts, Job, Motion, Records, Settings, Work
+from .layout import Job, Motion, Settings, Solver
 from .panel import along
 from .turn import FLYING, RESTING, STRUCK, follow
 from .turn_charts import chart_at
@@ -34,37 +34,38 @@ def _series(table: FloatArray, cell: int, count: int, place: float) -> tuple[flo
 
 
 @part
-def force_at(charts: Charts, work: Work, c: int, u: float) -> tuple[float, float]:
+def force_at(solver: Solver, c: int, u: float) -> tuple[float, float]:
     """Normal force of a closed stop [N], along the joint without a contact point, and its slope."""
+    charts = solver.charts
     cells, count = charts.inertia.shape[1], charts.inertia.shape[2]
     per_rad = charts.numbers[c, rows.PER_RAD]
     # The end of a cell belongs to it: beyond the last one functions are constant.
     cell = min(max(int(u * per_rad * (1.0 - 8.0 * EPS)), 0), cells - 1)
     place = 2.0 * (u * per_rad - cell) - 1.0
     C, C_u = _series(charts.inertia[c], cell, count, place)
-    a, a_u = _series(work.line[c], cell, count, place)
+    a, a_u = _series(solver.work.line[c], cell, count, place)
     lever = charts.lever[charts.stops[c, rows.OWN]]
     return -C * a / lever, -(C_u * a + C * a_u) * 2.0 * per_rad / lever
 
 
 @part
-def wrong_by(charts: Charts, work: Work, c: int) -> tuple[float, float]:
+def wrong_by(solver: Solver, c: int) -> tuple[float, float]:
     """Bound on the error of the force of a closed stop: absolute [N], and by the force."""
-    C = 0.0
+    charts, sizes, C = solver.charts, solver.work.sizes[c], 0.0
     for cell in range(charts.inertia.shape[1]):
         C = max(C, 2.0 * abs(charts.inertia[c, cell, 0]))
-    wrong = size(work.sizes[c], rows.RESIDUAL, 0.0) * C / charts.lever[charts.stops[c, rows.OWN]]
+    wrong = size(sizes, rows.RESIDUAL, 0.0) * C / charts.lever[charts.stops[c, rows.OWN]]
     return wrong, charts.numbers[c, rows.INERTIA_ERROR] + 16.0 * EPS
 
 
 @part
-def _extreme(charts: Charts, work: Work, c: int, low: float, high: float, rises: bool) -> float:
+def _extreme(solver: Solver, c: int, low: float, high: float, rises: bool) -> float:
     """Place between two others where the slope of the force changes its sign."""
     for _ in range(_SEARCH_STEPS):
         middle = 0.5 * (low + high)
         if not low < middle < high:
             break
-        if (force_at(charts, work, c, middle)[1] > 0.0) == rises:
+        if (force_at(solver, c, middle)[1] > 0.0) == rises:
             low = middle
         else:
             high = middle
@@ -75,7 +76,6 @@ class _Stretch(NamedTuple):
     """A stretch on which a stop is closed, and a level of its force.
 
     Attributes:
-        work: Combined for the case.
         c: The chart.
         begin: Travel in the chart [rad].
         end: Likewise.
@@ -83,8 +83,7 @@ class _Stretch(NamedTuple):
         wrong: Bound on the error of the force there [N].
     """
 
-    charts: Charts
-    work: Work
+    solver: Solver
     c: int
     begin: float
     end: float
@@ -97,7 +96,7 @@ def _passes(at: _Stretch, low: float, high: float, rises: bool) -> float:
     """Place where the force passes the level between two places on either side of it."""
     u = 0.5 * (low + high)
     for _ in range(_SEARCH_STEPS):
-        force, slope = force_at(at.charts, at.work, at.c, u)
+        force, slope = force_at(at.solver, at.c, u)
         if (force >= at.level) == rises:
             high = u
         else:
@@ -105,7 +104,7 @@ def _passes(at: _Stretch, low: float, high: float, rises: bool) -> float:
         new = u - (force - at.level) / slope if slope != 0.0 else low
         if not low < new < high:
             new = 0.5 * (low + high)
-        if abs(new - u) <= 2.0 * EPS * at.charts.numbers[at.c, rows.TRAVEL_MOST]:
+        if abs(new - u) <= 2.0 * EPS * at.solver.charts.numbers[at.c, rows.TRAVEL_MOST]:
             return new
         u = new
     return u
@@ -114,14 +113,14 @@ def _passes(at: _Stretch, low: float, high: float, rises: bool) -> float:
 @part
 def _unsure(at: _Stretch, u: float) -> float:
     """Travel to either side of a place beyond which the force is surely off the level."""
-    slope = abs(force_at(at.charts, at.work, at.c, u)[1])
-    beside, most = 8.0 * EPS * at.charts.numbers[at.c, rows.TRAVEL_MOST], at.end - at.begin
+    slope = abs(force_at(at.solver, at.c, u)[1])
+    beside, most = 8.0 * EPS * at.solver.charts.numbers[at.c, rows.TRAVEL_MOST], at.end - at.begin
     if slope > 0.0:
         beside += min(2.0 * at.wrong / slope, most)
     while beside < most:
         low, high = max(u - beside, at.begin), min(u + beside, at.end)
-        before = abs(force_at(at.charts, at.work, at.c, low)[0] - at.level)
-        after = abs(force_at(at.charts, at.work, at.c, high)[0] - at.level)
+        before = abs(force_at(at.solver, at.c, low)[0] - at.level)
+        after = abs(force_at(at.solver, at.c, high)[0] - at.level)
         if (low == at.begin or before >= at.wrong) and (high == at.end or after >= at.wrong):
             break
         beside *= 2.0
@@ -139,7 +138,7 @@ def _part(at: _Stretch, left: float, old: float, right: float,
 
 
 @part
-def held(charts: Charts, work: Work, hold: FloatArray,
+def held(solver: Solver, hold: FloatArray,
          level: float) -> tuple[float, float, float, float, float, float]:  # fmt: skip
     """Forces of a closed stop on a stretch.
 
@@ -148,12 +147,12 @@ def held(charts: Charts, work: Work, hold: FloatArray,
         its error.
     """
     c, begin, end = int(hold[rows.HOLD_CHART]), hold[rows.HOLD_BEGIN], hold[rows.HOLD_END]
-    absolute, relative = wrong_by(charts, work, c)
+    absolute, relative = wrong_by(solver, c)
     near = absolute + relative * abs(level)
-    at = _Stretch(charts, work, c, begin, end, level, near)
-    step = 1.0 / (charts.numbers[c, rows.PER_RAD] * _PLACES)
+    at = _Stretch(solver, c, begin, end, level, near)
+    step = 1.0 / (solver.charts.numbers[c, rows.PER_RAD] * _PLACES)
     u = begin
-    old, old_slope = force_at(charts, work, c, u)
+    old, old_slope = force_at(solver, c, u)
     least = most = old
     # The stretch may begin and end a little earlier or later.
     ends = 2.0 * abs(old_slope) * hold[rows.HOLD_BEGIN_ERROR]
@@ -163,10 +162,10 @@ def held(charts: Charts, work: Work, hold: FloatArray,
         beside += hold[rows.HOLD_BEGIN_ERROR]
     while True:
         new = min(step * (np.floor(u / step * (1.0 + 8.0 * EPS)) + 1.0), end)
-        force, slope = force_at(charts, work, c, new)
+        force, slope = force_at(solver, c, new)
         if (old_slope > 0.0) != (slope > 0.0):
-            middle = _extreme(charts, work, c, u, new, old_slope > 0.0)
-            top, _ = force_at(charts, work, c, middle)
+            middle = _extreme(solver, c, u, new, old_slope > 0.0)
+            top, _ = force_at(solver, c, middle)
             share, wide = _part(at, u, old, middle, top)
             above, beside = above + share, beside + wide
             if abs(top - level) <= near:
@@ -193,8 +192,7 @@ _TURN = 2.0 * pi
 
 
 @part
-def summed(charts: Charts, work: Work, records: Records, turn: int, clamp: int, level: float,
-           speed: float, limits: bool, found: FloatArray) -> None:  # fmt: skip
+def summed(solver: Solver, turn: int, job: Job, limits: bool, found: FloatArray) -> None:
     """Quantities of one turn.
 
     Args:
@@ -202,22 +200,22 @@ def summed(charts: Charts, work: Work, records: Records, turn: int, clamp: int, 
         limits: Whether series of bounces end at their limit.
         found: Written, shape (TURN_NUMBERS + PER_STOP stops,).
     """
-    events, holds = records.events, records.holds
+    events, holds, counts = solver.records.events, solver.records.holds, solver.records.counts
     found[:] = np.nan
     found[rows.CLAMPED] = found[rows.LOST_ENERGY] = found[rows.CLAMPED_ERROR] = found[
         rows.LOSS_ERROR
     ] = 0.0
     found[rows.TURN_NUMBERS :] = 0.0
     before = -1
-    for i in range(records.counts[rows.EVENTS]):
+    for i in range(counts[rows.EVENTS]):
         row = events[i]
-        clamps, last = int(row[rows.STOP]) == clamp, before
+        clamps, last = int(row[rows.STOP]) == job.clamp, before
         if clamps and row[rows.KIND] == rows.COLLISION:
             before = i
         if not _TURN * turn <= row[rows.TRAVEL] < _TURN * (turn + 1):
             continue
         at = row[rows.TRAVEL] - _TURN * turn
-        wrong = speed * row[rows.TIME_ERROR] + 4.0 * EPS * row[rows.TRAVEL]
+        wrong = solver.one.speed * row[rows.TIME_ERROR] + 4.0 * EPS * row[rows.TRAVEL]
         if row[rows.KIND] == rows.COLLISION:
             _add_collision(found, row)
             # A rebound counts in the turn in which it ends.
@@ -227,12 +225,12 @@ def summed(charts: Charts, work: Work, records: Records, turn: int, clamp: int, 
                 found[rows.CLOSED_AT], found[rows.CLOSED_ERROR] = at, wrong
         elif row[rows.KIND] == rows.REST:
             if limits and i > 0 and events[i - 1, rows.KIND] == rows.COLLISION:
-                _add_rest_of_series(charts, work, found, events[i - 1], row, speed, clamps)
+                _add_rest_of_series(solver, found, events[i - 1], row, clamps)
             if clamps and np.isnan(found[rows.RESTS_AT]):
                 found[rows.RESTS_AT], found[rows.RESTS_ERROR] = at, wrong
-    for i in range(records.counts[rows.STRETCHES]):
+    for i in range(counts[rows.STRETCHES]):
         if int(holds[i, rows.HOLD_TURN]) == turn:
-            _add_hold(charts, work, found, holds[i], level)
+            _add_hold(solver, found, holds[i], job.level)
     # Bounds on the least and the largest values become bounds on their errors.
     found[rows.LEAST_ERROR] = found[rows.LEAST_FORCE] - found[rows.LEAST_ERROR]
     found[rows.LARGEST_ERROR] -= found[rows.MOST_FORCE]
@@ -267,12 +265,13 @@ def _raise_gap(found: FloatArray, gap: float, wrong: float) -> None:
 
 
 @part
-def _add_rest_of_series(charts: Charts, work: Work, found: FloatArray, row: FloatArray,
-                        rest: FloatArray, speed: float, clamps: bool) -> None:  # fmt: skip
+def _add_rest_of_series(solver: Solver, found: FloatArray, row: FloatArray, rest: FloatArray,
+                        clamps: bool) -> None:  # fmt: skip
     """Add impulses, losses and the gap of the bounces beyond the last one that was computed.
 
     Each is slower than the one before by the restitution, as far as x'' stays as it is.
     """
+    charts, work, speed = solver.charts, solver.work, solver.one.speed
     stop, w = int(row[rows.STOP]), row[rows.SEPARATION]
     ahead = rest[rows.TIME] - row[rows.TIME]
     travel = row[rows.TRAVEL] % _TURN
@@ -297,10 +296,9 @@ def _add_rest_of_series(charts: Charts, work: Work, found: FloatArray, row: Floa
 
 
 @part
-def _add_hold(charts: Charts, work: Work, found: FloatArray, hold: FloatArray,
-              level: float) -> None:  # fmt: skip
+def _add_hold(solver: Solver, found: FloatArray, hold: FloatArray, level: float) -> None:
     """Add a stretch on which the clamping stop was closed."""
-    least, low, most, high, above, beside = held(charts, work, hold, level)
+    least, low, most, high, above, beside = held(solver, hold, level)
     if np.isnan(found[rows.LEAST_FORCE]):
         found[rows.LEAST_FORCE] = found[rows.LEAST_ERROR] = least
         found[rows.MOST_FORCE] = found[rows.LARGEST_ERROR] = most
@@ -311,7 +309,7 @@ def _add_hold(charts: Charts, work: Work, found: FloatArray, hold: FloatArray,
     found[rows.CLAMPED] += above
     found[rows.CLAMPED_ERROR] += beside
     c, ended = int(hold[rows.HOLD_CHART]), int(hold[rows.ENDED_BY])
-    end = charts.numbers[c, rows.BEGIN] + hold[rows.HOLD_END]
+    end = solver.charts.numbers[c, rows.BEGIN] + hold[rows.HOLD_END]
     wrong = hold[rows.HOLD_END_ERROR] + 4.0 * EPS * _TURN
     if ended == rows.RELEASE and np.isnan(found[rows.LOST_AT]):
         found[rows.LOST_AT], found[rows.LOST_ERROR] = end, wrong
@@ -330,18 +328,13 @@ def begun(begin: tuple[int, float, float, float, bool], speed: float) -> tuple[i
 
 
 @part
-def turns_of(grids: FloatArray, charts: Charts, work: Work, one: Case, settings: Settings, job: Job,
-             records: Records, told: NDArray[np.int64], found: FloatArray) -> None:  # fmt: skip
+def turns_of(solver: Solver, settings: Settings, job: Job, told: NDArray[np.int64],
+             found: FloatArray) -> None:  # fmt: skip
     """Follow the turns of a case, and write the quantities of the last ones."""
-    phase, at = begun(job.begin, one.speed)
-    status, again = follow(
-        grids, charts, work, one, settings, job.turns, phase, at, job.clamp, records
-    )
-    done = records.counts[rows.TURNS]
-    told[0], told[1], told[2], told[3] = status, done, again, records.counts[rows.EVENTS]
+    counts, (phase, at) = solver.records.counts, begun(job.begin, solver.one.speed)
+    status, again = follow(solver, settings, job.turns, phase, at, job.clamp)
+    done = counts[rows.TURNS]
+    told[0], told[1], told[2], told[3] = status, done, again, counts[rows.EVENTS]
     found[:] = np.nan
     for j in range(min(len(found), done) if status == rows.AT_REST else 0):
-        limits = settings.rest_rate == 0.0
-        summed(
-            charts, work, records, done - 1 - j, job.clamp, job.level, one.speed, limits, found[j]
-        )
+        summed(solver, done - 1 - j, job, settings.rest_rate == 0.0, found[j])

@@ -12,10 +12,11 @@ from . import layout as rows
 from .compiled import compiled, part
 from .flight import kept
 from .flight_errors import size
-from .layout import Case, Cases, Charts, Job, Records, Settings, Work
+from .in_memory import in_memory
+from .layout import Cases, Charts, Job, Records, Settings, Solver, Work
 from .panel import acceleration, along, chebyshev, contract, position, rate_at, reach
 from .turn import FLYING, RESTING, follow
-from .turn_charts import case_of, press, records_in, scratch, source_of
+from .turn_charts import case_of, press, records_in, scratch
 from .turn_events import begin_at
 from .turn_quantities import begun
 
@@ -25,41 +26,40 @@ _SEARCH_STEPS = 40
 
 
 @part
-def torque_at(torques: Charts, work: Work, i: int, u: float, x: float, v: float,
-              a: float) -> float:  # fmt: skip
+def torque_at(torques: Solver, i: int, u: float, x: float, v: float, a: float) -> float:
     """Torque at a travel in a chart; ``i`` is the place of chart and drive."""
-    row, degree = work.poly.shape[0] - 1, torques.equation.shape[4]
-    contract(work.mixed[i], work.poly, row, torques.numbers[i, rows.PER_RAD], u)
+    work, degree = torques.work, torques.charts.equation.shape[4]
+    row = len(work.poly) - 1
+    contract(torques, i, row, u)
     place = work.case[i, rows.SCALE] * (x - work.case[i, rows.LOW]) - 1.0
     by_a = chebyshev(work.poly, row, 3 * degree, degree, place)
-    return acceleration(work.case[i], work.poly, row, degree, x, v) + by_a * a
+    return acceleration(torques, i, row, x, v) + by_a * a
 
 
 @part
-def _value(torques: Charts, work: Work, i: int, block: FloatArray, speed: float,
-           sigma: float) -> float:  # fmt: skip
+def _value(torques: Solver, i: int, block: FloatArray, sigma: float) -> float:
     """Torque at a part of a panel that is kept."""
     numbers = block[rows.KEPT]
     h, order = numbers[panels.LENGTH], int(numbers[panels.NODES])
-    u = numbers[panels.FROM] + speed * h * sigma
+    u = numbers[panels.FROM] + torques.one.speed * h * sigma
     if order == 0:
-        return torque_at(torques, work, i, u, 0.0, 0.0, 0.0)
+        return torque_at(torques, i, u, 0.0, 0.0, 0.0)
     x = position(block, order, h, numbers[panels.X_BEGIN], numbers[panels.V_BEGIN], sigma)
     v = rate_at(block, order, h, numbers[panels.V_BEGIN], sigma)
     a = chebyshev(block, rows.SERIES, 0, order, 2.0 * sigma - 1.0)
-    return torque_at(torques, work, i, u, x, v, a)
+    return torque_at(torques, i, u, x, v, a)
 
 
 @part
-def _extreme(torques: Charts, work: Work, i: int, block: FloatArray, speed: float,
-             bracket: tuple[float, float], sign: float) -> float:  # fmt: skip
+def _extreme(torques: Solver, i: int, block: FloatArray, bracket: tuple[float, float],
+             sign: float) -> float:  # fmt: skip
     """Largest value of sign times the torque between two places that hold one."""
     low, high = bracket
     best = 0.0
     for _ in range(_SEARCH_STEPS):
         third = (high - low) / 3.0
-        left = sign * _value(torques, work, i, block, speed, low + third)
-        right = sign * _value(torques, work, i, block, speed, high - third)
+        left = sign * _value(torques, i, block, low + third)
+        right = sign * _value(torques, i, block, high - third)
         best = max(best, left, right)
         if high - low < FLAT_EXTREME:
             break
@@ -71,20 +71,19 @@ def _extreme(torques: Charts, work: Work, i: int, block: FloatArray, speed: floa
 
 
 @part
-def _panel(torques: Charts, work: Work, i: int, block: FloatArray, speed: float,
-           beaten: float) -> tuple[float, float]:  # fmt: skip
+def _panel(torques: Solver, i: int, block: FloatArray, beaten: float) -> tuple[float, float]:
     """Largest torque of a panel and a bound on its error; less may be returned than ``beaten``."""
     numbers = block[rows.KEPT]
     order, end = int(numbers[panels.NODES]), numbers[panels.COVERED]
     count = _PER_NODE * order
     if order == 0:
-        cells = speed * numbers[panels.LENGTH] * torques.numbers[i, rows.PER_RAD]
+        cells = torques.one.speed * numbers[panels.LENGTH] * torques.charts.numbers[i, rows.PER_RAD]
         count = max(_LEAST, int(_PER_CELL * cells) + 1)
     most, older = 0.0, 0.0
-    old = first = _value(torques, work, i, block, speed, 0.0)
+    old = first = _value(torques, i, block, 0.0)
     slope = 0.0
     for j in range(1, count + 1):
-        value = _value(torques, work, i, block, speed, end * j / count)
+        value = _value(torques, i, block, end * j / count)
         most = max(most, abs(value))
         if j == 1:
             slope = abs(value - first)
@@ -94,7 +93,7 @@ def _panel(torques: Charts, work: Work, i: int, block: FloatArray, speed: float,
             if reach > max(most, beaten):
                 sign = 1.0 if old > 0.0 else -1.0
                 bracket = end * (j - 2) / count, end * j / count
-                most = max(most, _extreme(torques, work, i, block, speed, bracket, sign))
+                most = max(most, _extreme(torques, i, block, bracket, sign))
         if j == count:
             slope = max(slope, abs(value - old))
         older, old = old, value
@@ -105,73 +104,70 @@ def _panel(torques: Charts, work: Work, i: int, block: FloatArray, speed: float,
 
 
 @part
-def _wrong(torques: Charts, work: Work, i: int, block: FloatArray, speed: float) -> float:
+def _wrong(torques: Solver, i: int, block: FloatArray) -> float:
     """Bound on the error of the torque along a panel, by those of the functions and the motion."""
-    numbers, sizes = block[rows.KEPT], work.sizes[i]
+    numbers, sizes, speed = block[rows.KEPT], torques.work.sizes[i], torques.one.speed
     order, h = int(numbers[panels.NODES]), numbers[panels.LENGTH]
     fastest = steepest = 0.0
     for j in range(order + 1):
         sigma = numbers[panels.COVERED] * j / max(order, 1)
         fastest = max(fastest, abs(rate_at(block, order, h, numbers[panels.V_BEGIN], sigma)))
         steepest = max(steepest, abs(chebyshev(block, rows.SERIES, 0, order, 2.0 * sigma - 1.0)))
-    wrong = size(sizes, rows.RESIDUAL, fastest) + torques.gap_bounds[i, 0] * steepest
+    wrong = size(sizes, rows.RESIDUAL, fastest) + torques.charts.gap_bounds[i, 0] * steepest
     wrong += size(sizes, rows.BY_U, fastest) * speed * numbers[panels.T_WRONG]
     wrong += size(sizes, rows.BY_X, fastest) * numbers[panels.X_WRONG]
     wrong += size(sizes, rows.BY_V, fastest) * numbers[panels.V_WRONG]
-    return float(wrong + _largest_by_a(torques, i) * numbers[panels.A_WRONG])
+    return float(wrong + _largest_by_a(torques.charts.gaps[i, 0]) * numbers[panels.A_WRONG])
 
 
 @part
-def _largest_by_a(torques: Charts, i: int) -> float:
-    """Largest derivative of a torque by x''."""
+def _largest_by_a(by_a: FloatArray) -> float:
+    """Largest derivative of a torque by x'', shape (cells, Nu, Nx)."""
     largest = 0.0
-    _, _, cells, count_u, count_x = torques.gaps.shape
+    cells, count_u, count_x = by_a.shape
     for cell in range(cells):
         total = 0.0
         for k in range(count_u):
             for m in range(count_x):
-                total += abs(torques.gaps[i, 0, cell, k, m])
+                total += abs(by_a[cell, k, m])
         largest = max(largest, total)
     return largest
 
 
 @part
-def _after_bounces(charts: Charts, work: Work, torques: Charts, mixed: Work, c: int, i: int,
-                   block: FloatArray) -> float:  # fmt: skip
+def _after_bounces(solver: Solver, torques: Solver, c: int, i: int, block: FloatArray) -> float:
     """Torque in bounces too small to be computed: at rest, but for the acceleration of a flight."""
     u = block[rows.KEPT, panels.FROM]
-    still = along(work.line[c], charts.numbers[c, rows.PER_RAD], u)
-    return abs(torque_at(torques, mixed, i, u, 0.0, 0.0, still))
+    still = along(solver.work.line[c], solver.charts.numbers[c, rows.PER_RAD], u)
+    return abs(torque_at(torques, i, u, 0.0, 0.0, still))
 
 
 @part
-def largest_torques(charts: Charts, work: Work, torques: Charts, mixed: Work, one: Case,
-                    most: FloatArray, wrong: FloatArray) -> None:  # fmt: skip
+def largest_torques(solver: Solver, torques: Solver, most: FloatArray, wrong: FloatArray) -> None:
     """Largest torque of each drive in the motion that is kept.
 
     Args:
-        work: Combined for the case, with the motion.
-        mixed: Scratch arrays of the torques.
+        solver: With the motion.
+        torques: With the charts of the torques.
         most: Written, shape (drives,).
         wrong: Written: bounds on the errors, likewise.
     """
-    speed = one.speed
+    nodes, mixed = solver.work.nodes, torques.work
     mixed.pressed[:] = False
     drives = len(most)
     most[:] = wrong[:] = 0.0
-    for number in range(kept(work.nodes)):
+    for number in range(kept(nodes)):
         first = (1 + number) * rows.SCRATCH_ROWS
-        block = work.nodes[first : first + rows.SCRATCH_ROWS]
+        block = nodes[first : first + rows.SCRATCH_ROWS]
         c = int(block[rows.KEPT, panels.CHART])
         for d in range(drives):
             i = c * drives + d
-            press(torques, mixed, i, one)
-            per_rad, travel = mixed.case[i, rows.PER_RAD], mixed.case[i, rows.TRAVEL_MOST]
-            reach(source_of(torques, mixed, i, one), per_rad, 0.0, travel)
-            value, late = _panel(torques, mixed, i, block, speed, most[d])
-            late += _wrong(torques, mixed, i, block, speed)
+            press(torques, i)
+            reach(torques, i, 0.0, mixed.case[i, rows.TRAVEL_MOST])
+            value, late = _panel(torques, i, block, most[d])
+            late += _wrong(torques, i, block)
             if block[rows.KEPT, panels.BOUNCED] > 0.0:
-                value = max(value, _after_bounces(charts, work, torques, mixed, c, i, block))
+                value = max(value, _after_bounces(solver, torques, c, i, block))
             # An extreme that is just beaten may be the larger one by its error.
             wrong[d] = max(wrong[d], late)
             most[d] = max(most[d], value)
@@ -197,39 +193,53 @@ def run_torques(grids: FloatArray, charts: Charts, torques: Charts, cases: Cases
     mixed = scratch(torques, 0, 0)
     # Of the first run only the ends of turns are read later on.
     records, again = records_in(events, job.turns), records_in(events, 1)
+    _all(grids, charts, torques, (work, keeping, mixed), cases, settings, job, (records, again),
+         told, found)  # fmt: skip
+
+
+@part
+def _all(grids: FloatArray, charts: Charts, torques: Charts, works: tuple[Work, Work, Work],
+         cases: Cases, settings: Settings, job: Job, records: tuple[Records, Records],
+         told: NDArray[np.int64], found: FloatArray) -> None:  # fmt: skip
+    """All cases, one after the other."""
+    machine, drives, mixed = in_memory(charts), in_memory(torques), in_memory(works[2])
+    work, keeping = in_memory(works[0]), in_memory(works[1])
+    first, again = in_memory(records[0]), in_memory(records[1])
     for i in range(len(cases.speed)):
+        one = in_memory(case_of(cases, i))
         told[i] = _torques(
-            grids, charts, torques, work, keeping, mixed, cases, i, settings, job, records, again,
-            found[i],
+            in_memory(Solver(grids, machine, work, one, first)),
+            in_memory(Solver(grids, machine, keeping, one, again)),
+            in_memory(Solver(grids, drives, mixed, one, again)), settings, job, found[i],
         )  # fmt: skip
         if told[i] != rows.AT_REST:
             found[i] = np.nan
 
 
 @part
-def _torques(grids: FloatArray, charts: Charts, torques: Charts, work: Work, keeping: Work,
-             mixed: Work, cases: Cases, i: int, settings: Settings, job: Job, records: Records,
-             again: Records, found: FloatArray) -> int:  # fmt: skip
-    """Largest torques of one of the cases; its status."""
-    one = case_of(cases, i)
-    start = begun(job.begin, one.speed)
-    status, _ = follow(
-        grids, charts, work, one, settings, job.turns, start[0], start[1], job.clamp, records
-    )
-    done = records.counts[rows.TURNS]
+def _torques(solver: Solver, again: Solver, torques: Solver, settings: Settings, job: Job,
+             found: FloatArray) -> int:  # fmt: skip
+    """Largest torques of one of the cases; its status.
+
+    Args:
+        solver: Follows the turns.
+        again: Follows one of them again, and keeps its motion.
+        torques: With the charts of the torques.
+    """
+    start, turns = begun(job.begin, solver.one.speed), job.turns
+    status, _ = follow(solver, settings, turns, start[0], start[1], job.clamp)
+    done = solver.records.counts[rows.TURNS]
     for j in range(min(len(found), done) if status == rows.AT_REST else 0):
         phase, at = start
         if done - 1 - j > 0:
-            known, resting, at = begin_at(records.ends, done - 1 - j)
+            known, resting, at = begin_at(solver.records.ends, done - 1 - j)
             phase = RESTING if resting else FLYING
             if not known:
                 return int(rows.UNTOLD)
-        keeping.nodes[rows.KEPT, 0] = 0.0
+        again.work.nodes[rows.KEPT, 0] = 0.0
         # A literal 1 would be a type of its own, for which all of it is compiled once more.
-        status, _ = follow(
-            grids, charts, keeping, one, settings, min(job.turns, 1), phase, at, job.clamp, again
-        )
+        status, _ = follow(again, settings, min(turns, 1), phase, at, job.clamp)
         if status != rows.AT_REST:
             return status
-        largest_torques(charts, keeping, torques, mixed, one, found[j, 0], found[j, 1])
+        largest_torques(again, torques, found[j, 0], found[j, 1])
     return status
