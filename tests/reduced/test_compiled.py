@@ -6,15 +6,18 @@ anew, as another process would. Whether a kept file was used is what numba count
 
 from __future__ import annotations
 
+import gc
 import importlib.util
 import re
 import sys
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from numba.core import config
+from numba.core.errors import TypingError
 
 from nipper_pin import Mechanism, turn_table
 from nipper_pin.reduced import ReducedModel, transitions
@@ -59,6 +62,20 @@ def kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     assert not used_kept_code(tmp_path)
     assert used_kept_code(tmp_path)
     return folder
+
+
+@pytest.mark.parametrize("argument", [14.0, "no number"])
+@pytest.mark.parametrize("collecting", [True, False])
+def test_garbage_is_collected_as_before(tmp_path: Path, collecting: bool, argument: Any) -> None:
+    """After a compilation, and after one that fails."""
+    before = gc.isenabled()
+    try:
+        (gc.enable if collecting else gc.disable)()
+        with suppress(TypingError):
+            loaded(tmp_path)(argument)
+        assert gc.isenabled() == collecting
+    finally:
+        (gc.enable if before else gc.disable)()
 
 
 @pytest.mark.parametrize("kind", ["nbi", "nbc"])
