@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 
 from ...errors import InputError, ModelError
 from ...mechanism.files import mesh_path, parse_xml, path_inside
-from ...mechanism.files.csv_tables import has_file
 from ...texts import opened
 
 MOST_BYTES = 3 * 2**27
@@ -106,33 +105,3 @@ def mesh_digests(name: str, urdf: str, folder: Path) -> dict[str, str]:
             value, allowed = str(error), "a mesh that can be read"
             raise ModelError(file=file, key=mesh, value=value, allowed=allowed) from error
     return digests
-
-
-def need_own_files(
-    name: str,
-    urdf: str,
-    description: Mapping[str, object],
-    folder: Path,
-    digests: Mapping[str, str],
-) -> None:
-    """Refuse a model whose files are not those whose :func:`mesh_digests` were saved with it.
-
-    Raises:
-        InputError: A table is to be read from a file, or a mesh is another one.
-        ModelError: A mesh lies outside the folder.
-    """
-    for section in ("drives", "springs"):
-        entries = description.get(section)
-        for key, entry in entries.items() if isinstance(entries, Mapping) else ():
-            if has_file(section, entry):
-                message = (
-                    f"{section}.{key} names a file, and a saved run holds its tables; save it again"
-                )
-                raise InputError(message, table=key)
-    for mesh, digest in mesh_digests(name, urdf, folder).items():
-        if digest != digests.get(mesh):
-            message = (
-                f"{mesh} in {folder} is not the mesh that this was saved with; put that one back, "
-                "or simulate the model again"
-            )
-            raise InputError(message, mesh=mesh, folder=str(folder))

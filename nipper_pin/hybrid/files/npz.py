@@ -25,7 +25,9 @@ from msgspec import Meta
 from ...arrays import FloatArray
 from ...dynamics import Partition, ShaftMotion
 from ...errors import InputError
-from ...mechanism import Mechanism, from_sources, model_folder, need_as_written
+from ...mechanism import Mechanism, model_folder, need_as_written
+from ...mechanism.build.mechanism import build_mechanism
+from ...mechanism.files.csv_tables import inline_tables
 from ...outputs import complete_file
 from ...texts import MOST_JSON, opened, read_text
 from ...tolerances.hybrid import CLOCK_ROUND_OFF
@@ -33,7 +35,7 @@ from ..case import Case, Resolution
 from ..history import Event, EventKind, Outcome, Segment
 from ..motion.panel import Panel
 from ..result.solution import Solution
-from .archive import mesh_digests, need_own_files, need_readable, read_archive
+from .archive import mesh_digests, need_readable, read_archive
 
 FORMAT = 3
 # Arrays by what they belong to, each with its place in the file.
@@ -257,12 +259,7 @@ def _setting(mechanism: Mechanism, case: Case) -> dict[str, Any]:
     return {
         "format": FORMAT,
         "version": version("nipper-pin"),
-        "mechanism": {
-            "name": mechanism.name,
-            "urdf": mechanism.urdf,
-            "description": mechanism.description,
-            "folder": mechanism.mesh_folder,
-        },
+        "mechanism": _fields(Model, mechanism, folder=mechanism.mesh_folder),
         "meshes": mesh_digests(mechanism.name, mechanism.urdf, Path(mechanism.mesh_folder)),
         "case": asdict(case),
     }
@@ -280,10 +277,18 @@ def _decoded(text: str, kind: type[_Kind], path: str | Path) -> _Kind:
 
 
 def _mechanism(setting: Setting) -> Mechanism:
+    """The mechanism of the texts; of its folder only meshes are read that it was saved with."""
     source = setting.mechanism
     folder = model_folder(source.name, source.folder)
-    need_own_files(source.name, source.urdf, source.description, folder, setting.meshes)
-    return from_sources(source.name, source.urdf, source.description, folder)
+    tables = inline_tables(source.description, None, f"{source.name}.toml")
+    for mesh, digest in mesh_digests(source.name, source.urdf, folder).items():
+        if digest != setting.meshes.get(mesh):
+            message = (
+                f"{mesh} in {folder} is not the mesh that this was saved with; put that one back, "
+                "or simulate the model again"
+            )
+            raise InputError(message, mesh=mesh, folder=str(folder))
+    return build_mechanism(source.name, source.urdf, tables, folder)
 
 
 def _case(values: dict[str, Any]) -> Case:
@@ -373,17 +378,22 @@ def _need(right: bool, message: str) -> None:
 
 def _check(run: Run, mechanism: Mechanism) -> None:
     """Refuse a run whose parts do not belong to one another, or to the machine."""
-    _need(_in_order(run), "its events or segments are not in order")
+    wrong = "its events or segments are not in order"
+    times = [event.t for event in run.events]
+    edges = [time for item in run.segments for time in (item.t_start, item.t_end)]
+    for before, after in (*pairwise(times), *pairwise(edges)):
+        # Copies of a turn are moved by a sum of turns, which is rounded.
+        _need(before - after <= CLOCK_ROUND_OFF * abs(before), wrong)
     rows, size = mechanism.closure_rows, len(mechanism.joints)
     stops = set[str]()
     for place, segment in enumerate(run.segments):
         stops |= segment.closed
         _need(segment.source <= place, f"segment {place} is a copy of {segment.source}")
         for _, _, dependent, *_ in segment.panels:
-            chosen = set(dependent)
-            right = chosen <= set(range(size)) and len(chosen) == len(dependent) == rows
+            right = len(set(dependent) & set(range(size))) == len(dependent) == rows
             _need(right, f"{dependent} are not the dependent coordinates of a panel")
-    for event in run.events:
+    for number, event in enumerate(run.events, 1):
+        _need(event.number == number, wrong)
         stops |= {*event.stops, *event.P_N, *event.closed_before, *event.closed_after}
         _need(event.source <= event.number, f"event {event.number} is a copy of {event.source}")
         _need(len(event.P_g) == rows, f"event {event.number} has not {rows} impulses of closures")
@@ -391,19 +401,6 @@ def _check(run: Run, mechanism: Mechanism) -> None:
         _need(right, f"the collision of {event.stops} has no impulse")
     unknown = ", ".join(sorted(stops - {stop.name for stop in mechanism.stops}))
     _need(not unknown, f"{mechanism.name} has no stop {unknown}")
-
-
-def _in_order(run: Run) -> bool:
-    """Whether events and segments follow one another in time, and events are counted from 1."""
-    times = [event.t for event in run.events]
-    edges = [time for item in run.segments for time in (item.t_start, item.t_end)]
-    # Copies of a turn are moved by a sum of turns, which is rounded.
-    ordered = all(
-        before - after <= CLOCK_ROUND_OFF * abs(before)
-        for row in (times, edges)
-        for before, after in pairwise(row)
-    )
-    return ordered and [event.number for event in run.events] == list(range(1, len(times) + 1))
 
 
 def _numbers(array: Any, *shape: int | None) -> FloatArray:

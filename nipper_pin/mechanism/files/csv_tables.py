@@ -31,14 +31,18 @@ _SI = {
 }
 
 
-def inline_tables(data: Mapping[str, object], folder: Path, file: str) -> dict[str, object]:
+def inline_tables(data: Mapping[str, object], folder: Path | None, file: str) -> dict[str, object]:
     """Read the CSV files of table drives and springs into the document.
+
+    Args:
+        folder: Where they lie; None for a saved run, which holds its tables and is given no file.
 
     Returns:
         The document with the columns in place of each file name.
 
     Raises:
         ModelError: A file is missing, lies outside the folder or is not such a table.
+        InputError: A saved run names a file.
     """
     changed = dict(data)
     for section, choices in (("drives", (_DRIVE, _DRIVE_OF_SLIDE)), ("springs", (_SLIDE, _HINGE))):
@@ -46,24 +50,26 @@ def inline_tables(data: Mapping[str, object], folder: Path, file: str) -> dict[s
         if isinstance(entries, Mapping):
             changed[section] = {
                 name: _inlined(entry, choices, folder, f"{section}.{name}", file)
-                if has_file(section, entry)
+                if _has_file(section, entry)
                 else entry
                 for name, entry in entries.items()
             }
     return changed
 
 
-def has_file(section: str, entry: object) -> bool:
+def _has_file(section: str, entry: object) -> bool:
     """True for a table that names a file; one of a wrong kind is left to the description."""
     if not isinstance(entry, Mapping) or "file" not in entry:
         return False
     return section == "springs" or entry.get("law") == "table"
 
 
-def _inlined(
-    entry: Mapping[str, object], choices: Sequence[Columns], folder: Path, where: str, file: str
-) -> dict[str, object]:
+def _inlined(entry: Mapping[str, object], choices: Sequence[Columns], folder: Path | None,
+             where: str, file: str) -> dict[str, object]:  # fmt: skip
     """A table with the columns of its file in place of the name."""
+    if folder is None:
+        message = f"{where} names a file, and a saved run holds its tables; save it again"
+        raise InputError(message, table=where.partition(".")[2])
     table = {key: value for key, value in entry.items() if key != "file"}
     for key in (key for columns in choices for key in columns if key in table):
         allowed = "a file or its columns written out, not both"
