@@ -20,7 +20,6 @@ Source: R. E. Kalaba and F. E. Udwadia, Analytical Dynamics, 1996 (null-space fo
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -30,9 +29,7 @@ from ...arrays import FloatArray
 from ...dynamics import INFINITE_INERTIA, System, close_positions, close_velocities, partition
 from ...errors import InputError
 from ...mechanism import Mechanism, Stop, rad_s_from_rpm
-from ...tolerances.mechanics import EPS, TABLE_END_OVERRUN
-
-_ROOT_STEPS = 40
+from ...tolerances.mechanics import TABLE_END_OVERRUN
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,33 +175,15 @@ class Sampler:
         """Rates of all coordinates by that of x, and by that of the travel with x held: n and m."""
         return self._rates(self._system.shaft.driven(u)[1], q, self._system.body.closures(q)[1])
 
-    def closing(
-        self, stop: Stop, low: float, high: float, before: FloatArray
-    ) -> tuple[float, FloatArray]:
-        """Travel at which the gap of another stop falls through zero, with x at zero.
+    def closed(self, travel: float, near: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """The configuration at a travel with x at zero, and the rates by the travel there.
 
         Args:
-            before: Configuration at ``low``, shape (1, nv).
-
-        Returns:
-            The travel, and the configuration there, shape (nv,).
+            near: A configuration near by, shape (nv,).
         """
-        travel = high
-        for _ in range(_ROOT_STEPS):
-            ((row,),) = self.along(np.array([travel]), np.zeros(1), before)
-            gap = stop.gap(row)
-            rate = stop.rate(self.rates(np.array([travel]), row[None])[1][0])
-            if gap > 0.0:
-                low = travel
-            else:
-                high = travel
-            new = travel - gap / rate if rate < 0.0 else math.nan
-            if not low <= new <= high:
-                new = 0.5 * (low + high)
-            if abs(new - travel) <= 4.0 * EPS * travel or gap == 0.0:
-                break
-            travel = new
-        return travel, row
+        u = np.array([travel])
+        (rows,) = self.along(u, np.zeros(1), near[None])
+        return rows[0], self.rates(u, rows)[1][0]
 
     def _across(self, x: FloatArray, u: FloatArray, q: FloatArray) -> FloatArray:
         """Configurations at all x from those at x = 0, shape (U, X, nv)."""

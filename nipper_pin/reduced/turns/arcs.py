@@ -17,7 +17,7 @@ from ...arrays import FloatArray
 from ...dynamics import ShaftMotion, System
 from ...errors import SimulationError
 from ...mechanism import Mechanism, Stop
-from ...tolerances.mechanics import KNOT_ANGLE
+from ...tolerances.mechanics import EPS, KNOT_ANGLE
 from ..tables.functions import Sampler
 
 TURN = 2.0 * math.pi
@@ -112,57 +112,74 @@ class ContactContinuation:
         end = min(begin + self._shaft.smooth_for(begin), TURN)
         others = [item for item in self._mechanism.stops if item.name != stop.name]
         count = max(1, math.ceil((end - begin) / _STEP))
-        u = np.linspace(0.0, end - begin, count + 1)[1:]
-        before, low = home[None], 0.0
-        travels, path = [0.0], [home]
-        rates = _rates_of(sampler, others, 0.0, home)
-        opened = {other.name for other, rate in zip(others, rates, strict=True)
-                  if rate > 0.0 or other.gap(home) > 0.0}  # fmt: skip
-        for travel in u:
-            ((row,),) = sampler.along(np.array([travel]), np.zeros(1), before)
-            after = _rates_of(sampler, others, float(travel), row)
+        travels, path, after = [0.0], [home], stop
+        (old,) = sampler.rates(np.zeros(1), home[None])[1]
+        opened = {other.name for other in others if other.rate(old) > 0.0 or other.gap(home) > 0.0}
+        for travel in np.linspace(0.0, end - begin, count + 1)[1:].tolist():
+            low, before = travels[-1], path[-1]
+            row, new = sampler.closed(travel, before)
             # Where each stop has closed, or the lowest place of its gap is beyond it.
-            beyond = [(other, float(travel)) for other in others if other.gap(row) < 0.0]
-            for other, old, new in zip(others, rates, after, strict=True):
-                if old < 0.0 <= new and other.gap(row) >= 0.0:
-                    place, lowest = self._dip(sampler, other, low, float(travel), before)
-                    beyond += [(other, place)] if other.gap(lowest) < 0.0 else []
+            beyond = [(other, travel) for other in others if other.gap(row) < 0.0]
+            for other in others:
+                if other.rate(old) < 0.0 <= other.rate(new) and other.gap(row) >= 0.0:
+                    place = _dip(sampler, other, low, travel, before)
+                    beyond += [] if place is None else [(other, place)]
             if any(other.name not in opened and low == 0.0 for other, _ in beyond):
                 names = ", ".join(repr(other.name) for other, _ in beyond)
                 message = f"stop {stop.name!r} cannot stay closed beside {names}: they jam"
                 raise SimulationError(message, stop=stop.name)
             if beyond:
-                corners = [sampler.closing(other, low, high, before)
-                           for other, high in beyond]  # fmt: skip
-                first = int(np.argmin([corner for corner, _ in corners]))
-                (corner, q), (other, _) = corners[first], beyond[first]
-                q[other.index] = other.at
-                travels, path = [*travels, corner], [*path, q]
-                return ContactArc(
-                    stop, begin, begin + corner, other, np.array(travels), np.array(path)
-                )
-            before, low, rates = row[None], float(travel), after
-            travels.append(low)
+                corners = [
+                    (*_corner(sampler, other, low, high, before), other) for other, high in beyond
+                ]
+                travel, row, after = min(corners, key=lambda corner: corner[0])
+                row[after.index] = after.at
+                end = begin + travel
+            travels.append(travel)
             path.append(row)
-        return ContactArc(stop, begin, end, stop, np.array(travels), np.array(path))
-
-    @staticmethod
-    def _dip(
-        sampler: Sampler, other: Stop, low: float, high: float, before: FloatArray
-    ) -> tuple[float, FloatArray]:
-        """Where the gap of another stop is lowest between two travels, and the configuration."""
-        middle, row = low, before[0]
-        for _ in range(_ROOT_STEPS):
-            middle = 0.5 * (low + high)
-            ((row,),) = sampler.along(np.array([middle]), np.zeros(1), before)
-            if other.gap(row) < 0.0:
-                return middle, row
-            (rate,) = _rates_of(sampler, [other], middle, row)
-            low, high = (middle, high) if rate < 0.0 else (low, middle)
-        return middle, row
+            old = new
+            if beyond:
+                break
+        return ContactArc(stop, begin, end, after, np.array(travels), np.array(path))
 
 
-def _rates_of(sampler: Sampler, others: list[Stop], travel: float, row: FloatArray) -> list[float]:
-    """Rates of the gaps of other stops by the travel, with the stop closed."""
-    m = sampler.rates(np.array([travel]), row[None])[1][0]
-    return [other.rate(m) for other in others]
+def _corner(
+    sampler: Sampler, other: Stop, low: float, high: float, before: FloatArray
+) -> tuple[float, FloatArray]:
+    """Where the gap of another stop falls through zero between two travels, by Newton's method.
+
+    Args:
+        before: Configuration at ``low``, shape (nv,).
+
+    Returns:
+        The travel, and the configuration there, shape (nv,).
+    """
+    travel = high
+    for _ in range(_ROOT_STEPS):
+        row, m = sampler.closed(travel, before)
+        gap, rate = other.gap(row), other.rate(m)
+        low, high = (travel, high) if gap > 0.0 else (low, travel)
+        new = travel - gap / rate if rate < 0.0 else math.nan
+        if not low <= new <= high:
+            new = 0.5 * (low + high)
+        if abs(new - travel) <= 4.0 * EPS * travel or gap == 0.0:
+            break
+        travel = new
+    return travel, row
+
+
+def _dip(
+    sampler: Sampler, other: Stop, low: float, high: float, before: FloatArray
+) -> float | None:
+    """A travel between two at which the gap of another stop is below zero, if it falls so far.
+
+    Args:
+        before: Configuration at ``low``, shape (nv,); the gap falls there, and rises at ``high``.
+    """
+    for _ in range(_ROOT_STEPS):
+        middle = 0.5 * (low + high)
+        row, m = sampler.closed(middle, before)
+        if other.gap(row) < 0.0:
+            return middle
+        low, high = (middle, high) if other.rate(m) < 0.0 else (low, middle)
+    return None

@@ -65,11 +65,10 @@ class ChartSampler:
     def _bend(self, rate: float) -> float:
         """Bound on the change of the rate of the gap ahead in a radian, near the end of the arc."""
         arc = self.arc
-        before = arc.travels[-1:] - min(_BESIDE, 0.5 * arc.travels[-1])
-        (row,) = self.sampler.along(before, np.zeros(1), arc.path[-1:])
-        _, m = self.sampler.rates(before, row)
-        change = rate - arc.after.rate(m[0])
-        return float(abs(rate) + 2.0 * abs(change / (arc.travels[-1] - before[0])))
+        before = float(arc.travels[-1] - min(_BESIDE, 0.5 * arc.travels[-1]))
+        _, m = self.sampler.closed(before, arc.path[-1])
+        change = rate - arc.after.rate(m)
+        return float(abs(rate) + 2.0 * abs(change / (arc.travels[-1] - before)))
 
     @property
     def width(self) -> float:
