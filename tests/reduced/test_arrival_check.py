@@ -323,4 +323,5 @@ def test_where_a_stop_lets_go(values: Any, begin: float, end: float, expected: f
             for cell in range(cells)
         ]
     )
-    assert release.released(line, 1.0, begin, end) == pytest.approx(expected, abs=1e-9)
+    solver = solver_of(tables_of(level(-1.0, cells=cells)), case(SPEED, [], []))
+    assert release.released(solver, 0, line, begin, end) == pytest.approx(expected, abs=1e-9)

@@ -72,7 +72,7 @@ def _clamps(solver: Solver, rest: float) -> bool:
         return False
     work.pressed[_CLAMPING] = False
     press(solver, _CLAMPING)
-    return bool(released(work.line[_CLAMPING], number[rows.PER_RAD], rest, opening) > opening)
+    return bool(released(solver, _CLAMPING, work.line[_CLAMPING], rest, opening) > opening)
 
 
 @part

@@ -93,13 +93,13 @@ def _rest(solver: Solver, clamp: int, at: Motion) -> tuple[int, int, Motion]:
     c, memory, line, number = at.chart, work.memory, work.line[at.chart], charts.numbers[at.chart]
     travel, per_rad = number[rows.TRAVEL_MOST], number[rows.PER_RAD]
     stop = charts.stops[c, rows.OWN]
-    place = released(line, per_rad, at.u, travel)
+    place = released(solver, c, line, at.u, travel)
     if place < 0.0:
         return rows.UNTOLD, RESTING, at
     at_end = place > travel
     u = travel if at_end else place
     for end in range(charts.beyond.shape[1]):
-        if released(charts.beyond[c, end], per_rad, at.u, u) <= u:
+        if released(solver, c, charts.beyond[c, end], at.u, u) <= u:
             return rows.OFF_ROWS, RESTING, at
     freed = 0.0 if at_end else release_error(line, work.sizes[c], per_rad, u)
     if stop == clamp:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from math import pi
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,41 +10,13 @@ from numpy.typing import NDArray
 from ...arrays import FloatArray
 from ...tolerances.mechanics import EPS
 from . import layout as rows
+from .closed import PLACES, Stretch, extreme, force_at, passage
 from .compiled import part
 from .flight_errors import drift, size
 from .layout import Job, Motion, Settings, Solver
 from .panel import along
 from .turn import FLYING, RESTING, STRUCK, follow
 from .turn_charts import chart_at
-
-# Places of a cell between which a force has at most one extreme.
-_PLACES = 16
-_SEARCH_STEPS = 60
-
-
-@part
-def _series(table: FloatArray, cell: int, count: int, place: float) -> tuple[float, float]:
-    """Chebyshev series of a cell and its derivative at a place in [-1, 1]."""
-    high = low = rise = fall = 0.0
-    for i in range(count - 1, 0, -1):
-        rise, fall = 2.0 * (high + place * rise) - fall, rise
-        high, low = table[cell, i] + 2.0 * place * high - low, high
-    return table[cell, 0] + place * high - low, high + place * rise - fall
-
-
-@part
-def force_at(solver: Solver, c: int, u: float) -> tuple[float, float]:
-    """Normal force of a closed stop [N], along the joint without a contact point, and its slope."""
-    charts = solver.charts
-    cells, count = charts.inertia.shape[1], charts.inertia.shape[2]
-    per_rad = charts.numbers[c, rows.PER_RAD]
-    # The end of a cell belongs to it: beyond the last one functions are constant.
-    cell = min(max(int(u * per_rad * (1.0 - 8.0 * EPS)), 0), cells - 1)
-    place = 2.0 * (u * per_rad - cell) - 1.0
-    C, C_u = _series(charts.inertia[c], cell, count, place)
-    a, a_u = _series(solver.work.line[c], cell, count, place)
-    lever = charts.lever[charts.stops[c, rows.OWN]]
-    return -C * a / lever, -(C_u * a + C * a_u) * 2.0 * per_rad / lever
 
 
 @part
@@ -59,68 +30,16 @@ def wrong_by(solver: Solver, c: int) -> tuple[float, float]:
 
 
 @part
-def _extreme(solver: Solver, c: int, low: float, high: float, rises: bool) -> float:
-    """Place between two others where the slope of the force changes its sign."""
-    for _ in range(_SEARCH_STEPS):
-        middle = 0.5 * (low + high)
-        if not low < middle < high:
-            break
-        if (force_at(solver, c, middle)[1] > 0.0) == rises:
-            low = middle
-        else:
-            high = middle
-    return 0.5 * (low + high)
-
-
-class _Stretch(NamedTuple):
-    """A stretch on which a stop is closed, and a level of its force.
-
-    Attributes:
-        c: The chart.
-        begin: Travel in the chart [rad].
-        end: Likewise.
-        level: Force [N].
-        wrong: Bound on the error of the force there [N].
-    """
-
-    solver: Solver
-    c: int
-    begin: float
-    end: float
-    level: float
-    wrong: float
-
-
-@part
-def _passes(at: _Stretch, low: float, high: float, rises: bool) -> float:
-    """Place where the force passes the level between two places on either side of it."""
-    u = 0.5 * (low + high)
-    for _ in range(_SEARCH_STEPS):
-        force, slope = force_at(at.solver, at.c, u)
-        if (force >= at.level) == rises:
-            high = u
-        else:
-            low = u
-        new = u - (force - at.level) / slope if slope != 0.0 else low
-        if not low < new < high:
-            new = 0.5 * (low + high)
-        if abs(new - u) <= 2.0 * EPS * at.solver.charts.numbers[at.c, rows.TRAVEL_MOST]:
-            return new
-        u = new
-    return u
-
-
-@part
-def _unsure(at: _Stretch, u: float) -> float:
+def _unsure(at: Stretch, u: float) -> float:
     """Travel to either side of a place beyond which the force is surely off the level."""
-    slope = abs(force_at(at.solver, at.c, u)[1])
+    slope = abs(force_at(at, u)[1])
     beside, most = 8.0 * EPS * at.solver.charts.numbers[at.c, rows.TRAVEL_MOST], at.end - at.begin
     if slope > 0.0:
         beside += min(2.0 * at.wrong / slope, most)
     while beside < most:
         low, high = max(u - beside, at.begin), min(u + beside, at.end)
-        before = abs(force_at(at.solver, at.c, low)[0] - at.level)
-        after = abs(force_at(at.solver, at.c, high)[0] - at.level)
+        before = abs(force_at(at, low)[0] - at.level)
+        after = abs(force_at(at, high)[0] - at.level)
         if (low == at.begin or before >= at.wrong) and (high == at.end or after >= at.wrong):
             break
         beside *= 2.0
@@ -128,12 +47,12 @@ def _unsure(at: _Stretch, u: float) -> float:
 
 
 @part
-def _part(at: _Stretch, left: float, old: float, right: float,
+def _part(at: Stretch, left: float, old: float, right: float,
           force: float) -> tuple[float, float]:  # fmt: skip
     """Travel with a force above the level, of a part where it rises or falls, and its error."""
     if (old >= at.level) == (force >= at.level):
         return (right - left if force >= at.level else 0.0), 0.0
-    place = _passes(at, left, right, force >= at.level)
+    place = passage(at, left, right, force >= at.level)
     return (place - left if old >= at.level else right - place), _unsure(at, place)
 
 
@@ -149,10 +68,10 @@ def held(solver: Solver, hold: FloatArray,
     c, begin, end = int(hold[rows.HOLD_CHART]), hold[rows.HOLD_BEGIN], hold[rows.HOLD_END]
     absolute, relative = wrong_by(solver, c)
     near = absolute + relative * abs(level)
-    at = _Stretch(solver, c, begin, end, level, near)
-    step = 1.0 / (solver.charts.numbers[c, rows.PER_RAD] * _PLACES)
+    at = Stretch(solver, c, solver.work.line[c], begin, end, level, near)
+    step = 1.0 / (solver.charts.numbers[c, rows.PER_RAD] * PLACES)
     u = begin
-    old, old_slope = force_at(solver, c, u)
+    old, old_slope = force_at(at, u)
     least = most = old
     # The stretch may begin and end a little earlier or later.
     ends = 2.0 * abs(old_slope) * hold[rows.HOLD_BEGIN_ERROR]
@@ -162,10 +81,10 @@ def held(solver: Solver, hold: FloatArray,
         beside += hold[rows.HOLD_BEGIN_ERROR]
     while True:
         new = min(step * (np.floor(u / step * (1.0 + 8.0 * EPS)) + 1.0), end)
-        force, slope = force_at(solver, c, new)
+        force, slope = force_at(at, new)
         if (old_slope > 0.0) != (slope > 0.0):
-            middle = _extreme(solver, c, u, new, old_slope > 0.0)
-            top, _ = force_at(solver, c, middle)
+            middle = extreme(at, u, new, old_slope > 0.0)
+            top, _ = force_at(at, middle)
             share, wide = _part(at, u, old, middle, top)
             above, beside = above + share, beside + wide
             if abs(top - level) <= near:
