@@ -172,6 +172,21 @@ def test_quantities_within_their_stated_errors(
     assert all(max(row) > 1e-5 for row in ratios.values()), ratios
 
 
+def test_the_gap_of_a_bounce_that_is_not_computed(e62: Mechanism) -> None:
+    """The first one, where the series is over after its collision; a fine tolerance computes it."""
+    soft = [3e-3, 1e-4, 1e-6]
+    coarse, fine = (
+        turn_quantities(e62, speed_rpm=450.0, restitution=soft, tolerance=tolerance)
+        for tolerance in (1e-3, 1e-13)
+    )
+    assert (coarse.collisions[:, 0] == 1.0).all()
+    assert (fine.collisions[:, 0] > 2.0).all()
+    (gap, error), (true, left) = (both(found, "largest_gap") for found in (coarse, fine))
+    assert (left <= 1e-11 * true).all()
+    assert (np.abs(gap - true) <= error + left).all()
+    assert (error <= 0.05 * true).all()
+
+
 # Largest torques of the drives, judged by the forces of the direct engine.
 
 # Forces of the direct engine between events, by their largest value.

@@ -165,8 +165,8 @@ KINDS: dict[str, tuple[Callable[[Tables], Mechanism], Tables]] = {
 DIRECT = {"force orifice", "restitution falling", "drive screw", "points that meet"}
 REFUSED = {"rows", "rows, linear", "rows, smooth", "rows from the seat on", "rows of a hinge",
            "rows that the drive leaves", "rows with a kink", "points that meet"}  # fmt: skip
-QUICK = {"drive and stop of one name", "rows, linear", "rows from the seat on",
-         "rows that the drive leaves", "stop screw"}  # fmt: skip
+QUICK = {"damper between points", "drive and stop of one name", "rows, linear",
+         "rows from the seat on", "rows that the drive leaves", "stop screw"}  # fmt: skip
 
 
 def both(name: str) -> tuple[TurnTable, TurnTable]:
