@@ -135,7 +135,7 @@ def build(
         opening = next((arc.end for arc in arcs if arc.after.name != stop.name), _USUAL)
         travel_rad = min(opening, _LONGEST)
     domain = Domain(travel_rad, -MARGIN * gap_max, gap_max)
-    kept = chart_over(sampler, domain, weights, tolerance)
+    kept = chart_over(sampler.grid, sampler.at, domain, weights, tolerance)
     place = [item.name for item in mechanism.stops].index(stop.name)
     chart = replace(kept, stop=place, meets=(rate, rounded, 0.0, 0.0))
     return ReducedModel(

@@ -17,7 +17,7 @@ from nipper_pin.arrays import FloatArray
 from nipper_pin.reduced import ReducedModel, build
 from nipper_pin.reduced.tables import series2d
 from nipper_pin.reduced.tables.functions import Samples
-from nipper_pin.reduced.tables.tables import Domain, chart_over, checks, misfit, resolved
+from nipper_pin.reduced.tables.tables import Domain, chart_over, checks, resolved
 
 
 def test_models_are_told_without_their_tables(e62: Mechanism) -> None:
@@ -99,7 +99,7 @@ def test_samples_of_a_domain() -> None:
     """Grid, configurations, functions, gaps, and the inertia at x = 0; from the touch outwards."""
     known = Known()
     domain = Domain(1.3, -0.1, 0.5)
-    tables = resolved(known, domain, np.array([1.0, 1.0]), 1e-9)  # type: ignore[arg-type]
+    tables = resolved(known.grid, known.at, domain, np.array([1.0, 1.0]), 1e-9)
     cells = tables.equation.shape[1]
     assert cells == 3
     assert known.sampled == 3 * 16 * 12
@@ -138,7 +138,7 @@ def test_samples_of_a_domain() -> None:
 )
 def test_what_is_refined(known: Known, domain: Domain, shape: tuple[int, int]) -> None:
     """Cells for what changes fast along the travel, orders for what changes across; not both."""
-    tables = resolved(known, domain, np.ones(2), 1e-9)  # type: ignore[arg-type]
+    tables = resolved(known.grid, known.at, domain, np.ones(2), 1e-9)
     assert (tables.equation.shape[1], tables.equation.shape[3]) == shape
     assert max(series2d.tails(tables.equation, np.ones(2))) <= 1e-9
     before = 16 * domain.count_x if shape != (1, 12) else 0
@@ -153,7 +153,7 @@ def test_functions_that_no_refinement_resolves() -> None:
             return np.array([np.abs(u - 0.217) ** 0.1, 1.0 + 0.0 * x])
 
     with pytest.raises(ConvergenceError, match=r"unresolved: 0\.\d+ along the travel,") as caught:
-        resolved(Corner(), Domain(0.5, -0.1, 0.5), np.ones(2), 1e-9)  # type: ignore[arg-type]
+        resolved(Corner().grid, Corner().at, Domain(0.5, -0.1, 0.5), np.ones(2), 1e-9)
     evidence = caught.value.evidence
     assert evidence["tolerance"] == 1e-9
     assert evidence["residual"] > 1e-3
@@ -164,24 +164,24 @@ def test_functions_that_no_refinement_resolves() -> None:
 def test_residuals_are_twice_the_largest_error_at_the_checks() -> None:
     """Errors that are planted into single cells are found, each in its own function."""
     known, domain = Known(), Domain(1.3, -0.1, 0.5)
-    tables = resolved(known, domain, np.ones(2), 1e-12)  # type: ignore[arg-type]
-    points = checks(known, domain, tables)  # type: ignore[arg-type]
+    tables = resolved(known.grid, known.at, domain, np.ones(2), 1e-12)
+    points = checks(known.at, domain, tables)
     true = points.true.equation
     largest = np.array([1.2, 43.0])
-    assert (misfit(points, domain, tables.equation, true) <= 200.0 * EPS * largest).all()
+    assert (points.misfit(tables.equation, true) <= 200.0 * EPS * largest).all()
     wrong = tables.equation.copy()
     wrong[0, 2, 0, 0] += 1e-4
     wrong[1, 0, 0, 0] -= 3e-4
-    np.testing.assert_allclose(misfit(points, domain, wrong, true), [2e-4, 6e-4], rtol=1e-6)
+    np.testing.assert_allclose(points.misfit(wrong, true), [2e-4, 6e-4], rtol=1e-6)
     # An error that grows towards the edges: they are among the points that are checked.
     wrong = tables.equation.copy()
     wrong[0, 0, 15, 0] += 1e-4
     wrong[1, 2, 0, 11] += 1e-4
-    found = misfit(points, domain, wrong, true)
+    found = points.misfit(wrong, true)
     assert found[0] == pytest.approx(2e-4, rel=1e-6)
     assert 1.5e-4 <= found[1] <= 2.0001e-4
     # Lower orders alone are evaluated in the same places.
-    assert (misfit(points, domain, tables.equation[:, :, :8, :6], true) < 1e-6).all()
+    assert (points.misfit(tables.equation[:, :, :8, :6], true) < 1e-6).all()
 
 
 @pytest.mark.parametrize(("bent", "least", "most"), [(0.0, 0.0, 1e-9), (1e-3, 1e-6, 1e-4)])
@@ -194,7 +194,7 @@ def test_the_error_of_the_inertia_is_known(bent: float, least: float, most: floa
             return replace(found, inertia=found.inertia + bent * np.abs(u - 0.217))
 
     domain = Domain(1.3, -0.1, 0.5)
-    chart = chart_over(Heavy(), domain, np.ones(2), 1e-9)  # type: ignore[arg-type]
+    chart = chart_over(Heavy().grid, Heavy().at, domain, np.ones(2), 1e-9)
     assert least <= chart.inertia_error <= most
     u = np.linspace(0.0, 1.3 / 3.0, 501)
     series = chebyshev.chebval(2.0 * u / (1.3 / 3.0) - 1.0, chart.inertia[0])
@@ -225,10 +225,11 @@ def test_noise_of_samples_is_accepted_up_to_the_root_of_the_tolerance(tolerance:
     times the noise.
     """
     domain, root = Domain(1.0, -0.1, 1.0), tolerance**0.5
-    tables = resolved(Noisy(0.05 * root), domain, np.ones(1), tolerance)  # type: ignore[arg-type]
+    one, other = Noisy(0.05 * root), Noisy(2.0 * root)
+    tables = resolved(one.grid, one.at, domain, np.ones(1), tolerance)
     assert tolerance < max(series2d.tails(tables.equation, np.ones(1))) <= root
     with pytest.raises(ConvergenceError, match="too rough") as caught:
-        resolved(Noisy(2.0 * root), domain, np.ones(1), tolerance)  # type: ignore[arg-type]
+        resolved(other.grid, other.at, domain, np.ones(1), tolerance)
     assert root < caught.value.evidence["residual"] < 40.0 * root
 
 

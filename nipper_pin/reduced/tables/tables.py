@@ -6,8 +6,8 @@ Negligible coefficients are left out, with bounds on the errors of the remaining
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -28,14 +28,10 @@ _MOST_X = 40
 _CHECKS = 96
 
 
-class PointSampler(Protocol):
-    """Evaluates functions of travel and coordinate at points."""
-
-    def grid(self, u: FloatArray, x: FloatArray) -> FloatArray:
-        """Configurations on a grid, shape (U, X, nv)."""
-
-    def at(self, u: FloatArray, x: FloatArray, guess: FloatArray) -> Samples:
-        """The functions at points, from configurations near them, shape (N, nv)."""
+# Configurations on a grid, shape (U, X, nv), from its travels and coordinates.
+Grid = Callable[[FloatArray, FloatArray], FloatArray]
+# The functions at points, from travels, coordinates and configurations near them, shape (N, nv).
+At = Callable[[FloatArray, FloatArray, FloatArray], Samples]
 
 
 @dataclass(frozen=True)
@@ -84,9 +80,7 @@ class Tables:
     inertia: FloatArray
 
 
-def resolved(
-    sampler: PointSampler, domain: Domain, weights: FloatArray, tolerance: float
-) -> Tables:
+def resolved(grid: Grid, at: At, domain: Domain, weights: FloatArray, tolerance: float) -> Tables:
     """Refine cells and degrees until the tails of all functions are below the tolerance.
 
     Args:
@@ -101,7 +95,7 @@ def resolved(
     before = (np.inf, np.inf)
     refined = (False, False)
     while True:
-        tables = _sampled(sampler, domain, cells, count_x)
+        tables = _sampled(grid, at, domain, cells, count_x)
         sampled += cells * _COUNT_U * count_x
         by_u, by_x = series2d.tails(tables.equation, weights)
         floor_u = refined[0] and by_u > REFINEMENT_GAIN * before[0]
@@ -127,7 +121,7 @@ def resolved(
 
 @dataclass(frozen=True)
 class Checks:
-    """Functions at random points off the grid.
+    """Functions at random points of a domain, off the grid.
 
     Attributes:
         u: Travels, shape (N,).
@@ -136,13 +130,41 @@ class Checks:
         inertia: Inertia at x = 0 for these travels, shape (N,).
     """
 
+    domain: Domain
     u: FloatArray
     x: FloatArray
     true: Samples
     inertia: FloatArray
 
+    def misfit(self, series: FloatArray, true: FloatArray) -> FloatArray:
+        """Bound the errors of series from points off the grid.
 
-def checks(sampler: PointSampler, domain: Domain, tables: Tables) -> Checks:
+        Args:
+            series: Coefficients, shape (functions, cells, Nu, Nx).
+            true: Values at the points, shape (functions, N).
+
+        Returns:
+            Bounds on the error of every function, shape (functions,).
+        """
+        scale = np.abs(true).max(axis=1, initial=0.0)
+        error = np.abs(self.values(series) - true).max(axis=1)
+        return np.asarray(TABLE_ERROR_SAFETY * error + 4.0 * EPS * scale)
+
+    def values(self, series: FloatArray) -> FloatArray:
+        """Values of series at the points, shape (functions, N)."""
+        cells = series.shape[1]
+        width = self.domain.travel / cells
+        cell = np.minimum((self.u / width).astype(int), cells - 1)
+        place = 2.0 * (self.u - cell * width) / width - 1.0
+        found, x = np.empty((len(series), len(cell))), self.domain.places(self.x)
+        for number in range(cells):
+            here = cell == number
+            of_cell = np.moveaxis(series[:, number], 0, -1)
+            found[:, here] = chebyshev.chebval2d(place[here], x[here], of_cell)
+        return found
+
+
+def checks(at: At, domain: Domain, tables: Tables) -> Checks:
     """Evaluate the functions at random points off the grid of the tables."""
     # The points do not depend on the run: a model is built the same way every time.
     random = np.random.default_rng(20)
@@ -152,48 +174,19 @@ def checks(sampler: PointSampler, domain: Domain, tables: Tables) -> Checks:
     u[:4], x[4:8] = (0.0, 0.0, domain.travel, domain.travel), (0.0, 0.0, 0.0, domain.high)
     row = np.minimum(np.searchsorted(tables.u, u), len(tables.u) - 1)
     column = np.minimum(np.searchsorted(tables.x, x), len(tables.x) - 1)
-    true = sampler.at(u, x, tables.q[row, column])
-    at_rest = sampler.at(u, np.zeros_like(u), tables.q[row, np.argmin(np.abs(tables.x))])
-    return Checks(u, x, true, at_rest.inertia)
+    true = at(u, x, tables.q[row, column])
+    at_rest = at(u, np.zeros_like(u), tables.q[row, np.argmin(np.abs(tables.x))])
+    return Checks(domain, u, x, true, at_rest.inertia)
 
 
-def misfit(points: Checks, domain: Domain, series: FloatArray, true: FloatArray) -> FloatArray:
-    """Bound the errors of series from points off the grid.
-
-    Args:
-        series: Coefficients, shape (functions, cells, Nu, Nx).
-        true: Values at the points, shape (functions, N).
-
-    Returns:
-        Bounds on the error of every function, shape (functions,).
-    """
-    scale = np.abs(true).max(axis=1, initial=0.0)
-    error = np.abs(_values(points, domain, series) - true).max(axis=1)
-    return np.asarray(TABLE_ERROR_SAFETY * error + 4.0 * EPS * scale)
-
-
-def _values(points: Checks, domain: Domain, series: FloatArray) -> FloatArray:
-    """Values of series at points, shape (functions, N)."""
-    cells = series.shape[1]
-    width = domain.travel / cells
-    cell = np.minimum((points.u / width).astype(int), cells - 1)
-    place = 2.0 * (points.u - cell * width) / width - 1.0
-    found, x = np.empty((len(series), len(cell))), domain.places(points.x)
-    for number in range(cells):
-        here = cell == number
-        of_cell = np.moveaxis(series[:, number], 0, -1)
-        found[:, here] = chebyshev.chebval2d(place[here], x[here], of_cell)
-    return found
-
-
-def _sampled(sampler: PointSampler, domain: Domain, cells: int, count_x: int) -> Tables:
+def _sampled(grid: Grid, at: At, domain: Domain, cells: int, count_x: int) -> Tables:
     width = domain.travel / cells
     inner = 0.5 * width * (series2d.gauss_nodes(_COUNT_U) + 1.0)
     u = (width * np.arange(cells)[:, None] + inner).ravel()
     x = domain.coordinates(series2d.gauss_nodes(count_x))
-    q = sampler.grid(u, x)
+    q = grid(u, x)
     flat = q.reshape(len(u) * count_x, -1)
-    found = sampler.at(np.repeat(u, count_x), np.tile(x, len(u)), flat)
+    found = at(np.repeat(u, count_x), np.tile(x, len(u)), flat)
     shape = (-1, cells, _COUNT_U, count_x)
     inertia = series2d.fit(found.inertia.reshape(shape))[0]
     zero = chebyshev.chebvander(domain.places(np.zeros(1)), count_x - 1)[0]
@@ -236,7 +229,8 @@ class Chart:
 
 
 def chart_over(
-    sampler: PointSampler,
+    grid: Grid,
+    at: At,
     domain: Domain,
     weights: FloatArray,
     tolerance: float,
@@ -255,19 +249,16 @@ def chart_over(
     Raises:
         ConvergenceError: The functions are not smooth enough on this domain.
     """
-    tables = resolved(sampler, domain, weights, tolerance)
-    points = checks(sampler, domain, tables)
-    kept = zip(
-        series2d.needed(tables.equation, weights, TRIMMED_SHARE * tolerance),
-        _orders_of_gaps(tables, of_gaps),
-        strict=True,
-    )
-    count_u, count_x = map(max, kept)
+    tables = resolved(grid, at, domain, weights, tolerance)
+    points = checks(at, domain, tables)
+    orders = [series2d.needed(tables.equation, weights, TRIMMED_SHARE * tolerance)]
+    orders += _orders_of_gaps(tables, of_gaps)
+    count_u, count_x = map(max, zip(*orders, strict=True))
     equation = tables.equation[:, :, :count_u, :count_x]
     inertia = tables.inertia[:, :count_u]
     gaps = tables.gaps[:, :, :count_u, :count_x]
-    residual = misfit(points, domain, equation, points.true.equation)
-    (found,) = _values(points, domain, inertia[None, :, :, None])
+    residual = points.misfit(equation, points.true.equation)
+    (found,) = points.values(inertia[None, :, :, None])
     relative = (np.abs(found - points.inertia) / np.abs(points.inertia)).max()
     width = domain.travel / equation.shape[1]
     largest, steep_u, steep_x = series2d.largest(equation)
@@ -278,21 +269,19 @@ def chart_over(
         gaps=gaps,
         inertia=inertia,
         bounds=np.array([residual, steep_x, steep_u, largest]),
-        gap_bounds=misfit(points, domain, gaps, points.true.gaps),
+        gap_bounds=points.misfit(gaps, points.true.gaps),
         inertia_error=float(TABLE_ERROR_SAFETY * relative + 4.0 * EPS),
     )
 
 
-def _orders_of_gaps(tables: Tables, share: float) -> tuple[int, int]:
-    """Orders that resolve the gaps and their slopes to a share of their sizes."""
-    found, others = [(2, 2)], len(tables.gaps) // 3
+def _orders_of_gaps(tables: Tables, share: float) -> Iterator[tuple[int, int]]:
+    """Orders (Nu, Nx) that resolve the gaps and their slopes to a share of their sizes."""
+    others = len(tables.gaps) // 3
     for series in (tables.gaps[:others], tables.gaps[others:]):
         size = np.abs(series).sum(axis=(2, 3)).max(axis=1, initial=0.0)
         weights = np.where(size > 0.0, 1.0 / np.where(size > 0.0, size, 1.0), 0.0)
         if len(series):
-            found.append(series2d.needed(series, weights, share))
-    by_u, by_x = zip(*found, strict=True)
-    return max(by_u), max(by_x)
+            yield series2d.needed(series, weights, share)
 
 
 def stacked(charts: list[Chart], after: list[int], lever: FloatArray) -> Charts:
@@ -316,19 +305,17 @@ def stacked(charts: list[Chart], after: list[int], lever: FloatArray) -> Charts:
 
     inertia = padded([chart.inertia[None, :, :, None] for chart in charts])[:, 0, :, :, 0]
     numbers, stops = [], []
-    for chart, shape, to in zip(charts, shapes, after, strict=True):
-        arrive, arrive_error, throw, corner_error = chart.meets
+    for chart, to in zip(charts, after, strict=True):
         travel, low, high = chart.domain.travel, chart.domain.low, chart.domain.high
-        numbers.append((
-            0.0, travel, low, high, 2.0 / (high - low), shape[0] / travel, chart.begin,
-            arrive, arrive_error, throw, corner_error, chart.inertia_error,
-        ))  # fmt: skip
+        per_rad = chart.equation.shape[1] / travel
+        numbers.append((0.0, travel, low, high, 2.0 / (high - low), per_rad, chart.begin,
+                        *chart.meets, chart.inertia_error))  # fmt: skip
         others = [place for place in range(len(lever)) if place != chart.stop]
         stops.append((chart.stop, to, *others))
     equation, gaps = (
         padded([getattr(chart, name) for chart in charts]) for name in ("equation", "gaps")
     )
-    closed = np.array([chart.domain.places(np.zeros(1))[0] for chart in charts])
+    closed = np.concatenate([chart.domain.places(np.zeros(1)) for chart in charts])
     at_zero = chebyshev.chebvander(closed, count_x - 1)
 
     def along(functions: FloatArray) -> FloatArray:

@@ -117,7 +117,8 @@ def chart_of(around: ChartSampler, gap: float, w: float, tolerance: float, of_ga
     for halvings in count():
         domain = Domain(float(around.arc.travels[-1]), -MARGIN * gap, gap, count_x=_NODES_X)
         try:
-            kept = chart_over(around.sampler, domain, around.weights(w), tolerance, of_gaps)
+            weights, sampler = around.weights(w), around.sampler
+            kept = chart_over(sampler.grid, sampler.at, domain, weights, tolerance, of_gaps)
             break
         except SimulationError:
             if halvings == _HALVINGS:

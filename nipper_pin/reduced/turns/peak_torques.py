@@ -12,7 +12,7 @@ sampled on the charts of the turns.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -34,23 +34,6 @@ from .turn import turn_model, widening
 
 # Nodes across the gap to start with.
 _NODES_X = 8
-
-
-@dataclass(frozen=True, eq=False)
-class _DriveSampler:
-    """The torque of a drive around an arc, sampled like an equation of motion."""
-
-    around: ChartSampler
-    drive: int
-
-    def grid(self, u: FloatArray, x: FloatArray) -> FloatArray:
-        """As of the sampler of the arc."""
-        return self.around.sampler.grid(u, x)
-
-    def at(self, u: FloatArray, x: FloatArray, guess: FloatArray) -> Samples:
-        """The functions of the torque, in the place of those of the equation of motion."""
-        found = self.around.sampler.torques(u, x, guess)[self.drive]
-        return Samples(found, np.empty((0, len(u))), np.ones(len(u)))
 
 
 @made_once
@@ -76,14 +59,19 @@ def torque_model(mechanism: Mechanism, start_index: float, gap_scale: float) -> 
 
 def _chart(around: ChartSampler, drive: int, domain: Domain) -> Chart:
     """Tables of the torque of one drive around one arc."""
-    sampler = _DriveSampler(around, drive)
+
+    def at(u: FloatArray, x: FloatArray, guess: FloatArray) -> Samples:
+        # In the place of the functions of the equation of motion.
+        found = around.sampler.torques(u, x, guess)[drive]
+        return Samples(found, np.empty((0, len(u))), np.ones(len(u)))
+
     # The size of the torque at usual rates.
     rate = float(np.sqrt(np.abs(around.terms(0.0).sum()) * domain.high))
-    functions = sampler.at(*around.places).equation
+    functions = at(*around.places).equation
     fastest = np.abs(around.terms(rate)).sum()
     weights = np.append(factors(around.mechanism, len(functions) - 1, rate), fastest)
     weights = shares(weights, functions)
-    kept = chart_over(sampler, domain, weights, TORQUE_TABLES)
+    kept = chart_over(around.sampler.grid, at, domain, weights, TORQUE_TABLES)
     by_a = np.zeros((3, *kept.equation.shape[1:]))
     by_a[0] = kept.equation[-1]
     return replace(
