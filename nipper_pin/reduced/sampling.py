@@ -30,7 +30,7 @@ from .model import (
     numbers_of,
 )
 from .tables.functions import Sampler
-from .tables.tables import Chart, Domain, chart_over, levers, stacked
+from .tables.tables import Chart, Domain, chart_over, stacked
 from .turns.arcs import ContactArc, ContactContinuation, system_at
 from .turns.charts import ChartSampler
 from .turns.model import charts_of, unfit_turns
@@ -140,7 +140,7 @@ def build(
     chart = replace(kept, stop=place, meets=(rate, rounded, 0.0, 0.0))
     return ReducedModel(
         **numbers_of(mechanism),
-        charts=stacked([chart], [0], levers(mechanism)),
+        charts=stacked(mechanism, [chart]),
         stop=stop.name,
         touch_angle_rad=mechanism.cylinder.angle_at_touch_rad,
         sense=mechanism.cylinder.sense,
@@ -194,17 +194,15 @@ def _arrival(
         return Arrival(why=f"stop {name!r} does not come back to its place within a turn")
     if stops != [mechanism.transition_stop, name]:
         return Arrival(why=f"stops are closed in another order, or drives bend: {', '.join(stops)}")
-    angle, after = mechanism.cylinder.angle_at_touch_rad, [1, 0]
+    angle = mechanism.cylinder.angle_at_touch_rad
     first = chart if chart.domain.travel == arcs[0].end else None
     rough = max(tolerance, ARRIVAL_TABLES)
     try:
-        around = [ChartSampler(mechanism, arc, angle) for arc in arcs]
-        charts = charts_of(
-            mechanism, around, after, rough, of_gaps=TRIMMED_SHARE * rough, first=first
-        )
+        around = [ChartSampler(mechanism, arc, angle, 1 - place) for place, arc in enumerate(arcs)]
+        charts = charts_of(around, rough, of_gaps=TRIMMED_SHARE * rough, first=first)
     except NipperError as error:
         return Arrival(why=error.message)
-    return Arrival(charts=stacked(charts, after, levers(mechanism)))
+    return Arrival(charts=stacked(mechanism, charts))
 
 
 def _approach_rate(

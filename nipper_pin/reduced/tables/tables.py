@@ -210,6 +210,7 @@ class Chart:
         gap_bounds: Bounds on the errors of the gaps and their derivatives, shape (3 S,).
         inertia_error: Bound on the relative error of the inertia.
         stop: Place of its stop among those of the mechanism.
+        after: Number of the chart that follows where it ends.
         begin: Travel from the start of the turn to its begin [rad].
         meets: Derivative by u of the gap of the stop that takes over at the end, bound on its
             error, rate of x by that of its gap, and bound on the error of the end [rad]; zeros if
@@ -224,6 +225,7 @@ class Chart:
     gap_bounds: FloatArray
     inertia_error: float
     stop: int = 0
+    after: int = 0
     begin: float = 0.0
     meets: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
 
@@ -284,13 +286,9 @@ def _orders_of_gaps(tables: Tables, share: float) -> Iterator[tuple[int, int]]:
             yield series2d.needed(series, weights, share)
 
 
-def stacked(charts: list[Chart], after: list[int], lever: FloatArray) -> Charts:
-    """All charts as arrays of one shape, padded by zeros.
-
-    Args:
-        after: Number of the chart that follows each.
-        lever: Rate of the normal gap of each stop by that of its coordinate, shape (K,).
-    """
+def stacked(mechanism: Mechanism, charts: list[Chart]) -> Charts:
+    """All charts of a mechanism as arrays of one shape, padded by zeros."""
+    lever = np.array([stop.lever for stop in mechanism.stops])
     shapes = np.array([chart.equation.shape[1:] for chart in charts])
     cells, count_u, count_x = (int(size) for size in shapes.max(axis=0))
 
@@ -305,13 +303,13 @@ def stacked(charts: list[Chart], after: list[int], lever: FloatArray) -> Charts:
 
     inertia = padded([chart.inertia[None, :, :, None] for chart in charts])[:, 0, :, :, 0]
     numbers, stops = [], []
-    for chart, to in zip(charts, after, strict=True):
+    for chart in charts:
         travel, low, high = chart.domain.travel, chart.domain.low, chart.domain.high
         per_rad = chart.equation.shape[1] / travel
         numbers.append((0.0, travel, low, high, 2.0 / (high - low), per_rad, chart.begin,
                         *chart.meets, chart.inertia_error))  # fmt: skip
         others = [place for place in range(len(lever)) if place != chart.stop]
-        stops.append((chart.stop, to, *others))
+        stops.append((chart.stop, chart.after, *others))
     equation, gaps = (
         padded([getattr(chart, name) for chart in charts]) for name in ("equation", "gaps")
     )
@@ -333,8 +331,3 @@ def stacked(charts: list[Chart], after: list[int], lever: FloatArray) -> Charts:
         stops=np.array(stops, dtype=np.int64),
         lever=lever,
     )
-
-
-def levers(mechanism: Mechanism) -> FloatArray:
-    """Rate of the normal gap of each stop by that of its coordinate, shape (K,)."""
-    return np.array([stop.lever for stop in mechanism.stops])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import cached_property
 from itertools import count
 
 import numpy as np
@@ -28,17 +29,25 @@ _HALVINGS = 4
 
 
 class ChartSampler:
-    """What is known of an arc before its tables: its functions along the closed stop."""
+    """What is known of an arc before its tables: its functions along the closed stop.
 
-    def __init__(self, mechanism: Mechanism, arc: ContactArc, start_angle: float) -> None:
+    Args:
+        start_angle: Cylinder angle at which turns start [rad].
+        after: Number of the arc that follows.
+    """
+
+    def __init__(
+        self, mechanism: Mechanism, arc: ContactArc, start_angle: float, after: int
+    ) -> None:
         """Sample a few places along the stop."""
-        self.mechanism, self.arc = mechanism, arc
+        self.mechanism, self.arc, self.after = mechanism, arc, after
         self.system = system_at(mechanism, arc.begin, start_angle)
         self.sampler = Sampler(self.system, arc.stop, arc.path[0], (arc.travels, arc.path))
         places = np.unique(np.linspace(0, len(arc.travels) - 1, _PLACES).astype(int))
         self.places = arc.travels[places], np.zeros(len(places)), arc.path[places]
         self.along = self.sampler.at(*self.places)
 
+    @cached_property
     def meets(self) -> tuple[float, float, float, float]:
         """As of :class:`Chart`."""
         arc = self.arc
@@ -59,8 +68,13 @@ class ChartSampler:
     def placed(self, chart: Chart) -> Chart:
         """A chart around the arc, with its place in the turn."""
         names = [stop.name for stop in self.mechanism.stops]
-        arc, meets = self.arc, self.meets()
-        return replace(chart, stop=names.index(arc.stop.name), begin=arc.begin, meets=meets)
+        return replace(
+            chart,
+            stop=names.index(self.arc.stop.name),
+            after=self.after,
+            begin=self.arc.begin,
+            meets=self.meets,
+        )
 
     def _bend(self, rate: float) -> float:
         """Bound on the change of the rate of the gap ahead in a radian, near the end of the arc."""

@@ -14,7 +14,7 @@ from ...hybrid import comes_back, initial_state
 from ...mechanism import Mechanism, Stop
 from ...tolerances.reduced import GAP_SHARE
 from ..model import LIVELY, ROOM, Tabulated, lively_speed, numbers_of
-from ..tables.tables import Chart, levers, stacked
+from ..tables.tables import Chart, stacked
 from .arcs import ContactArc, ContactContinuation, system_at
 from .charts import ChartSampler, chart_of
 
@@ -48,6 +48,8 @@ def unfit_turns(mechanism: Mechanism, drive: DriveMode | str = DriveMode.HELD) -
 
 
 START_INDEX = 24.0
+# Of a turn: chart, gap, its rate by time and by the cylinder, and whether its stop is closed.
+Begin = tuple[int, float, float, float, bool]
 # Gap of a chart that no other meets, by the width of the flight between its stops.
 _SHARE_OF_WIDTH = 0.25
 # Least gap of a chart, by that at which another stop closes.
@@ -62,13 +64,13 @@ class TurnModel(Tabulated):
         stops: Names of the stops.
         transition_stop: Name of the transition stop.
         start_index: Index at which turns start.
-        begin: Chart, gap, its rate by time and by the cylinder, and whether its stop is closed.
+        begin: How they start.
     """
 
     stops: tuple[str, ...]
     transition_stop: str
     start_index: float
-    begin: tuple[int, float, float, float, bool]
+    begin: Begin
 
     @property
     def clamp(self) -> int:
@@ -91,28 +93,20 @@ def build_turns(
         InputError: The mechanism cannot be reduced.
         SimulationError: A point cannot be reached or is singular.
     """
-    around, after, (stop, q, closed) = surroundings(mechanism, start_index)
-    angle = mechanism.cylinder.angle_from_index(start_index)
-    charts = charts_of(mechanism, around, after, tolerance, gap_scale=gap_scale)
+    around, begin = surroundings(mechanism, start_index)
+    charts = charts_of(around, tolerance, gap_scale=gap_scale)
     return TurnModel(
         **numbers_of(mechanism),
         stops=tuple(item.name for item in mechanism.stops),
         transition_stop=mechanism.transition_stop,
         start_index=start_index,
-        charts=stacked(charts, after, levers(mechanism)),
-        begin=(0, stop.gap(q), *_rates(mechanism, angle, start_index, stop), closed),
+        charts=stacked(mechanism, charts),
+        begin=begin,
     )
 
 
-def surroundings(
-    mechanism: Mechanism, start_index: float
-) -> tuple[list[ChartSampler], list[int], tuple[Stop, FloatArray, bool]]:
-    """Follow the stops along a turn.
-
-    Returns:
-        What is known around every arc; the number of the arc that follows each; and the start: the
-        stop whose gap is followed, the configuration, shape (nv,), and whether it is closed.
-    """
+def surroundings(mechanism: Mechanism, start_index: float) -> tuple[list[ChartSampler], Begin]:
+    """Follow the stops along a turn: what is known around every arc, and how the turn starts."""
     reason = unfit_turns(mechanism)
     if reason is not None:
         message = f"{mechanism.name}: {reason}; use the direct engine"
@@ -124,14 +118,18 @@ def surroundings(
         raise InputError(message)
     state = initial_state(system, start_index, mechanism.starts)
     stop, home, closed = _standing(mechanism, angle, state.q)
-    chains = _chains(mechanism, angle, stop, home)
-    arcs = [arc for chain in chains for arc in chain]
-    after: list[int] = []
-    for chain in chains:
-        first = len(after)
-        after += [*range(first + 1, first + len(chain)), first]
-    around = [ChartSampler(mechanism, arc, angle) for arc in arcs]
-    return around, after, (stop, state.q, closed)
+    around: list[ChartSampler] = []
+    for chain in _chains(mechanism, angle, stop, home):
+        first = len(around)
+        after = [*range(first + 1, first + len(chain)), first]
+        around += [
+            ChartSampler(mechanism, arc, angle, to) for arc, to in zip(chain, after, strict=True)
+        ]
+    # What [initial] gives, and what the cylinder adds by its speed.
+    twice = System(mechanism, ShaftMotion(mechanism, 2.0, angle))
+    fast = stop.rate(initial_state(twice, start_index, mechanism.starts).v)
+    slow = stop.rate(state.v)
+    return around, (0, stop.gap(state.q), 2.0 * slow - fast, fast - slow, closed)
 
 
 def _standing(mechanism: Mechanism, angle: float, q: FloatArray) -> tuple[Stop, FloatArray, bool]:
@@ -149,18 +147,6 @@ def _standing(mechanism: Mechanism, angle: float, q: FloatArray) -> tuple[Stop, 
     return stop, ContactContinuation(mechanism, angle).closing(stop, q), False
 
 
-def _rates(
-    mechanism: Mechanism, angle: float, start_index: float, stop: Stop
-) -> tuple[float, float]:
-    """Rate of a gap at the start: what [initial] gives, and what the cylinder adds by its speed."""
-    slow, fast = (
-        stop.rate(initial_state(System(mechanism, ShaftMotion(mechanism, speed, angle)),
-                                start_index, mechanism.starts).v)
-        for speed in (1.0, 2.0)
-    )  # fmt: skip
-    return 2.0 * slow - fast, fast - slow
-
-
 def _chains(
     mechanism: Mechanism, angle: float, stop: Stop, home: FloatArray
 ) -> list[list[ContactArc]]:
@@ -174,36 +160,28 @@ def _chains(
 
 
 def charts_of(
-    mechanism: Mechanism, around: list[ChartSampler], after: list[int], tolerance: float, *,
-    gap_scale: float = 1.0, of_gaps: float = GAP_SHARE, first: Chart | None = None,
+    around: list[ChartSampler], tolerance: float, *, gap_scale: float = 1.0,
+    of_gaps: float = GAP_SHARE, first: Chart | None = None,
 ) -> list[Chart]:  # fmt: skip
     """Sample the tables around the arcs of a turn.
 
     Args:
-        after: Number of the arc that follows each.
         gap_scale: Factor on the gaps that the tables cover.
         of_gaps: Relative accuracy of the gaps of other stops.
         first: Tables around the first arc, where they are known.
     """
     found = [] if first is None else [around[0].placed(first)]
-    asked = list(zip(around, _reach(mechanism, around, after), strict=True))[len(found) :]
+    asked = list(zip(around, _reach(around), strict=True))[len(found) :]
     found += [chart_of(item, gap_scale * gap, w, tolerance, of_gaps) for item, (gap, w) in asked]
     return found
 
 
-def _reach(
-    mechanism: Mechanism, around: list[ChartSampler], after: list[int]
-) -> list[tuple[float, float]]:
+def _reach(around: list[ChartSampler]) -> list[tuple[float, float]]:
     """Largest gap of each chart, and usual rates in it."""
-    speed = lively_speed(mechanism)
-    gaps = np.zeros(len(around))
-    rates = np.zeros(len(around))
-    for number, item in enumerate(around):
-        approach, _, throw, _ = item.meets()
-        if throw == 0.0:
-            continue
-        to = after[number]
-        w = LIVELY * abs(approach) * speed
+    gaps, rates = np.zeros(len(around)), np.zeros(len(around))
+    for item in around:
+        to, mechanism = item.after, item.mechanism
+        w = LIVELY * abs(item.meets[0]) * lively_speed(mechanism)
         a = float(around[to].terms(w).sum())
         rates[to] = max(rates[to], w)
         if a < 0.0:
@@ -215,8 +193,7 @@ def _reach(
     # The charts of one stop are alike, and those of two that meet are crossed by the same flights.
     for _ in range(2):
         for number, item in enumerate(around):
-            throw = item.meets()[2] or 1.0
-            to = after[number]
+            to, throw = item.after, item.meets[2] or 1.0
             widest = max(gaps[number], throw * gaps[to])
             fastest = max(rates[number], throw * rates[to])
             gaps[number], gaps[to] = widest, widest / throw

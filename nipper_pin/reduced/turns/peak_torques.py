@@ -25,7 +25,7 @@ from ...tolerances.reduced import TORQUE_TABLES
 from ..kernels.layout import HIGH, LOW, Cases, Charts
 from ..model import factors
 from ..tables.functions import Samples
-from ..tables.tables import Chart, Domain, chart_over, levers, stacked
+from ..tables.tables import Chart, Domain, chart_over, stacked
 from ..transition import kernel
 from .cases import BESIDE, Run, room_for
 from .charts import ChartSampler, shares
@@ -46,7 +46,7 @@ def torque_model(mechanism: Mechanism, start_index: float, gap_scale: float) -> 
         ConvergenceError: The functions are not smooth enough on a chart.
         SimulationError: A point of the turn cannot be reached or is singular.
     """
-    around, _, _ = surroundings(mechanism, start_index)
+    around, _ = surroundings(mechanism, start_index)
     charts = turn_model(mechanism, start_index, gap_scale).charts
     found = []
     for place, item in enumerate(around):
@@ -54,7 +54,7 @@ def torque_model(mechanism: Mechanism, start_index: float, gap_scale: float) -> 
         domain = Domain(float(item.arc.travels[-1]), low, high, count_x=_NODES_X)
         for drive in range(len(mechanism.drives)):
             found.append(_chart(item, drive, domain))
-    return stacked(found, [0] * len(found), levers(mechanism))
+    return stacked(mechanism, found)
 
 
 def _chart(around: ChartSampler, drive: int, domain: Domain) -> Chart:
