@@ -24,6 +24,11 @@ from .peak_torques import peak_torques
 from .turn import follow, turn_model, widening
 
 
+def _of_stops(place: int) -> Column:
+    """A quantity of each stop."""
+    return Column(slice(rows.TURN_NUMBERS + place, None, rows.PER_STOP))
+
+
 @dataclass(frozen=True, eq=False)
 class TurnQuantities:
     """Quantities of the last turn or turns that were followed, of n cases; NaN where there is none.
@@ -87,6 +92,17 @@ class TurnQuantities:
     energy_lost = Column(rows.LOST_ENERGY)
     """Kinetic energy lost in all collisions [J], those of a series beyond the last too."""
     energy_lost_error = Column(rows.LOSS_ERROR)
+    collisions = _of_stops(rows.COUNT)
+    """Collisions of each stop that were computed, shape (n, stops)."""
+    impulse_sum = _of_stops(rows.IMPULSE_SUM)
+    """Sum of normal impulses, those of a series beyond the last too, shape (n, stops)."""
+    impulse_sum_error = _of_stops(rows.SUM_ERROR)
+    largest_impulse = _of_stops(rows.IMPULSE_MOST)
+    """Largest of the impulses, shape (n, stops) [N s or N m s]."""
+    largest_impulse_error = _of_stops(rows.MOST_ERROR)
+    largest_torque = Column(0, slice(None), table="torques")
+    """Largest magnitude of a torque between events, shape (n, drives) [N m or N]."""
+    largest_torque_error = Column(1, slice(None), table="torques")
 
     @property
     def clamped_time(self) -> FloatArray:
@@ -102,44 +118,6 @@ class TurnQuantities:
     def clamped_share(self) -> FloatArray:
         """The same by the time of a turn."""
         return self.clamped / math.tau
-
-    @property
-    def collisions(self) -> FloatArray:
-        """Collisions of each stop that were computed, shape (n, stops)."""
-        return self._of_stops(rows.COUNT)
-
-    @property
-    def impulse_sum(self) -> FloatArray:
-        """Sum of normal impulses, those of a series beyond the last too, shape (n, stops)."""
-        return self._of_stops(rows.IMPULSE_SUM)
-
-    @property
-    def impulse_sum_error(self) -> FloatArray:
-        """Bound on the errors of the sums."""
-        return self._of_stops(rows.SUM_ERROR)
-
-    @property
-    def largest_impulse(self) -> FloatArray:
-        """Largest of the impulses, shape (n, stops) [N s or N m s]."""
-        return self._of_stops(rows.IMPULSE_MOST)
-
-    @property
-    def largest_impulse_error(self) -> FloatArray:
-        """Bound on the errors of those."""
-        return self._of_stops(rows.MOST_ERROR)
-
-    @property
-    def largest_torque(self) -> FloatArray:
-        """Largest magnitude of a torque between events, shape (n, drives) [N m or N]."""
-        return self.torques[..., 0, :]
-
-    @property
-    def largest_torque_error(self) -> FloatArray:
-        """Bound on the error of that."""
-        return self.torques[..., 1, :]
-
-    def _of_stops(self, place: int) -> FloatArray:
-        return np.asarray(self.table[..., rows.TURN_NUMBERS + place :: rows.PER_STOP])
 
 
 def turn_quantities(
