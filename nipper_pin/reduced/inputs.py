@@ -13,21 +13,22 @@ from ..given import LARGEST, column, number, numbers, refuse, whole
 from ..hybrid import FASTEST_RPM
 from ..tolerances.reduced import COARSEST_TOLERANCE, FINEST_TOLERANCE
 from ..units import S_PER_MIN
-from .kernels.layout import Cases
+from .kernels.layout import Cases, Settings
+from .model import Tabulated
 
-Springs = tuple[FloatArray, FloatArray]
 _RAD_S = math.tau / S_PER_MIN
 # Scratch of so many collisions takes 24 MB.
 _MOST_COLLISIONS = 1_000_000
 
 
-def check_run(rest_rate: float | None, tolerance: float, max_collisions: int) -> None:
-    """Refuse what all cases of a call share, if it is out of range."""
+def checked_run(rest_rate: float | None, tolerance: float, max_collisions: int) -> Settings:
+    """What all cases of a call share, refused if it is out of range."""
     check_tolerance(tolerance)
     whole("max_collisions", max_collisions, 1, _MOST_COLLISIONS)
     if rest_rate is not None:
         allowed = "a finite rate above 0, or none"
         number("rest_rate", rest_rate, 0.0, LARGEST, open_low=True, allowed=allowed)
+    return Settings(float(rest_rate or 0.0), float(tolerance))
 
 
 def check_tolerance(tolerance: float, where: str = "") -> None:
@@ -37,7 +38,7 @@ def check_tolerance(tolerance: float, where: str = "") -> None:
 
 
 def one_case(
-    springs: Springs, speed_rpm: float, restitutions: FloatArray, stiffness: ArrayLike | None,
+    model: Tabulated, speed_rpm: float, restitutions: FloatArray, stiffness: ArrayLike | None,
     preload: ArrayLike | None,
 ) -> Cases:  # fmt: skip
     """Numbers of a single case: as :func:`cases_of`, in less time.
@@ -56,26 +57,25 @@ def one_case(
     return Cases(
         np.array([number("speed_rpm", speed_rpm, 0.0, FASTEST_RPM, open_low=True) * _RAD_S]),
         restitutions[None],
-        row("stiffness", stiffness, springs[0]),
-        row("preload", preload, springs[1]),
+        row("stiffness", stiffness, model.stiffness),
+        row("preload", preload, model.preload),
     )
 
 
 def cases_of(
-    springs: Springs, speed_rpm: ArrayLike, restitutions: list[FloatArray],
+    model: Tabulated, speed_rpm: ArrayLike, restitutions: list[FloatArray],
     stiffness: ArrayLike | None, preload: ArrayLike | None,
 ) -> Cases:  # fmt: skip
     """Numbers of n cases; a single number stands for all of them.
 
     Args:
-        springs: Rates and deflections of the model, shape (springs,) each.
         restitutions: e_N of every stop, checked, each (1,) or (n,).
         stiffness: Spring rates, shape (n,) with one spring or (n, springs); None: the model's.
         preload: Deflections in the springs at zero, likewise.
     """
-    speed, count = speeds_of(speed_rpm) * _RAD_S, len(springs[0])
-    rates = spring_rows("stiffness", springs[0] if stiffness is None else stiffness, count)
-    lengths = spring_rows("preload", springs[1] if preload is None else preload, count)
+    speed, count = speeds_of(speed_rpm) * _RAD_S, len(model.stiffness)
+    rates = spring_rows("stiffness", model.stiffness if stiffness is None else stiffness, count)
+    lengths = spring_rows("preload", model.preload if preload is None else preload, count)
     speed, rates, lengths, *columns = of_all_cases(speed, rates, lengths, *restitutions)
     return Cases(speed, np.stack(columns, axis=1), rates, lengths)
 

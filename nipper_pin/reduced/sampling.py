@@ -115,21 +115,19 @@ def build(
         number("gap_max", gap_max, 0.0, LARGEST, open_low=True, allowed="above zero",
                where=_MODEL)  # fmt: skip
     stop = mechanism.stop(mechanism.transition_stop)
-    others = tuple(item for item in mechanism.stops if item.name != stop.name)
     system = system_at(mechanism, 0.0, mechanism.cylinder.angle_at_touch_rad)
     sampler = Sampler(system, stop)
-    closed = mechanism.phase(mechanism.initial_phase).closed
-    rate, rounded = _approach_rate(system, closed, stop.index, stop.name)
-    _check_opening(mechanism, others, sampler)
+    rate, rounded = _approach_rate(system, stop)
+    _check_opening(mechanism, sampler)
     weights, room = _nominal(mechanism, sampler, rate)
-    if gap_max is None and not room > 0.0:
+    gap_max = room if gap_max is None else gap_max
+    if not gap_max > 0.0:
         message = (
             f"{mechanism.name}: stop {stop.name!r} is not pressed shut after its "
             f"first collision at {FAST:g} times the rated speed; use the direct engine, "
             "or nipper_pin.reduced.build with a gap_max"
         )
         raise InputError(message, stop=stop.name)
-    gap_max = room if gap_max is None else gap_max
     arcs, why = _turn(mechanism, stop)
     if travel_rad is None:
         opening = next((arc.end for arc in arcs if arc.after.name != stop.name), _USUAL)
@@ -149,18 +147,17 @@ def build(
     )
 
 
-def _check_opening(mechanism: Mechanism, others: tuple[Stop, ...], sampler: Sampler) -> None:
+def _check_opening(mechanism: Mechanism, sampler: Sampler) -> None:
     """Refuse a closed stop that the rebound of the transition stop does not open."""
-    closed = mechanism.phase(mechanism.initial_phase).closed
+    (name,) = mechanism.phase(mechanism.initial_phase).closed
     by_x, _ = sampler.rates(np.zeros(1), np.zeros((1, len(mechanism.joints))))
-    for other in others:
-        opening = other.rate(by_x[0])
-        if other.name in closed and opening <= 0.0:
-            message = (
-                f"{mechanism.name}: stop {other.name!r} does not open when "
-                f"{mechanism.transition_stop!r} rebounds; use the direct engine"
-            )
-            raise InputError(message, stop=other.name, opening_rate=opening)
+    opening = mechanism.stop(name).rate(by_x[0])
+    if opening <= 0.0:
+        message = (
+            f"{mechanism.name}: stop {name!r} does not open when "
+            f"{mechanism.transition_stop!r} rebounds; use the direct engine"
+        )
+        raise InputError(message, stop=name, opening_rate=opening)
 
 
 def _turn(mechanism: Mechanism, stop: Stop) -> tuple[list[ContactArc], str]:
@@ -205,25 +202,22 @@ def _arrival(
     return Arrival(charts=stacked(mechanism, charts))
 
 
-def _approach_rate(
-    system: System, closed: frozenset[str], column: int, name: str
-) -> tuple[float, float]:
+def _approach_rate(system: System, stop: Stop) -> tuple[float, float]:
     """Rate dx/du of the initial phase in the touch configuration, and its round-off."""
-    mechanism = system.mechanism
-    stops = [stop.index for stop in mechanism.stops if stop.name in closed]
-    _, rates, _ = system.shaft.driven(np.zeros(1))
-    given = [*system.shaft.indices, *stops]
-    all_rates = np.concatenate([rates[0], np.zeros(len(stops))])
+    closed = system.mechanism.phase(system.mechanism.initial_phase).closed
+    (name,) = closed
+    given = [*system.shaft.indices, system.mechanism.stop(name).index]
+    all_rates = np.append(system.shaft.driven(np.zeros(1))[1], 0.0)
     _, v, _ = assemble(system.body, np.zeros((0, len(given))), given, all_rates)
-    rate = float(v[column])
+    rate = float(v[stop.index])
     if rate >= 0.0:
         message = (
-            f"stop {name!r} is not closing in the touch configuration (rate {rate:.3g} by the "
+            f"stop {stop.name!r} is not closing in the touch configuration (rate {rate:.3g} by the "
             "cylinder angle); check cylinder.angle_at_touch_deg and cylinder.direction"
         )
-        raise InputError(message, stop=name, rate=rate)
+        raise InputError(message, stop=stop.name, rate=rate)
     rounded = at_start(system, State.at(system, 0.0, np.zeros_like(v), v, closed))
-    return rate, rounded.size(len(v) + column)
+    return rate, rounded.size(len(v) + stop.index)
 
 
 def _nominal(mechanism: Mechanism, sampler: Sampler, rate: float) -> tuple[FloatArray, float]:

@@ -14,7 +14,7 @@ from ..arrays import FloatArray
 from ..errors import InputError, NipperError, SimulationError
 from ..extras import require
 from ..given import column, number
-from .inputs import cases_of, check_run, one_case
+from .inputs import cases_of, checked_run, one_case
 from .kernels.layout import (
     ARRIVALS,
     BESIDE,
@@ -77,16 +77,15 @@ def transition(
         SimulationError: The stop does not come to rest, or another stop takes part; or the
             tables do not determine how the machine arrives at the transition of the turn.
     """
-    check_run(rest_rate, tolerance, max_collisions)
+    settings = checked_run(rest_rate, tolerance, max_collisions)
     restitutions = model.restitutions.copy()
     if restitution is not None:
         e_N = number("restitution", restitution, 0.0, 1.0)
         restitutions[model.charts.stops[0, OWN]] = e_N
-    springs = model.stiffness, model.preload
-    cases = one_case(springs, speed_rpm, restitutions, stiffness, preload)
+    cases = one_case(model, speed_rpm, restitutions, stiffness, preload)
     # Few transitions need the room for all collisions, which takes time to clear.
     for most in (_USUAL, max_collisions) if max_collisions > _USUAL else (max_collisions,):
-        found, tell = _solved(model, cases, rest_rate, tolerance, assumed, most)
+        found, tell = _solved(model, cases, settings, assumed, most)
         status, count, _ = found.told[0].tolist()
         if status != _TOO_MANY:
             break
@@ -132,11 +131,10 @@ def transitions(
     if restitution is not None:
         e_N = column("restitution", restitution, 0.0, 1.0)
         restitutions[model.charts.stops[0, OWN]] = e_N
-    springs = model.stiffness, model.preload
-    cases = cases_of(springs, speed_rpm, restitutions, stiffness, preload)
+    cases = cases_of(model, speed_rpm, restitutions, stiffness, preload)
     require("study", "numba", what=_ENGINE)
-    check_run(rest_rate, tolerance, max_collisions)
-    found, tell = _solved(model, cases, rest_rate, tolerance, assumed, max_collisions)
+    settings = checked_run(rest_rate, tolerance, max_collisions)
+    found, tell = _solved(model, cases, settings, assumed, max_collisions)
     status, counts, _ = found.told.T.copy()
     rows = found.table[:, :max_collisions].swapaxes(1, 2)
     return TransitionBatch(model.name, status, counts, found.rest[:, 0, :RESTS], rows, tell)
@@ -182,11 +180,10 @@ def _run(model: ReducedModel, cases: Cases, settings: Settings, ask: bool, found
 
 
 def _solved(
-    model: ReducedModel, cases: Cases, rest_rate: float | None, tolerance: float, assumed: bool,
-    most: int,
-) -> tuple[_Found, partial[NDArray[np.int64]]]:  # fmt: skip
+    model: ReducedModel, cases: Cases, settings: Settings, assumed: bool, most: int
+) -> tuple[_Found, partial[NDArray[np.int64]]]:
     """Transitions of checked cases, and what tells their premise."""
-    n, settings = len(cases.speed), Settings(float(rest_rate or 0.0), float(tolerance))
+    n = len(cases.speed)
     told = np.empty((n, 3), dtype=np.int64)
     told[:] = GOES_ON, 0, HOLDS if assumed else NOT_ASKED
     found = _Found(np.empty((n, most + BESIDE, COLUMNS)), np.empty((n, 1, REST_COLUMNS)), told)

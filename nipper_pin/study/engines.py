@@ -8,7 +8,7 @@ from typing import Literal, TypeVar
 from ..dynamics import DriveMode
 from ..errors import InputError, NipperError
 from ..extras import installed
-from ..reduced.inputs import check_run
+from ..reduced.inputs import checked_run
 from .cases import Settings
 
 Engine = Literal["auto", "direct", "reduced"]
@@ -28,7 +28,7 @@ def check_engine(engine: str, settings: Settings) -> None:
     if not isinstance(drive, str) or drive not in set(DriveMode):
         message = f"drive = {drive!r} cannot be used: held or inertial"
         raise InputError(message, drive=drive)
-    check_run(settings.rest_rate, settings.tolerance, settings.max_collisions)
+    checked_run(settings.rest_rate, settings.tolerance, settings.max_collisions)
 
 
 def chosen(

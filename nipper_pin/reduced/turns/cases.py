@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from ...arrays import FloatArray
 from ...errors import InputError, UnknownNameError
 from ...given import column, number, whole
-from ..inputs import cases_of, check_run, one_case
+from ..inputs import cases_of, checked_run, one_case
 from ..kernels.layout import COLUMNS, TURNS, Cases, Job, Settings
 from .model import TurnModel
 
@@ -51,7 +51,7 @@ class Run:
 def run_of(key: str, turns: int, rest_rate: float | None, tolerance: float, most: int,
            least_force: float = 0.0) -> Run:  # fmt: skip
     """What cases share, checked."""
-    check_run(rest_rate, tolerance, most)
+    settings = checked_run(rest_rate, tolerance, most)
     whole(key, turns, 1, _MOST_TURNS)
     if turns * (most + BESIDE) > _MOST_EVENTS:
         message = (
@@ -59,7 +59,6 @@ def run_of(key: str, turns: int, rest_rate: float | None, tolerance: float, most
             f"{_MOST_EVENTS:,} events"
         )
         raise InputError(message, key=key, value=turns, max_collisions=most)
-    settings = Settings(float(rest_rate or 0.0), float(tolerance))
     return Run(turns, settings, most, number("least_force", least_force))
 
 
@@ -92,7 +91,7 @@ def one_turn_case(
     e_N = model.restitutions.copy()
     for name, value in _by_stop(model, restitution).items():
         e_N[model.stops.index(name)] = number(f"restitution of {name}", value, 0.0, 1.0)
-    return one_case((model.stiffness, model.preload), speed_rpm, e_N, stiffness, preload)
+    return one_case(model, speed_rpm, e_N, stiffness, preload)
 
 
 def turn_cases(
@@ -110,4 +109,4 @@ def turn_cases(
         column(f"restitution of {name}", given.get(name, own), 0.0, 1.0)
         for name, own in zip(model.stops, model.restitutions, strict=True)
     ]
-    return cases_of((model.stiffness, model.preload), speed_rpm, columns, stiffness, preload)
+    return cases_of(model, speed_rpm, columns, stiffness, preload)
