@@ -15,27 +15,13 @@ from ..errors import InputError, NipperError, SimulationError
 from ..extras import require
 from ..given import column, number
 from .inputs import cases_of, checked_run, one_case
-from .kernels.layout import (
-    ARRIVALS,
-    BESIDE,
-    COLUMNS,
-    GOES_ON,
-    HOLDS,
-    NOT_ASKED,
-    OWN,
-    REST_COLUMNS,
-    RESTS,
-    TRANSITIONS,
-    UNKNOWN,
-    Cases,
-    Job,
-    Settings,
-)
+from .kernels import layout
+from .kernels.layout import Cases, Job, Settings
 from .model import ReducedModel
 from .results import REASONS, ReducedTransition, Status, TransitionBatch
 
 _AT_REST, _TOO_MANY = int(Status.AT_REST), int(Status.TOO_MANY_COLLISIONS)
-_TRANSITIONS, _ARRIVALS = int(TRANSITIONS), int(ARRIVALS)
+_TRANSITIONS, _ARRIVALS = int(layout.TRANSITIONS), int(layout.ARRIVALS)
 # What the job of a transition has between its collisions and the touch.
 _NO_TURNS = Job(0, 0)[2:-2]
 # Bounces of the waiting stop that are followed on the way to the touch.
@@ -81,7 +67,7 @@ def transition(
     restitutions = model.restitutions.copy()
     if restitution is not None:
         e_N = number("restitution", restitution, 0.0, 1.0)
-        restitutions[model.charts.stops[0, OWN]] = e_N
+        restitutions[model.charts.stops[0, layout.OWN]] = e_N
     cases = one_case(model, speed_rpm, restitutions, stiffness, preload)
     # Few transitions need the room for all collisions, which takes time to clear.
     for most in (_USUAL, max_collisions) if max_collisions > _USUAL else (max_collisions,):
@@ -130,14 +116,14 @@ def transitions(
     restitutions = list(model.restitutions[:, None])
     if restitution is not None:
         e_N = column("restitution", restitution, 0.0, 1.0)
-        restitutions[model.charts.stops[0, OWN]] = e_N
+        restitutions[model.charts.stops[0, layout.OWN]] = e_N
     cases = cases_of(model, speed_rpm, restitutions, stiffness, preload)
     require("study", "numba", what=_ENGINE)
     settings = checked_run(rest_rate, tolerance, max_collisions)
     found, tell = _solved(model, cases, settings, assumed, max_collisions)
     status, counts, _ = found.told.T.copy()
     rows = found.table[:, :max_collisions].swapaxes(1, 2)
-    return TransitionBatch(model.name, status, counts, found.rest[:, 0, :RESTS], rows, tell)
+    return TransitionBatch(model.name, status, counts, found.rest[:, 0, : layout.RESTS], rows, tell)
 
 
 class _Found(NamedTuple):
@@ -168,12 +154,12 @@ def _run(model: ReducedModel, cases: Cases, settings: Settings, ask: bool, found
     """Solve cases, or find their premise where it is not known yet."""
     run, grids = kernel()
     charts, events = model.charts, found.table
-    task, most = _TRANSITIONS, events.shape[1] - BESIDE
+    task, most = _TRANSITIONS, events.shape[1] - layout.BESIDE
     if ask:
         if model.arrival.charts is None:
-            found.told[:, 2] = UNKNOWN
+            found.told[:, 2] = layout.UNKNOWN
             return
-        charts, events = model.arrival.charts, np.empty((1, 2 * _MOST_BOUNCES, COLUMNS))
+        charts, events = model.arrival.charts, np.empty((1, 2 * _MOST_BOUNCES, layout.COLUMNS))
         task, most = _ARRIVALS, _MOST_BOUNCES
     job = task, most, *_NO_TURNS, model.touch_angle_rad, float(model.sense)
     run(grids, (*charts,), (*cases,), (*settings,), job, events, found.told, found.rest)
@@ -185,17 +171,18 @@ def _solved(
     """Transitions of checked cases, and what tells their premise."""
     n = len(cases.speed)
     told = np.empty((n, 3), dtype=np.int64)
-    told[:] = GOES_ON, 0, HOLDS if assumed else NOT_ASKED
-    found = _Found(np.empty((n, most + BESIDE, COLUMNS)), np.empty((n, 1, REST_COLUMNS)), told)
+    told[:] = layout.GOES_ON, 0, layout.HOLDS if assumed else layout.NOT_ASKED
+    table = np.empty((n, most + layout.BESIDE, layout.COLUMNS))
+    found = _Found(table, np.empty((n, 1, layout.REST_COLUMNS)), told)
     if not assumed:
         _run(model, cases, settings, True, found)
     _run(model, cases, settings, False, found)
     if assumed:
         return found, partial(_premise, model, cases, settings, found)
     _run(model, cases, settings, True, found)
-    lost = (told[:, 2] == UNKNOWN) & (told[:, 0] == _AT_REST)
+    lost = (told[:, 2] == layout.UNKNOWN) & (told[:, 0] == _AT_REST)
     told[lost, :2] = int(Status.UNTOLD), 0
-    found.table[lost], found.rest[lost] = math.nan, math.nan
+    table[lost], found.rest[lost] = math.nan, math.nan
     return found, partial(told[:, 2].copy)
 
 
@@ -203,7 +190,7 @@ def _premise(
     model: ReducedModel, cases: Cases, settings: Settings, found: _Found
 ) -> NDArray[np.int64]:
     """Whether machines arrive in their initial phase, of transitions that are known."""
-    found.told[:, 2] = NOT_ASKED
+    found.told[:, 2] = layout.NOT_ASKED
     _run(model, cases, settings, True, found)
     return found.told[:, 2].copy()
 

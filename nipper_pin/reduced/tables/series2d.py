@@ -75,13 +75,7 @@ def largest(coefficients: FloatArray) -> tuple[FloatArray, FloatArray, FloatArra
     Returns:
         Of the functions, of their derivatives by u and by x on [-1, 1], each (functions,).
     """
-    count_u, count_x = coefficients.shape[2:]
-    place_u = np.cos(np.pi * np.arange(2 * count_u + 1) / (2 * count_u))
-    place_x = np.cos(np.pi * np.arange(2 * count_x + 1) / (2 * count_x))
-    basis_u = chebyshev.chebvander(place_u, count_u - 1)
-    basis_x = chebyshev.chebvander(place_x, count_x - 1)
-    slope_u = slopes(place_u, count_u)
-    slope_x = slopes(place_x, count_x)
+    (basis_u, slope_u), (basis_x, slope_x) = map(_fine, coefficients.shape[2:])
 
     def most(left: FloatArray, right: FloatArray) -> FloatArray:
         values = left @ coefficients @ right.T
@@ -90,7 +84,9 @@ def largest(coefficients: FloatArray) -> tuple[FloatArray, FloatArray, FloatArra
     return most(basis_u, basis_x), most(slope_u, basis_x), most(basis_u, slope_x)
 
 
-def slopes(places: FloatArray, count: int) -> FloatArray:
-    """Derivatives of the first polynomials at places in [-1, 1], shape (places, count)."""
+def _fine(count: int) -> tuple[FloatArray, FloatArray]:
+    """The first polynomials on a fine grid, and their derivatives, shape (places, count) each."""
+    places = np.cos(np.pi * np.arange(2 * count + 1) / (2 * count))
     derivative = chebyshev.chebder(np.eye(count), axis=0)
-    return np.asarray(chebyshev.chebvander(places, count - 2) @ derivative)
+    slopes = chebyshev.chebvander(places, count - 2) @ derivative
+    return np.asarray(chebyshev.chebvander(places, count - 1)), np.asarray(slopes)
