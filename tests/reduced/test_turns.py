@@ -258,9 +258,11 @@ def test_a_run_ends_before_its_table_of_events_is_full(e62: Mechanism) -> None:
         )  # fmt: skip
 
 
-def test_a_rebound_lasts_until_its_stop_is_struck_again(e62: Mechanism) -> None:
-    """Also over the end of a turn, where another chart begins."""
-    found = turns(e62, speed_rpm=650.0, cycles=2, restitution={"steeve": 0.95})
+@pytest.mark.parametrize("start", [24.0, 30.0])
+def test_a_rebound_lasts_until_its_stop_is_struck_again(e62: Mechanism, start: float) -> None:
+    """Also over the end of a turn, where another chart begins: before its top, or behind it."""
+    bounces: dict[str, Any] = {"speed_rpm": 650.0, "cycles": 2, "start_index": start}
+    found = turns(e62, **bounces, restitution={"steeve": 0.95})
     flown = np.flatnonzero(np.isfinite(found.rebound_time))
     ended = flown + 1
     assert (found.stop_number[flown] == found.stop_number[ended]).all()
@@ -274,6 +276,11 @@ def test_a_rebound_lasts_until_its_stop_is_struck_again(e62: Mechanism) -> None:
     over = turn[flown] < turn[ended]
     assert over.any()
     assert (found.rebound_error[flown] >= stated - round_off)[over].all()
+    elastic = load("e62", {"stops.steeve.restitution": 0.95})
+    direct = simulate(elastic, Case(window="cycle", **bounces))
+    for place in flown[over]:
+        hit = min(direct.collisions, key=lambda hit: abs(hit.t - found.time[place]))
+        assert found.rebound_amplitude[place] == pytest.approx(hit.rebound_amplitude, rel=1e-9)
 
 
 def test_charts_cover_the_turn_without_gaps(e62: Mechanism) -> None:
