@@ -11,7 +11,7 @@ from numpy.polynomial import chebyshev
 
 from nipper_pin.arrays import FloatArray
 from nipper_pin.reduced.kernels import kernel, layout, panel, turn_charts
-from nipper_pin.reduced.kernels.layout import Case, Cases, Charts, Settings, Solver
+from nipper_pin.reduced.kernels.layout import Case, Cases, Charts, Flown, Settings, Solver
 from nipper_pin.reduced.model import Arrival
 
 # Bounces of the waiting stop that are followed on the way to the touch.
@@ -225,6 +225,14 @@ def bounded(charts: Charts) -> Charts:
 def case(speed: float, stiffness: Any, preload: Any, e_N: float = 0.0) -> Case:
     """Numbers of a case with one restitution for all stops."""
     return Case(speed, np.full(4, e_N), np.array(stiffness), np.array(preload))
+
+
+def bounce(
+    T: float, v: float, a: float, peak: float, fastest: float, changed: float = 0.0,
+    left: float = 0.0,
+) -> Flown:  # fmt: skip
+    """A flight that ends at its own stop, as of :class:`Flown`."""
+    return Flown(int(layout.AT_REST), T, v, 0.0, peak, a, fastest, changed, left, 0.0, -1)
 
 
 def solver_of(charts: Charts, one: Case, *, most: int = 8) -> Solver:

@@ -13,6 +13,7 @@ from written_tables import (
     BOUNDS,
     BY_TRAVEL,
     HALF,
+    bounce,
     case,
     level,
     rest_of_turn,
@@ -228,7 +229,7 @@ def test_motion_at_the_touch(part: float, wrong: float) -> None:
         sizes = np.zeros((4, 3))
         flight_errors.sizes_of(turn.bounds[1], sizes, case(SPEED, [], []))
         dt, rate, _ = flight_errors.flight_errors(
-            sizes, SPEED, T, -w, -A, 0.5 * T, w, 0.0, 0.0, 0.0, dw
+            sizes, SPEED, bounce(T, -w, -A, 0.5 * T, w), 0.0, dw
         )
         t, w, dw = t - T, E_N * w, E_N * rate
     height, slope = w * t - 0.5 * A * t**2, w - A * t
@@ -270,7 +271,9 @@ def test_errors_of_a_short_flight_that_starts_above_its_stop(
     off = math.exp(F) * (dx + dw * T + 0.5 * e * T**2)
     rate = math.exp(F) * (dw + (e + bound("steepest_x") * dx) * T) + abs(a / v) * off
     nodes = np.full((layout.SCRATCH_ROWS, 6), np.nan)
-    found = events.errors_after(nodes, sizes, SPEED, T, fastest, changed, left, late, dx, dw, a / v)
+    flown = bounce(T, v, a, 0.5 * T, fastest, changed, left)
+    at = Motion(0, 0.0, 0.0, 0.0, 0.0, late, dx, dw)
+    found = events.errors_after(nodes, sizes, SPEED, flown, at, a / v)
     assert found == pytest.approx((off, rate + 4.0 * EPS * fastest), rel=1e-12)
 
 

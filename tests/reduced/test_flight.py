@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import Chebyshev, chebyshev
 from scipy.integrate import quad, solve_ivp
-from written_tables import bounded, case, level, linear, solver_of, tables_of, x_dd
+from written_tables import bounce, bounded, case, level, linear, solver_of, tables_of, x_dd
 
 from nipper_pin.reduced.kernels import flight, flight_errors, panel
 from nipper_pin.reduced.kernels.hits import SolvedPanel
@@ -125,9 +125,7 @@ def test_every_number_of_a_flight(name: str, tolerance: float) -> None:
     assert hit == -1.0
     motion, end, back = solved(tables, u, x, v)
     assert status == (AT_REST if back else LEFT_TRAVEL)
-    duration, wrong, height = flight_errors.flight_errors(
-        work.sizes[0], SPEED, T, rate, a, peak, fastest, changed, left, 0.0, 0.0
-    )
+    duration, wrong, height = flight_errors.flight_errors(work.sizes[0], SPEED, found, 0.0, 0.0)
     judged = 1e-11
     assert duration <= 1e3 * tolerance * max(T, 1.0) or name == "small"
     assert abs(T - end) <= 4.0 * duration + judged * end
@@ -233,7 +231,7 @@ def test_errors_at_the_end_of_a_flight(
     lever = quad(lambda s: abs(1.0 - rho * s), 0.0, 1.0, points=[min(max(1.0 / rho, 0.0), 1.0)])[0]
     even = min(abs(1.0 - 0.5 * rho) + 4.0 * SPEED * T * lever, lever)
     duration, rate, height = flight_errors.flight_errors(
-        found, SPEED, T, v, a, peak, fastest, changed, left, dt, dw
+        found, SPEED, bounce(T, v, a, peak, fastest, changed, left), dt, dw
     )
     expected = K * (dw * T + 0.5 * whole * T**2) / abs(v) + 4.0 * EPS * T
     assert duration == pytest.approx(expected, rel=1e-9)
@@ -257,7 +255,7 @@ def test_what_is_ahead_of_a_series_drifts(w: float, ahead: float) -> None:
 def test_without_any_errors_round_off_is_left() -> None:
     """Four units of it, of the time and of the rate."""
     found = flight_errors.flight_errors(
-        np.zeros((4, 3)), SPEED, 0.1, -2.0, -40.0, 0.05, 2.0, 0.0, 0.0, 0.0, 0.0
+        np.zeros((4, 3)), SPEED, bounce(0.1, -2.0, -40.0, 0.05, 2.0), 0.0, 0.0
     )
     assert found == (4.0 * EPS * 0.1, 4.0 * EPS * 2.0, 0.0)
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import chebyshev
 from written_tables import (
+    bounce,
     case,
     level,
     rest_of_turn,
@@ -115,7 +116,7 @@ def expected(count: int) -> dict[int, Any]:
     dv[0] = 3e-8 * SPEED
     for i in range(count):
         duration[i], rate, height[i] = flight_errors.flight_errors(
-            sizes, SPEED, T[i], -w[i], -A, 0.5 * T[i], w[i], 0.0, 0.0, dt[i], E_N * dv[i]
+            sizes, SPEED, bounce(T[i], -w[i], -A, 0.5 * T[i], w[i]), dt[i], E_N * dv[i]
         )
         if i + 1 < count:
             dt[i + 1], dv[i + 1] = dt[i] + duration[i], rate

@@ -142,7 +142,7 @@ def _kept(function: Callable[..., object]) -> _KeptCode | None:
 def _tell_that_nothing_is_kept() -> None:
     warnings.warn(
         "no folder can be written for the machine code of the reduced engine, so each process "
-        "compiles it anew, which takes some twenty seconds; set NUMBA_CACHE_DIR to your own folder",
+        "compiles it anew, which takes ten to twenty seconds; set NUMBA_CACHE_DIR to your own folder",
         RuntimeWarning,
         stacklevel=2,
     )
@@ -150,7 +150,7 @@ def _tell_that_nothing_is_kept() -> None:
 
 @cache
 def _tell_that_it_takes_time() -> None:
-    sys.stderr.write("compiling the reduced engine, once on this machine: some twenty seconds\n")
+    sys.stderr.write("compiling the reduced engine, once on this machine: ten to twenty seconds\n")
 
 
 @cache

@@ -20,7 +20,7 @@ from . import layout as rows
 from .compiled import inlined, part
 from .flight_errors import grow, size
 from .hits import SolvedPanel, first_hit
-from .layout import Motion, Solver
+from .layout import Flown, Motion, Solver
 from .panel import (
     OVERSHOOT,
     acceleration,
@@ -70,27 +70,30 @@ def keep_rest(nodes: FloatArray, chart: int, u: float, end: float, speed: float,
 
 
 @part
-def describe(nodes: FloatArray, before: int, chart: int, sizes: FloatArray,
-             motion: tuple[float, float, float, float, float, float],
+def describe(solver: Solver, before: int, at: Motion, flown: Flown,
              wrong: tuple[float, float, float]) -> None:  # fmt: skip
     """Give the panels of a flight, those after the first ``before``, chart and errors.
 
     Args:
-        motion: Cylinder speed, time of the flight, fastest rate, last change and steady error of
-            x'', and error of the time at its start.
+        at: At its start.
         wrong: Bounds on the errors of time, x and x' along it.
     """
+    nodes, sizes, T, fastest = (
+        solver.work.nodes,
+        solver.work.sizes[at.chart],
+        flown.T,
+        flown.fastest,
+    )
     if nodes.shape[0] == rows.SCRATCH_ROWS:
         return
-    speed, T, fastest, changed, left, dt = motion
     late, dx, dv = wrong
     by_v, by_x = size(sizes, rows.BY_V, fastest), size(sizes, rows.BY_X, fastest)
     felt = min(by_v * T + 0.5 * by_x * T * T, 1.0)
-    da = size(sizes, rows.RESIDUAL, fastest) + by_x * dx + by_v * dv + felt * changed + left
-    da += speed * size(sizes, rows.BY_U, fastest) * dt
+    da = size(sizes, rows.RESIDUAL, fastest) + by_x * dx + by_v * dv + felt * flown.changed
+    da += flown.left + solver.one.speed * size(sizes, rows.BY_U, fastest) * at.dt
     for number in range(before, kept(nodes)):
         numbers = nodes[(1 + number) * rows.SCRATCH_ROWS + rows.KEPT]
-        numbers[CHART], numbers[T_WRONG] = float(chart), late
+        numbers[CHART], numbers[T_WRONG] = float(at.chart), late
         numbers[X_WRONG], numbers[V_WRONG], numbers[A_WRONG] = dx, dv, da
 
 
@@ -119,6 +122,8 @@ def _next_block(nodes: FloatArray) -> int:
 _STEADY = 0.1
 _MOST_PANELS = 64
 _MOST_HALVINGS = 12
+# Number of the other stop where there is none.
+_NONE: int = rows.numbered(1, -1)[0]
 
 
 @part
@@ -223,29 +228,29 @@ def _ballistic(solver: Solver, c: int, u: float, x: float, v: float, a0: float) 
     return 2.0 * v / -mean if mean < 0.5 * a0 else h
 
 
+@part
+def _lost(status: int) -> Flown:
+    """A flight that cannot be followed."""
+    return Flown(status, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, _NONE)
+
+
 @inlined
-def flight(solver: Solver, at: Motion, tolerance: float) -> tuple[float, ...]:
+def flight(solver: Solver, at: Motion, tolerance: float) -> Flown:
     """Flight to the next zero of x; from x = 0 with a rate above zero, or at a release.
 
     Its start has been contracted into the first row.
-
-    Returns:
-        Status (AT_REST: the flight ended at the stop; LEFT_TRAVEL: at the end of the tables;
-        OTHER_STOP: where another stop closes), time, rate at the end, amplitude, time of the peak,
-        acceleration at the end, fastest rate, of all panels the largest last change and steady
-        error of x'', x at the end, and the number of the other stop.
     """
     c, work, speed, u0, x0 = at.chart, solver.work, solver.one.speed, at.u, at.x
     nodes, travel, high = work.nodes, work.case[c, rows.TRAVEL_MOST], work.case[c, rows.HIGH]
     t, x, v, a = 0.0, x0, at.v, 0.0
-    amplitude = peak_time = fastest = changed = left = 0.0
-    failed = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0)
+    top = peak = fastest = changed = left = 0.0
     nodes[rows.GROWTH, 0] = nan
     for panel in range(_MOST_PANELS):
         u = u0 + speed * t
         longest = (travel - u) / speed
         if longest <= TRAVEL_END * travel / speed:
-            return rows.LEFT_TRAVEL, t, v, amplitude, peak_time, a, fastest, changed, left, x, -1.0
+            status = rows.LEFT_TRAVEL
+            return Flown(status, t, v, top, peak, a, fastest, changed, left, x, _NONE)
         if panel > 0:
             reach(solver, c, u, u)
             contract(solver, c, rows.ZERO, u)
@@ -268,7 +273,7 @@ def flight(solver: Solver, at: Motion, tolerance: float) -> tuple[float, ...]:
             highest = 0.0
             for j in range(rows.LEVELS[-1]):
                 highest = max(highest, nodes[rows.NODE_X, j])
-            return (rows.LEFT_GAP if highest > high else rows.UNRESOLVED), *failed
+            return _lost(rows.LEFT_GAP if highest > high else rows.UNRESOLVED)
         changed, left = max(changed, change), max(left, missing)
         count = rows.LEVELS[level]
         coefficients(solver, level)
@@ -287,21 +292,19 @@ def flight(solver: Solver, at: Motion, tolerance: float) -> tuple[float, ...]:
             grow(solved, until)
         if nodes.shape[0] > rows.SCRATCH_ROWS:
             keep(solved, until)
-        top, highest_at = _highest(solved, until)
-        if not top <= high:
-            return rows.LEFT_GAP, *failed
-        if top > amplitude:
-            amplitude, peak_time = top, t + h * highest_at
+        highest, place = _highest(solved, until)
+        if not highest <= high:
+            return _lost(rows.LEFT_GAP)
+        if highest > top:
+            top, peak = highest, t + h * place
         if hit >= 0 or end >= 0.0:
             rate = rate_at(nodes, count, h, v, until)
             a = chebyshev(nodes, rows.SERIES, 0, count, 2.0 * until - 1.0)
             gap = position(nodes, count, h, x, v, until) if hit >= 0 else 0.0
             status = rows.OTHER_STOP if hit >= 0 else rows.AT_REST
-            return (
-                status, t + h * until, rate, max(amplitude, gap), peak_time, a, fastest, changed,
-                left, gap, hit,
-            )  # fmt: skip
+            t += h * until
+            return Flown(status, t, rate, max(top, gap), peak, a, fastest, changed, left, gap, hit)
         t += h
         x, v = nodes[rows.NODE_X, count - 1], nodes[rows.NODE_V, count - 1]
         a = nodes[rows.NODE_A, count - 1]
-    return rows.UNRESOLVED, *failed
+    return _lost(rows.UNRESOLVED)

@@ -40,7 +40,7 @@ from ...tolerances.mechanics import EPS
 from . import layout as rows
 from .compiled import part
 from .hits import SolvedPanel
-from .layout import Case
+from .layout import Case, Flown
 from .panel import chebyshev, contract, position, rate_at
 
 # Steps of a panel; panels are shorter than a period of what they resolve.
@@ -142,9 +142,8 @@ def exponent(sizes: FloatArray, fastest: float, T: float) -> float:
 
 
 @part
-def flight_errors(sizes: FloatArray, speed: float, T: float, v: float, a: float, peak: float,
-                   fastest: float, changed: float, left: float, dt: float,
-                   dw: float) -> tuple[float, float, float]:  # fmt: skip
+def flight_errors(sizes: FloatArray, speed: float, flown: Flown, dt: float,
+                  dw: float) -> tuple[float, float, float]:  # fmt: skip
     """Errors at the end of a flight, by the formula at the head of this module.
 
     One more sweep would change x'' by no more than Lv T + Lx T^2 / 2 times the last change.
@@ -152,14 +151,15 @@ def flight_errors(sizes: FloatArray, speed: float, T: float, v: float, a: float,
     Returns:
         Bounds on the errors of its duration, rate at the end and amplitude.
     """
+    T, v, fastest, left, peak = flown.T, flown.v, flown.fastest, flown.left, flown.peak
     Lt = speed * size(sizes, rows.BY_U, fastest)
     felt = exponent(sizes, fastest, T)
     # A late start changes x'' by nearly a constant along the flight.
     shifted = Lt * dt
-    steady = felt * changed + size(sizes, rows.RESIDUAL, fastest)
+    steady = felt * flown.changed + size(sizes, rows.RESIDUAL, fastest)
     e = steady + shifted + left
     K = exp(felt)
-    rho = a * T / v
+    rho = flown.a * T / v
     duration = K * (dw * T + 0.5 * e * T * T) / abs(v) + 4.0 * EPS * T
     lever = abs(1.0 - 0.5 * rho)
     if rho > 1.0:

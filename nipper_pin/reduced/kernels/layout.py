@@ -245,6 +245,37 @@ class Motion(NamedTuple):
     dv: float
 
 
+class Flown(NamedTuple):
+    """How a flight ended.
+
+    Attributes:
+        status: AT_REST at its own stop, LEFT_TRAVEL at the end of the chart, OTHER_STOP where
+            another stop closes; others if it cannot be followed.
+        T: Its time [s].
+        v: Rate at its end.
+        top: Largest gap.
+        peak: Time of that [s].
+        a: x'' at its end.
+        fastest: Largest rate.
+        changed: Largest last change of x'' of a panel.
+        left: Largest steady error of x'' of a panel.
+        x: Gap at its end.
+        hit: Number of the other stop, -1 without one.
+    """
+
+    status: int
+    T: float
+    v: float
+    top: float
+    peak: float
+    a: float
+    fastest: float
+    changed: float
+    left: float
+    x: float
+    hit: int
+
+
 class Records(NamedTuple):
     """What a run writes.
 

@@ -13,7 +13,7 @@ from . import layout as rows
 from .compiled import inlined, part
 from .flight import describe, flight, full, keep_rest, kept
 from .flight_errors import flight_errors
-from .layout import Motion, Settings, Solver, numbered
+from .layout import Flown, Motion, Settings, Solver, numbered
 from .panel import acceleration, contract, reach
 from .release import release_error, released
 from .series import settles, surely_over
@@ -189,54 +189,46 @@ def _fly(solver: Solver, settings: Settings, bounced: bool,
     if not bounced:
         reach(solver, c, at.u, at.u)
         contract(solver, c, rows.ZERO, at.u)
-    end, T, rate, top, peak, a, fastest, changed, left, gap, hit = flight(
-        solver, at, settings.tolerance
-    )
-    status, u, t = int(end), at.u + speed * T, at.t + T
-    if status == rows.OTHER_STOP and hit >= charts.stops.shape[1] - rows.OTHERS:
+    flown = flight(solver, at, settings.tolerance)
+    status, T, rate, a = flown.status, flown.T, flown.v, flown.a
+    u, t = at.u + speed * T, at.t + T
+    if status == rows.OTHER_STOP and flown.hit >= charts.stops.shape[1] - rows.OTHERS:
         return rows.OFF_ROWS, FLYING, at
-    motion = speed, T, fastest, changed, left, at.dt
     if status == rows.AT_REST:
-        late, dv, wrong = flight_errors(
-            sizes, speed, T, rate, a, peak, fastest, changed, left, at.dt, at.dv
-        )
+        late, dv, wrong = flight_errors(sizes, speed, flown, at.dt, at.dv)
         if not np.isnan(nodes[rows.GROWTH, 0]):
-            wrong, dv = errors_after(
-                nodes, sizes, speed, T, fastest, changed, left, at.dt, at.dx, at.dv, a / rate
-            )
+            wrong, dv = errors_after(nodes, sizes, speed, flown, at, a / rate)
             late = wrong / abs(rate) + 4.0 * EPS * T
         dx_most, dv_most = max(at.dx, wrong, abs(rate) * late), max(at.dv, dv + abs(a) * late)
-        describe(nodes, before, c, sizes, motion, (max(at.dt, late), dx_most, dv_most))
-        rebounded(solver, T, top, late, wrong)
+        describe(solver, before, at, flown, (max(at.dt, late), dx_most, dv_most))
+        rebounded(solver, T, flown.top, late, wrong)
         return rows.GOES_ON, STRIKING, Motion(c, u, t, 0.0, rate, at.dt + late, 0.0, dv)
     if status != rows.OTHER_STOP and status != rows.LEFT_TRAVEL:
         return status, FLYING, at
-    dx, dv = errors_after(nodes, sizes, speed, T, fastest, changed, left, at.dt, at.dx, at.dv, 0.0)
-    describe(nodes, before, c, sizes, motion, (at.dt, max(at.dx, dx), max(at.dv, dv)))
+    dx, dv = errors_after(nodes, sizes, speed, flown, at, 0.0)
+    describe(solver, before, at, flown, (at.dt, max(at.dx, dx), max(at.dv, dv)))
     if status == rows.OTHER_STOP:
-        ended = Motion(c, u, t, gap, rate, at.dt, dx, dv)
-        return _meet(solver, int(hit), fastest, a, ended)
-    memory[rows.RISEN] = max(memory[rows.RISEN], top)
+        return _meet(solver, flown, Motion(c, u, t, flown.x, rate, at.dt, dx, dv))
+    memory[rows.RISEN] = max(memory[rows.RISEN], flown.top)
     memory[rows.RISEN_ERROR] = max(memory[rows.RISEN_ERROR], dx, at.dx)
     memory[rows.FLOWN] += T
     memory[rows.FLOWN_ERROR] += at.dt
-    ended = Motion(c, u, t, gap, rate, 0.0, dx + fastest * at.dt, dv + abs(a) * at.dt)
-    return rows.GOES_ON, ENDED_OPEN, ended
+    dx, dv = dx + flown.fastest * at.dt, dv + abs(a) * at.dt
+    return rows.GOES_ON, ENDED_OPEN, Motion(c, u, t, flown.x, rate, 0.0, dx, dv)
 
 
 @part
-def _meet(solver: Solver, s: int, fastest: float, a: float,
-          at: Motion) -> tuple[int, int, Motion]:  # fmt: skip
-    """Go over to the chart of another stop that closes in a flight."""
+def _meet(solver: Solver, flown: Flown, at: Motion) -> tuple[int, int, Motion]:
+    """Go over to the chart of another stop that closes at the end of a flight."""
     c, charts, work, speed = at.chart, solver.charts, solver.work, solver.one.speed
-    gaps, case, begin = charts.gaps[c], work.case[c], charts.numbers
+    gaps, case, begin, s = charts.gaps[c], work.case[c], charts.numbers, flown.hit
     _, closing, d_gap, d_rate = seen_by(solver, s, at)
     to = chart_at(charts, charts.stops[c, rows.OTHERS + s], begin[c, rows.BEGIN] + at.u)
     if to < 0 or closing >= 0.0:
         return rows.OTHER_STOP, FLYING, at
     by_x = surface(gaps, len(gaps) // 3 + s, case, at.u, at.x)
     late = d_gap / -closing
-    dv = d_rate + 2.0 * (abs(by_x * a) + speed * fastest) * late
+    dv = d_rate + 2.0 * (abs(by_x * flown.a) + speed * flown.fastest) * late
     u = at.u + (begin[c, rows.BEGIN] - begin[to, rows.BEGIN])
     work.memory[rows.BOUNCES] = 0.0
     return rows.GOES_ON, STRIKING, Motion(to, u, at.t, 0.0, closing, at.dt + late, 0.0, dv)

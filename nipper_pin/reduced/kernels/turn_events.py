@@ -12,7 +12,7 @@ from ...tolerances.reduced import GROWTH_SAFETY, SAME_TURN
 from . import layout as rows
 from .compiled import part
 from .flight_errors import exponent, size
-from .layout import Charts, Motion, Records, Solver
+from .layout import Charts, Flown, Motion, Records, Solver
 from .panel import along
 
 TURN = 2.0 * pi
@@ -21,17 +21,17 @@ _MOST_PERIOD = 64
 
 
 @part
-def errors_after(nodes: FloatArray, sizes: FloatArray, speed: float, T: float, fastest: float,
-                 changed: float, left: float, dt: float, dx: float, dw: float, bend: float,
-                 ) -> tuple[float, float]:  # fmt: skip
-    """Errors of x and x' after a time T, of a flight that began with these errors.
+def errors_after(nodes: FloatArray, sizes: FloatArray, speed: float, flown: Flown, at: Motion,
+                 bend: float) -> tuple[float, float]:  # fmt: skip
+    """Errors of x and x' after a flight, from those at its start.
 
     A long flight has told how errors grow along it; of a short one Gronwall's lemma does. With
     ``bend`` = x'' / x' at the end the second error is that of x' where x is zero.
     """
+    T, fastest, dx, dw = flown.T, flown.fastest, at.dx, at.dv
     felt = exponent(sizes, fastest, T)
-    late = speed * size(sizes, rows.BY_U, fastest) * dt
-    e = min(felt, 1.0) * changed + size(sizes, rows.RESIDUAL, fastest) + late + left
+    late = speed * size(sizes, rows.BY_U, fastest) * at.dt
+    e = min(felt, 1.0) * flown.changed + size(sizes, rows.RESIDUAL, fastest) + late + flown.left
     g = nodes[rows.GROWTH]
     if not np.isnan(g[0]):
         x = GROWTH_SAFETY * (abs(g[0]) * dx + abs(g[1]) * dw + g[2] * e)
