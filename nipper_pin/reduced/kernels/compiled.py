@@ -142,7 +142,8 @@ def _kept(function: Callable[..., object]) -> _KeptCode | None:
 def _tell_that_nothing_is_kept() -> None:
     warnings.warn(
         "no folder can be written for the machine code of the reduced engine, so each process "
-        "compiles it anew, which takes ten to twenty seconds; set NUMBA_CACHE_DIR to your own folder",
+        "compiles it anew, which takes ten to twenty seconds; set NUMBA_CACHE_DIR to your own "
+        "folder",
         RuntimeWarning,
         stacklevel=2,
     )
