@@ -11,9 +11,9 @@ from ..arrays import FloatArray
 from ..mechanism import Mechanism, rad_s_from_rpm
 from .kernels.layout import HIGH, TRAVEL_MOST, Charts
 
-# Places of the functions of the equation of motion in a table; two for each spring follow:
-# F_k, and F_k times the coordinate of the spring.
-BY_SPEED, BY_SPEED_AND_RATE, BY_RATE, BY_GRAVITY, BY_SPRINGS = range(5)
+# Place of the first function of a spring in a table, behind F0, F1, F2 and Fg; each has two: F_k,
+# and F_k times the coordinate of the spring.
+BY_SPRINGS = 4
 # Gaps that tables cover: multiple of the rated speed, restitution, and a factor for flights higher
 # than ballistic ones. The part of the range of x below zero: flights end a little beyond it.
 FAST, LIVELY, ROOM, MARGIN = 1.5, 0.5, 1.25, 1.0 / 16.0
@@ -27,16 +27,10 @@ def lively_speed(mechanism: Mechanism) -> float:
 def factors(mechanism: Mechanism, functions: int, w: float) -> FloatArray:
     """Factors of the functions in x'' at a rate w of x and a lively speed, shape (functions,)."""
     speed = lively_speed(mechanism)
-    found = np.zeros(functions)
-    found[BY_SPEED], found[BY_SPEED_AND_RATE] = speed**2, speed * w
-    found[BY_RATE], found[BY_GRAVITY] = w**2, 1.0
-    for row, spring in enumerate(mechanism.springs):
-        place = BY_SPRINGS + 2 * row
-        found[place], found[place + 1] = spring.stiffness * spring.preload, spring.stiffness
-    elements = BY_SPRINGS + 2 * len(mechanism.springs)
-    if functions > elements:
-        found[elements:] = 1.0, speed, w
-    return found
+    found = [speed**2, speed * w, w**2, 1.0]
+    for spring in mechanism.springs:
+        found += [spring.stiffness * spring.preload, spring.stiffness]
+    return np.array([*found, 1.0, speed, w][:functions])
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,12 +8,8 @@ it reads
 
     C x'' = n' tau - n' (M b + h),   C = n' M n,
 
-and the right side is a quadratic form of (w, x') plus gravity. Nothing is differentiated
-numerically.
-
-Forces that resist a motion are told apart by what they depend on. At velocities v = n x' + m w the
-inertial forces are a quadratic form of (w, x'). It is taken apart by evaluating it at (1, 0), (1,
-1), (1, -1) and (0, 1).
+and the right side is a quadratic form of (w, x') plus gravity. It is taken apart by evaluating it
+at (1, 0), (1, 1), (1, -1) and (0, 1). Nothing is differentiated numerically.
 
 Source: R. E. Kalaba and F. E. Udwadia, Analytical Dynamics, 1996 (null-space form).
 """
