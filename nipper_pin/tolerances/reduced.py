@@ -10,9 +10,10 @@ COARSEST_TOLERANCE = 1e-3
 ARRIVAL_TABLES = 1e-10
 """[1] Least tolerance to which tables of the rest of a turn are made. A choice: a rest before the
 touch removes most of their effect, so more digits would cost time and change no phase."""
-TORQUE_TABLES = 1e-11
-"""[1] Tolerance to which tables of drive torques are made, by the size of a torque. A choice: as
-that of the tables of the motion."""
+TURN_TABLES = 1e-11
+"""[1] Tolerance to which tables of turns are made, by the size of an acceleration, and those of
+drive torques, by the size of a torque. A choice: that of a transition unless another is asked
+for."""
 NO_ACCELERATION = 1e-290
 """[m/s^2 or rad/s^2] Accelerations at touch below this are zero. Weights are divided by them, and
 1e-290 leaves 18 decades for the dividend before doubles overflow at 1.8e308."""

@@ -276,7 +276,7 @@ def test_tables_are_made_beside_the_page(
         message = "tables are made while a slider waits"
         raise AssertionError(message)
 
-    monkeypatch.setattr("nipper_pin.reduced.turns.turn.build_turns", built)
+    monkeypatch.setattr("nipper_pin.reduced.turns.model.charts_of", built)
     assert read(turns.rows(one))["rest"] != read(turns.rows(other))["rest"]
     high = stand(controls, speed=900.0, restitution=0.8, preload=0.0)
     assert read(turns.rows(high))["rest"] == "no rest before it opens"

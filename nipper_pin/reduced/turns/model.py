@@ -12,7 +12,7 @@ from ...dynamics import DriveMode, ShaftMotion, System
 from ...errors import InputError
 from ...hybrid import comes_back, initial_state
 from ...mechanism import Mechanism, Stop
-from ...tolerances.reduced import GAP_SHARE
+from ...tolerances.reduced import GAP_SHARE, TURN_TABLES
 from ..model import LIVELY, ROOM, Tabulated, lively_speed, numbers_of
 from ..tables.tables import Chart, stacked
 from .arcs import ContactArc, ContactContinuation, system_at
@@ -79,14 +79,12 @@ class TurnModel(Tabulated):
 
 
 def build_turns(
-    mechanism: Mechanism, *, start_index: float = START_INDEX, tolerance: float = 1e-11,
-    gap_scale: float = 1.0,
-) -> TurnModel:  # fmt: skip
+    mechanism: Mechanism, start_index: float = START_INDEX, gap_scale: float = 1.0
+) -> TurnModel:
     """Sample the model of whole turns.
 
     Args:
         start_index: Index at which turns start.
-        tolerance: Relative accuracy of the tables.
         gap_scale: Factor on the gaps that the tables cover.
 
     Raises:
@@ -94,7 +92,7 @@ def build_turns(
         SimulationError: A point cannot be reached or is singular.
     """
     around, begin = surroundings(mechanism, start_index)
-    charts = charts_of(around, tolerance, gap_scale=gap_scale)
+    charts = charts_of(around, TURN_TABLES, gap_scale=gap_scale)
     return TurnModel(
         **numbers_of(mechanism),
         stops=tuple(item.name for item in mechanism.stops),

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from ...arrays import FloatArray
 from ...made_once import made_once
 from ...mechanism import Mechanism
-from ...tolerances.reduced import TORQUE_TABLES
+from ...tolerances.reduced import TURN_TABLES
 from ..kernels.layout import HIGH, LOW, Cases, Charts
 from ..model import factors
 from ..tables.functions import Samples
@@ -71,7 +71,7 @@ def _chart(around: ChartSampler, drive: int, domain: Domain) -> Chart:
     fastest = np.abs(around.terms(rate)).sum()
     weights = np.append(factors(around.mechanism, len(functions) - 1, rate), fastest)
     weights = shares(weights, functions)
-    kept = chart_over(around.sampler.grid, at, domain, weights, TORQUE_TABLES)
+    kept = chart_over(around.sampler.grid, at, domain, weights, TURN_TABLES)
     by_a = np.zeros((3, *kept.equation.shape[1:]))
     by_a[0] = kept.equation[-1]
     return replace(

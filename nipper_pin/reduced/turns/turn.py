@@ -20,6 +20,7 @@ from .cases import Run, one_turn_case, run_of
 from .model import START_INDEX, TurnModel, build_turns
 
 GAP_SCALES = (1.0, 2.0, 4.0, 8.0, 32.0, 128.0)
+_model = made_once(build_turns)
 
 
 def turn_model(
@@ -36,11 +37,6 @@ def turn_model(
         SimulationError: A point of the turn cannot be reached or is singular.
     """
     return _model(mechanism, start_index, gap_scale)
-
-
-@made_once
-def _model(mechanism: Mechanism, start_index: float, gap_scale: float) -> TurnModel:
-    return build_turns(mechanism, start_index=start_index, gap_scale=gap_scale)
 
 
 def widening(
