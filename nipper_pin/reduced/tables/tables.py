@@ -310,9 +310,8 @@ def stacked(mechanism: Mechanism, charts: list[Chart]) -> Charts:
                         *chart.meets, chart.inertia_error))  # fmt: skip
         others = [place for place in range(len(lever)) if place != chart.stop]
         stops.append((chart.stop, chart.after, *others))
-    equation, gaps = (
-        padded([getattr(chart, name) for chart in charts]) for name in ("equation", "gaps")
-    )
+    equation = padded([chart.equation for chart in charts])
+    gaps = padded([chart.gaps for chart in charts])
     closed = np.concatenate([chart.domain.places(np.zeros(1)) for chart in charts])
     at_zero = chebyshev.chebvander(closed, count_x - 1)
 

@@ -15,7 +15,7 @@ from ...mechanism import Mechanism, Stop
 from ...tolerances.reduced import GAP_SHARE, TURN_TABLES
 from ..model import LIVELY, ROOM, Tabulated, lively_speed, numbers_of
 from ..tables.tables import Chart, stacked
-from .arcs import ContactArc, ContactContinuation, system_at
+from .arcs import ContactContinuation, system_at
 from .charts import ChartSampler, chart_of
 
 
@@ -115,9 +115,15 @@ def surroundings(mechanism: Mechanism, start_index: float) -> tuple[list[ChartSa
         message = f"{mechanism.name}: the drives do not come back with the cylinder"
         raise InputError(message)
     state = initial_state(system, start_index, mechanism.starts)
-    stop, home, closed = _standing(mechanism, angle, state.q)
+    walk = ContactContinuation(mechanism, angle)
+    stop, home, closed = _standing(mechanism, walk, state.q)
+    # Arcs of the stops that follow that one, and of those opposite.
+    chains = [list(walk.around(stop, home))]
+    if len({arc.stop.name for arc in chains[0]}) < len(mechanism.stops):
+        far = walk.opposite(stop, home)
+        chains += [] if far is None else [list(walk.around(*far))]
     around: list[ChartSampler] = []
-    for chain in _chains(mechanism, angle, stop, home):
+    for chain in chains:
         first = len(around)
         after = [*range(first + 1, first + len(chain)), first]
         around += [
@@ -130,7 +136,9 @@ def surroundings(mechanism: Mechanism, start_index: float) -> tuple[list[ChartSa
     return around, (0, stop.gap(state.q), 2.0 * slow - fast, fast - slow, closed)
 
 
-def _standing(mechanism: Mechanism, angle: float, q: FloatArray) -> tuple[Stop, FloatArray, bool]:
+def _standing(
+    mechanism: Mechanism, walk: ContactContinuation, q: FloatArray
+) -> tuple[Stop, FloatArray, bool]:
     """The stop that turns start from, the configuration with it closed, and whether it is."""
     if not mechanism.stops:
         message = f"{mechanism.name}: turns of the reduced engine need a stop, and there is none"
@@ -142,19 +150,7 @@ def _standing(mechanism: Mechanism, angle: float, q: FloatArray) -> tuple[Stop, 
     if closed:
         return mechanism.stop(next(iter(closed))), q, True
     stop = min(mechanism.stops, key=lambda item: item.gap(q))
-    return stop, ContactContinuation(mechanism, angle).closing(stop, q), False
-
-
-def _chains(
-    mechanism: Mechanism, angle: float, stop: Stop, home: FloatArray
-) -> list[list[ContactArc]]:
-    """Arcs of a turn: of the stops that follow a closed one, and of those opposite."""
-    walk = ContactContinuation(mechanism, angle)
-    near = list(walk.around(stop, home))
-    if len({arc.stop.name for arc in near}) == len(mechanism.stops):
-        return [near]
-    far = walk.opposite(stop, home)
-    return [near] if far is None else [near, list(walk.around(*far))]
+    return stop, walk.closing(stop, q), False
 
 
 def charts_of(

@@ -13,7 +13,6 @@ sampled on the charts of the turns.
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -93,24 +92,21 @@ def peak_torques(
         Largest magnitudes and bounds on their errors, shape (n, turns, 2, drives) [N m; N of a
         drive along a slide]: the last turn first, or alone; NaN without a turn.
     """
-    n, drives = len(cases.speed), len(mechanism.drives)
-    told = np.zeros((n, 1), dtype=np.int64)
-    found = room_for(n, last, 2 * drives).reshape(n, -1, 2, drives)
-    widening(mechanism, start_index, cases, told, found, partial(_follow, mechanism, run))
-    return told[:, 0], found
-
-
-def _follow(
-    mechanism: Mechanism, run: Run, model: TurnModel, gap_scale: float, cases: Cases,
-    told: NDArray[np.int64], found: FloatArray,
-) -> None:  # fmt: skip
-    """Follow cases on the tables of a scale of gaps, and write their status and torques."""
     _, grids = kernel()
     from ..kernels.turn_torques import run_torques
 
-    torques = torque_model(mechanism, model.start_index, gap_scale)
-    panels = _PANELS * (run.most + BESIDE)
-    run_torques(
-        grids, model.charts, torques, cases, run.settings, run.of(model), panels,
-        run.events()[0], told[:, 0], found,
-    )  # fmt: skip
+    n, drives = len(cases.speed), len(mechanism.drives)
+    status = np.zeros((n, 1), dtype=np.int64)
+    largest = room_for(n, last, 2 * drives).reshape(n, -1, 2, drives)
+
+    def follow(model: TurnModel, gap_scale: float, cases: Cases, told: NDArray[np.int64],
+               found: FloatArray) -> None:  # fmt: skip
+        torques = torque_model(mechanism, start_index, gap_scale)
+        panels = _PANELS * (run.most + BESIDE)
+        run_torques(
+            grids, model.charts, torques, cases, run.settings, run.of(model), panels,
+            run.events()[0], told[:, 0], found,
+        )  # fmt: skip
+
+    widening(mechanism, start_index, cases, status, largest, follow)
+    return status[:, 0], largest
