@@ -15,15 +15,9 @@ from numpy.typing import NDArray
 from ..arrays import FloatArray
 from ..errors import InputError, SimulationError, with_words
 from ..given import number, whole
-from ..hybrid import FASTEST_RPM
+from ..hybrid import FASTEST_RPM, START_INDEX
 from ..mechanism import INDEX_PER_TURN, Mechanism, within_turn
-from ..reduced.turns import (
-    START_INDEX,
-    TURN_REASONS,
-    TurnQuantities,
-    TurnStatus,
-    turn_quantities,
-)
+from ..reduced.turns import TURN_REASONS, TurnQuantities, TurnStatus, turn_quantities
 
 # Turns that are shown of each speed, and halvings of the step of a limit.
 _LAST, _HALVINGS = 32, 12

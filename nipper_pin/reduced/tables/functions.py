@@ -278,10 +278,8 @@ class Sampler:
         n, m = np.zeros_like(q), np.zeros_like(q)
         n[:, self._stop.index] = self._stop.sense
         m[:, self._system.driven] = driven
-        return (
-            close_velocities(n, jacobian, self._split),
-            close_velocities(m, jacobian, self._split),
-        )
+        n, m = (close_velocities(v, jacobian, self._split) for v in (n, m))
+        return n, m
 
     def _moved(
         self, q: FloatArray, jacobian: FloatArray, u: FloatArray, x: FloatArray

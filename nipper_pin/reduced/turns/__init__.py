@@ -1,12 +1,11 @@
 """Whole turns: phases without freedom, flights, collisions at every stop, rests and releases."""
 
 from ..results import TURN_REASONS, ReducedTurns, TurnStatus
-from .model import START_INDEX, TurnModel, build_turns
+from .model import TurnModel, build_turns
 from .quantities import TurnQuantities, turn_quantities
 from .turn import turn_model, turns
 
 __all__ = [
-    "START_INDEX",
     "TURN_REASONS",
     "ReducedTurns",
     "TurnModel",

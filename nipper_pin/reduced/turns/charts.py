@@ -21,7 +21,8 @@ from ..tables.tables import Chart, Domain, chart_over
 from .arcs import TURN, ContactArc, system_at
 
 _PLACES = 9
-_NODES_X = 8
+# Nodes across the gap to start with.
+NODES_X = 8
 # Travel over which the change of a rate is taken [rad].
 _BESIDE = 1e-3
 # Halvings of the gap of a chart that reaches a dead centre.
@@ -129,7 +130,7 @@ def chart_of(around: ChartSampler, gap: float, w: float, tolerance: float, of_ga
         of_gaps: Relative accuracy of the gaps of other stops.
     """
     for halvings in count():
-        domain = Domain(float(around.arc.travels[-1]), -MARGIN * gap, gap, count_x=_NODES_X)
+        domain = Domain(float(around.arc.travels[-1]), -MARGIN * gap, gap, count_x=NODES_X)
         try:
             weights, sampler = around.weights(w), around.sampler
             kept = chart_over(sampler.grid, sampler.at, domain, weights, tolerance, of_gaps)

@@ -10,7 +10,7 @@ import numpy as np
 from ...arrays import FloatArray
 from ...dynamics import DriveMode, ShaftMotion, System
 from ...errors import InputError
-from ...hybrid import comes_back, initial_state
+from ...hybrid import START_INDEX, comes_back, initial_state
 from ...mechanism import Mechanism, Stop
 from ...tolerances.reduced import GAP_SHARE, TURN_TABLES
 from ..model import LIVELY, ROOM, Tabulated, lively_speed, numbers_of
@@ -47,7 +47,6 @@ def unfit_turns(mechanism: Mechanism, drive: DriveMode | str = DriveMode.HELD) -
     return None
 
 
-START_INDEX = 24.0
 # Of a turn: chart, gap, its rate by time and by the cylinder, and whether its stop is closed.
 Begin = tuple[int, float, float, float, bool]
 # Gap of a chart that no other meets, by the width of the flight between its stops.

@@ -15,11 +15,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...arrays import FloatArray
 from ...given import number
+from ...hybrid import START_INDEX
 from ...mechanism import Mechanism
 from ..kernels import layout as rows
 from ..results import ENGINE, Column, TurnStatus
 from .cases import room_for, run_of, turn_cases
-from .model import START_INDEX
 from .peak_torques import peak_torques
 from .turn import follow, turn_model, widening
 

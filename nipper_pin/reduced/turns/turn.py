@@ -11,13 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 from ...arrays import FloatArray
 from ...errors import SimulationError
 from ...given import number
+from ...hybrid import START_INDEX
 from ...made_once import made_once
 from ...mechanism import Mechanism
 from ..kernels.layout import LEFT_GAP, Cases
 from ..results import TURN_REASONS, ReducedTurns, TurnStatus
 from ..transition import kernel
 from .cases import Run, one_turn_case, run_of
-from .model import START_INDEX, TurnModel, build_turns
+from .model import TurnModel, build_turns
 
 GAP_SCALES = (1.0, 2.0, 4.0, 8.0, 32.0, 128.0)
 _model = made_once(build_turns)
