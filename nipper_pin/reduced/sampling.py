@@ -134,8 +134,7 @@ def build(
         travel_rad = min(opening, _LONGEST)
     domain = Domain(travel_rad, -MARGIN * gap_max, gap_max)
     kept = chart_over(sampler.grid, sampler.at, domain, weights, tolerance)
-    place = [item.name for item in mechanism.stops].index(stop.name)
-    chart = replace(kept, stop=place, meets=(rate, rounded, 0.0, 0.0))
+    chart = replace(kept, stop=mechanism.stops.index(stop), meets=(rate, rounded, 0.0, 0.0))
     return ReducedModel(
         **numbers_of(mechanism),
         charts=stacked(mechanism, [chart]),

@@ -86,9 +86,6 @@ def resolved(grid: Grid, at: At, domain: Domain, weights: FloatArray, tolerance:
     Args:
         weights: Weight of an error of each function, shape (functions,).
         tolerance: Largest weighted tail.
-
-    Returns:
-        The tables.
     """
     cells, count_x = max(1, math.ceil(domain.travel / CELL_RAD)), domain.count_x
     sampled = 0
@@ -244,9 +241,6 @@ def chart_over(
         weights: Weight of an error of each function, shape (functions,).
         tolerance: Largest weighted tail; what is left out stays below a share of it.
         of_gaps: Relative accuracy that the gaps of other stops and their slopes keep.
-
-    Returns:
-        The chart.
 
     Raises:
         ConvergenceError: The functions are not smooth enough on this domain.

@@ -68,10 +68,9 @@ class ChartSampler:
 
     def placed(self, chart: Chart) -> Chart:
         """A chart around the arc, with its place in the turn."""
-        names = [stop.name for stop in self.mechanism.stops]
         return replace(
             chart,
-            stop=names.index(self.arc.stop.name),
+            stop=self.mechanism.stops.index(self.arc.stop),
             after=self.after,
             begin=self.arc.begin,
             meets=self.meets,
