@@ -78,7 +78,7 @@ def transition(
     if status != _AT_REST:
         raise _refusal(model, Status(status), count, speed_rpm, max_collisions)
     duration, error, share, bound = found.rest[0, 0, :4].tolist()
-    rows = found.table[0, :count].T.copy()
+    rows = found.table[0, :count].T
     return ReducedTransition(model.name, count, duration, error, share, bound, rows, tell)
 
 
@@ -171,7 +171,7 @@ def _solved(
     """Transitions of checked cases, and what tells their premise."""
     n = len(cases.speed)
     told = np.empty((n, 3), dtype=np.int64)
-    told[:] = layout.GOES_ON, 0, layout.HOLDS if assumed else layout.NOT_ASKED
+    told[:, 0], told[:, 2] = layout.GOES_ON, layout.HOLDS if assumed else layout.NOT_ASKED
     table = np.empty((n, most + layout.BESIDE, layout.COLUMNS))
     found = _Found(table, np.empty((n, 1, layout.REST_COLUMNS)), told)
     if not assumed:
