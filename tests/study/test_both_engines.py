@@ -142,6 +142,8 @@ KINDS: dict[str, tuple[Callable[[Tables], Mechanism], Tables]] = {
     "damper of a hinge": (turning, TWISTED | {
         "dampers": {"d": {"joint": "gap", "damping_N_m_s_per_rad": 1e-3}}}),
     "damper between points": (sliding, PRESSED | {
+        # Up in another way than down: a damping of the other sign is not the same mirrored.
+        "base": {"law": "fourier", "cosine_mm": [-10.0, 1.0], "sine_mm": [0.0, 2.0]},
         "dampers": {"d": {"frame_a": "anchor", "frame_b": "mass", "damping_N_s_per_m": 4.0}}}),
     "force orifice": (sliding, PRESSED | {
         "forces": {"oil": {"joint": "gap", "law": "orifice", "c_N_s2_per_m2": 3.0}}}),
