@@ -355,23 +355,3 @@ def test_lines(name: str, surface: str) -> None:
         "forces": forces, "transition": {("gap", main)} if run.transitions else set(),
         "page": gaps | levers | forces | {("index", ""), ("time", "")},
     }[surface]  # fmt: skip
-
-
-@pytest.mark.parametrize("name", TURNS)
-def test_rows_of_phases(name: str) -> None:
-    """One behind another over the run, with the stops that events left closed; indices by times."""
-    run = run_of(name)
-    found = rows(run, "phases.csv")
-    begins, ends = (
-        np.array([float(row[f"t_{side}_s"]) for row in found]) for side in ("start", "end")
-    )
-    edges = [0.0, *begins[1:], run.segments[-1].t_end]
-    np.testing.assert_allclose([*begins, ends[-1]], edges, rtol=1e-14)
-    np.testing.assert_allclose([begins[0], *ends], edges, rtol=1e-14)
-    for row, middle in zip(found, 0.5 * (begins + ends), strict=True):
-        before = [event for event in run.events if event.t < middle]
-        closed = before[-1].closed_after if before else run.segments[0].closed
-        assert row["closed_stops"] == " ".join(sorted(closed))
-        for side in ("start", "end"):
-            off = float(row[f"{side}_index"]) - index(run, float(row[f"t_{side}_s"]))
-            assert abs((off + 20.0) % 40.0 - 20.0) < 1e-9, side
