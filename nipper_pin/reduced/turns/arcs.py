@@ -58,9 +58,8 @@ class ContactContinuation:
 
     def __init__(self, mechanism: Mechanism, start_angle: float) -> None:
         """Begin without arcs."""
-        self._mechanism = mechanism
-        self._start = start_angle
-        self._shaft = ShaftMotion(mechanism, 1.0, start_angle)
+        self._mechanism, self._start = mechanism, start_angle
+        self._system = system_at(mechanism, 0.0, start_angle)
 
     def around(self, stop: Stop, home: FloatArray) -> Iterator[ContactArc]:
         """Follow a stop, and those that take over from it, through one turn.
@@ -80,27 +79,22 @@ class ContactContinuation:
 
     def opposite(self, stop: Stop, home: FloatArray) -> tuple[Stop, FloatArray] | None:
         """The stop that ends a flight from another one at the start of a turn, closed."""
-        system = system_at(self._mechanism, 0.0, self._start)
-        sampler = Sampler(system, stop, home)
+        sampler = Sampler(self._system, stop, home)
         kind = next(item.kind for item in self._mechanism.joints if item.index == stop.index)
-        x = np.linspace(0.0, _WIDEST[kind], _ACROSS + 1)[1:]
         q = home[None]
-        for place in x:
-            before = q
+        for x in np.linspace(0.0, _WIDEST[kind], _ACROSS + 1)[1:]:
             try:
-                (q,) = sampler.along(np.zeros(1), np.array([place]), before)
+                (q,) = sampler.along(np.zeros(1), np.array([x]), q)
             except SimulationError:
                 return None
             for other in self._mechanism.stops:
                 if other.name != stop.name and other.gap(q[0]) <= 0.0:
-                    (rows,) = Sampler(system, other, q[0]).along(np.zeros(1), np.zeros(1), q)
-                    return other, np.asarray(rows[0])
+                    return other, Sampler(self._system, other, q[0]).closed(0.0, q[0])[0]
         return None
 
     def closing(self, stop: Stop, q: FloatArray) -> FloatArray:
         """The configuration at the start of a turn in which an open stop has been closed."""
-        system = system_at(self._mechanism, 0.0, self._start)
-        sampler = Sampler(system, stop, q)
+        sampler = Sampler(self._system, stop, q)
         rows = q[None]
         for x in np.linspace(stop.gap(q), 0.0, _CLOSING + 1)[1:]:
             (rows,) = sampler.along(np.zeros(1), np.array([x]), rows)
@@ -109,7 +103,7 @@ class ContactContinuation:
     def _arc(self, stop: Stop, begin: float, home: FloatArray) -> ContactArc:
         system = system_at(self._mechanism, begin, self._start)
         sampler = Sampler(system, stop, home)
-        end = min(begin + self._shaft.smooth_for(begin), TURN)
+        end = min(begin + self._system.shaft.smooth_for(begin), TURN)
         others = [item for item in self._mechanism.stops if item.name != stop.name]
         count = max(1, math.ceil((end - begin) / _STEP))
         travels, path, after = [0.0], [home], stop
