@@ -31,6 +31,8 @@ def compiled(function: _Function) -> _Function:
     function for different types at the same time may be taken for one another.
     """
     wrapped: Any = allocating(function)
+    if numba.config.DISABLE_JIT:
+        return function
     wrapped._compile_for_args = _collecting_nothing(wrapped._compile_for_args)
     kept = _kept(function)
     if kept is not None:

@@ -119,17 +119,24 @@ def along(line: FloatArray, per_rad: float, u: float) -> float:
 @part
 def range_along(line: FloatArray, per_rad: float, u: float, until: float) -> tuple[float, float]:
     """Bounds on the least and the largest value of such a series between two travels."""
-    cells, count = line.shape
+    cells = len(line)
     low, high = np.inf, -np.inf
     for cell in range(cell_at(per_rad, cells, u)[0], cell_at(per_rad, cells, until)[0] + 1):
         left, right = max(u * per_rad - cell, 0.0), min(until * per_rad - cell, 1.0)
-        middle = chebyshev(line, cell, 0, count, left + right - 1.0)
-        beside = 0.0
-        for i in range(1, count):
-            # T_i' is no larger than i^2.
-            beside += (right - left) * i * i * abs(line[cell, i])
-        low, high = min(low, middle - beside), max(high, middle + beside)
+        least, most = range_in(line, cell, left, right)
+        low, high = min(low, least), max(high, most)
     return low, high
+
+
+@part
+def range_in(line: FloatArray, cell: int, left: float, right: float) -> tuple[float, float]:
+    """The same between two places of one cell, by its length."""
+    count = line.shape[1]
+    middle, beside = chebyshev(line, cell, 0, count, left + right - 1.0), 0.0
+    for i in range(1, count):
+        # T_i' is no larger than i^2, and T_i is between -1 and 1.
+        beside += min((right - left) * i * i, 2.0) * abs(line[cell, i])
+    return middle - beside, middle + beside
 
 
 @part

@@ -11,7 +11,7 @@ from .closed import PLACES, Stretch, extreme, passage, series_at
 from .compiled import part
 from .flight_errors import size
 from .layout import Solver
-from .panel import cell_at
+from .panel import cell_at, range_in
 
 
 @part
@@ -25,7 +25,7 @@ def released(solver: Solver, c: int, line: FloatArray, begin: float, end: float)
         The place; ``end`` plus 1 if there is none; -1 if round-off hides the sign.
     """
     at = Stretch(solver, c, line, begin, end, 0.0, 0.0)
-    (cells, count), per_rad = line.shape, solver.charts.numbers[c, rows.PER_RAD]
+    cells, per_rad = len(line), solver.charts.numbers[c, rows.PER_RAD]
     scale, value = 0.0, -np.inf
     for cell in range(cells):
         scale = max(scale, abs(line[cell, 0]))
@@ -34,10 +34,8 @@ def released(solver: Solver, c: int, line: FloatArray, begin: float, end: float)
         u, right = max(begin, cell / per_rad), min(end, (cell + 1) / per_rad)
         if u >= right:
             break
-        bound, step, value = line[cell, 0], (right - u) / PLACES, -np.inf
-        for i in range(1, count):
-            bound += abs(line[cell, i])
-        if bound < -beside:
+        step, value = (right - u) / PLACES, -np.inf
+        if range_in(line, cell, u * per_rad - cell, right * per_rad - cell)[1] < -beside:
             continue
         value, slope = series_at(line, per_rad, u)
         if value > 0.0:
