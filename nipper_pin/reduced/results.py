@@ -110,6 +110,14 @@ class Column:
         return np.asarray(getattr(result, self._table)[self._index])
 
 
+class Number(Column):
+    """A number of a row, likewise."""
+
+    def __get__(self, result: object, kind: type) -> float:  # type: ignore[override]
+        """The number."""
+        return float(super().__get__(result, kind))
+
+
 def _row(place: int) -> Column:
     """A row of a table of collisions."""
     return Column(place, slice(None))
@@ -132,8 +140,10 @@ class EventRows:
         impulse_error: Bound on the error of ``impulse``, in its unit.
         amplitude_error: Bound on the error of ``rebound_amplitude``.
         rebound_error: Bound on the error of ``rebound_time`` [s].
+        engine: The engine that computed them.
     """
 
+    engine = ENGINE
     time = _row(layout.TIME)
     approach_rate = _row(layout.APPROACH)
     separation_rate = _row(layout.SEPARATION)
@@ -174,7 +184,6 @@ class TransitionBatch(CollisionRows):
             amplitude and the duration, shape (n,).
         table: All rows, shape (n, rows, most).
         tell: Computes the premise.
-        engine: The engine that computed it.
     """
 
     model: str
@@ -183,7 +192,6 @@ class TransitionBatch(CollisionRows):
     rest: FloatArray = field(repr=False)
     table: FloatArray = field(repr=False)
     tell: Callable[[], NDArray[np.int64]] = field(repr=False)
-    engine: str = ENGINE
 
     duration = Column(0, table="rest")
     duration_error = Column(1, table="rest")
@@ -206,6 +214,7 @@ class ReducedTransition(CollisionRows):
     Attributes:
         model: Name of the model.
         collisions: Number of collisions computed.
+        rest: The next four, shape (4,).
         duration: Time from the first collision to rest [s].
         duration_error: Bound on its error [s].
         share: Share of the first two rebounds in the duration; NaN with fewer.
@@ -213,18 +222,24 @@ class ReducedTransition(CollisionRows):
             amplitude and the duration.
         table: All rows, shape (rows, collisions).
         tell: Computes the premise.
-        engine: The engine that computed it.
     """
 
     model: str
     collisions: int
-    duration: float
-    duration_error: float
-    share: float
-    error_bound: float
+    rest: FloatArray
     table: FloatArray = field(repr=False)
     tell: Callable[[], NDArray[np.int64]] = field(repr=False)
-    engine: str = ENGINE
+
+    duration = Number(0, table="rest")
+    duration_error = Number(1, table="rest")
+    share = Number(2, table="rest")
+    error_bound = Number(3, table="rest")
+
+    def __repr__(self) -> str:
+        """Its numbers by their names."""
+        names = "model", "collisions", "duration", "duration_error", "share", "error_bound"
+        told = ", ".join(f"{name}={getattr(self, name)!r}" for name in names)
+        return f"ReducedTransition({told})"
 
     @cached_property
     def premise_holds(self) -> bool | None:
@@ -249,7 +264,6 @@ class ReducedTurns(EventRows):
         travel: Travels of the cylinder from the start of the first turn [rad].
         energy_error: Bounds on the errors of ``energy_lost`` [J].
         table: All rows, shape (rows, events).
-        engine: The engine that computed it.
     """
 
     model: str
@@ -257,7 +271,6 @@ class ReducedTurns(EventRows):
     turns: int
     repeats_after: int
     table: FloatArray = field(repr=False)
-    engine: str = ENGINE
 
     travel = _row(layout.TRAVEL)
     energy_error = _row(layout.ENERGY_ERROR)

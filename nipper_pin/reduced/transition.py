@@ -77,9 +77,8 @@ def transition(
             break
     if status != _AT_REST:
         raise _refusal(model, Status(status), count, speed_rpm, max_collisions)
-    duration, error, share, bound = found.rest[0, 0, :4].tolist()
-    rows = found.table[0, :count].T
-    return ReducedTransition(model.name, count, duration, error, share, bound, rows, tell)
+    rows, rest = found.table[0, :count].T, found.rest[0, 0, : layout.RESTS]
+    return ReducedTransition(model.name, count, rest, rows, tell)
 
 
 def transitions(
