@@ -115,7 +115,7 @@ SIZES = 4
 ) = numbered(12)  # fmt: skip
 MEMORY = 12
 # What was written of a motion.
-EVENTS, STRETCHES, TURNS = numbered(3)
+EVENTS, STRETCHES, DONE = numbered(3)
 COUNTS = 3
 
 

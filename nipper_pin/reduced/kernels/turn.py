@@ -66,7 +66,7 @@ def follow(solver: Solver, settings: Settings, turns: int, phase: int, at: Motio
         else:
             status, phase, at = _take_over(solver, phase == ENDED_CLOSED, turns, at)
         before = now
-    again = repeats(solver.charts, records.ends, records.counts[rows.TURNS])
+    again = repeats(solver.charts, records.ends, records.counts[rows.DONE])
     return status, again if status == rows.AT_REST else rows.ZERO
 
 
@@ -104,7 +104,7 @@ def _rest(solver: Solver, clamp: int, at: Motion) -> tuple[int, int, Motion]:
     freed = 0.0 if at_end else release_error(line, work.sizes[c], per_rad, u)
     if stop == clamp:
         _hold(solver, at, u, at_end, freed)
-    gone = TURN * records.counts[rows.TURNS] + number[rows.BEGIN] + u
+    gone = TURN * records.counts[rows.DONE] + number[rows.BEGIN] + u
     t = gone / speed
     dt = 4.0 * EPS * t + freed / speed
     bounced = memory[rows.SETTLED] > 0.0
@@ -125,7 +125,7 @@ def _hold(solver: Solver, at: Motion, u: float, at_end: bool, freed: float) -> N
     c, charts, counts = at.chart, solver.charts, solver.records.counts
     hold = solver.records.holds[counts[rows.STRETCHES]]
     same = charts.stops[charts.stops[c, rows.AFTER], rows.OWN] == charts.stops[c, rows.OWN]
-    hold[rows.HOLD_TURN], hold[rows.HOLD_CHART] = counts[rows.TURNS], c
+    hold[rows.HOLD_TURN], hold[rows.HOLD_CHART] = counts[rows.DONE], c
     hold[rows.HOLD_BEGIN], hold[rows.HOLD_END] = at.u, u
     hold[rows.HOLD_BEGIN_ERROR] = solver.work.memory[rows.UNSURE]
     if at_end:
@@ -171,7 +171,7 @@ def _bounce(solver: Solver, settings: Settings, to_rest: bool,
     dt += abs(ahead) * (at.dv / at.v) if at.v > 0.0 else 0.0
     if not to_rest and u + speed * dt >= travel:
         return rows.UNTOLD, STRUCK, at
-    t, gone = at.t + ahead, TURN * records.counts[rows.TURNS] + charts.numbers[c, rows.BEGIN] + u
+    t, gone = at.t + ahead, TURN * records.counts[rows.DONE] + charts.numbers[c, rows.BEGIN] + u
     note(records, rows.REST, charts.stops[c, rows.OWN], t, gone, dt)
     if to_rest:
         # The rebound of the last collision is flown all the same.
@@ -252,16 +252,16 @@ def _take_over(solver: Solver, closed: bool, turns: int,
     if closed and not same:
         memory[rows.REST_CHART], memory[rows.REST_END] = float(c), at.u
     begin = charts.numbers[to, rows.BEGIN]
-    counts[rows.TURNS] += 1 if begin == 0.0 else 0
-    t = (TURN * counts[rows.TURNS] + begin) / speed
+    counts[rows.DONE] += 1 if begin == 0.0 else 0
+    t = (TURN * counts[rows.DONE] + begin) / speed
     over = Motion(to, 0.0, t, x, v, at.dt, dx, dv)
     if begin == 0.0:
         if closed and same:
             memory[rows.REST_CHART], memory[rows.REST_END] = float(to), np.inf
         rest = memory[rows.REST_CHART], memory[rows.REST_END]
-        mark(records.ends, counts[rows.TURNS], rest, over)
+        mark(records.ends, counts[rows.DONE], rest, over)
         memory[rows.REST_CHART] = -1.0
-        done = counts[rows.TURNS]
+        done = counts[rows.DONE]
         if done == turns or repeats(charts, records.ends, done) > 0:
             return rows.AT_REST, FLYING, over
     if closed and not same:

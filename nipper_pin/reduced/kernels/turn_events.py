@@ -55,7 +55,7 @@ def strike(solver: Solver, at: Motion) -> Motion:
     row = records.events[counts[rows.EVENTS]]
     row[:] = np.nan
     row[rows.KIND], row[rows.STOP], row[rows.TIME] = rows.COLLISION, stop, at.t
-    row[rows.TRAVEL] = TURN * counts[rows.TURNS] + number[rows.BEGIN] + at.u
+    row[rows.TRAVEL] = TURN * counts[rows.DONE] + number[rows.BEGIN] + at.u
     row[rows.APPROACH], row[rows.SEPARATION] = v, -e_N * v
     row[rows.IMPULSE] = C * (1.0 + e_N) * -v / lever
     row[rows.ENERGY] = 0.5 * C * (1.0 - e_N * e_N) * v * v

@@ -252,7 +252,7 @@ def turns_of(solver: Solver, settings: Settings, job: Job, told: NDArray[np.int6
     """Follow the turns of a case, and write the quantities of the last ones."""
     counts, (phase, at) = solver.records.counts, begun(job.begin, solver.one.speed)
     status, again = follow(solver, settings, job.turns, phase, at, job.clamp)
-    done = counts[rows.TURNS]
+    done = counts[rows.DONE]
     told[0], told[1], told[2], told[3] = status, done, again, counts[rows.EVENTS]
     found[:] = np.nan
     for j in range(min(len(found), done) if status == rows.AT_REST else 0):

@@ -228,7 +228,7 @@ def _torques(solver: Solver, again: Solver, torques: Solver, settings: Settings,
     """
     start, turns = begun(job.begin, solver.one.speed), job.turns
     status, _ = follow(solver, settings, turns, start[0], start[1], job.clamp)
-    done = solver.records.counts[rows.TURNS]
+    done = solver.records.counts[rows.DONE]
     for j in range(min(len(found), done) if status == rows.AT_REST else 0):
         phase, at = start
         if done - 1 - j > 0:
