@@ -113,25 +113,13 @@ def _wrong(torques: Solver, i: int, block: FloatArray) -> float:
         sigma = numbers[panels.COVERED] * j / max(order, 1)
         fastest = max(fastest, abs(rate_at(block, order, h, numbers[panels.V_BEGIN], sigma)))
         steepest = max(steepest, abs(chebyshev(block, rows.SERIES, 0, order, 2.0 * sigma - 1.0)))
-    wrong = size(sizes, rows.RESIDUAL, fastest) + torques.charts.gap_bounds[i, 0] * steepest
+    # Of the function of x'' the bound on its error, and its largest value.
+    by_a_wrong, by_a = torques.charts.gap_bounds[i, 0], torques.charts.gap_bounds[i, 1]
+    wrong = size(sizes, rows.RESIDUAL, fastest) + by_a_wrong * steepest
     wrong += size(sizes, rows.BY_U, fastest) * speed * numbers[panels.T_WRONG]
     wrong += size(sizes, rows.BY_X, fastest) * numbers[panels.X_WRONG]
     wrong += size(sizes, rows.BY_V, fastest) * numbers[panels.V_WRONG]
-    return float(wrong + _largest_by_a(torques.charts.gaps[i, 0]) * numbers[panels.A_WRONG])
-
-
-@part
-def _largest_by_a(by_a: FloatArray) -> float:
-    """Largest derivative of a torque by x'', shape (cells, Nu, Nx)."""
-    largest = 0.0
-    cells, count_u, count_x = by_a.shape
-    for cell in range(cells):
-        total = 0.0
-        for k in range(count_u):
-            for m in range(count_x):
-                total += abs(by_a[cell, k, m])
-        largest = max(largest, total)
-    return largest
+    return float(wrong + by_a * numbers[panels.A_WRONG])
 
 
 @part

@@ -72,7 +72,7 @@ def _chart(around: ChartSampler, drive: int, domain: Domain) -> Chart:
     by_a[0] = kept.equation[-1]
     return replace(
         kept, equation=kept.equation[:-1], gaps=by_a, bounds=kept.bounds[:, :-1],
-        gap_bounds=kept.bounds[0, [-1, -1, -1]],
+        gap_bounds=kept.bounds[[0, -1, -1], -1],
     )  # fmt: skip
 
 
