@@ -41,7 +41,9 @@ def _value(torques: Solver, i: int, block: FloatArray, sigma: float) -> float:
     """Torque at a part of a panel that is kept."""
     numbers = block[rows.KEPT]
     h, order = numbers[panels.LENGTH], int(numbers[panels.NODES])
-    u = numbers[panels.FROM] + torques.one.speed * h * sigma
+    # By round-off beyond the chart, there may be a cell that is combined for no case.
+    past = numbers[panels.FROM] + torques.one.speed * h * sigma
+    u = min(past, torques.work.case[i, rows.TRAVEL_MOST])
     if order == 0:
         return torque_at(torques, i, u, 0.0, 0.0, 0.0)
     x = position(block, order, h, numbers[panels.X_BEGIN], numbers[panels.V_BEGIN], sigma)
