@@ -248,18 +248,22 @@ def test_torques_of_machines_of_the_gallery(name: str) -> None:
     judged(mechanism, mechanism.cylinder.rated_speed_rpm, 1)
 
 
-def test_the_torque_in_bounces_that_are_not_computed() -> None:
+@pytest.mark.parametrize("restitution", [1e-6, 1e-4])
+def test_the_torque_in_bounces_that_are_not_computed(restitution: float) -> None:
     """The largest of the turn, at speeds whose rests end beside their charts by round-off, too."""
     mechanism = drawn("watt_2").mechanism()
     few, many = (
         turn_quantities(mechanism, torques=True, speed_rpm=np.linspace(40.0, 180.0, 141),
-                        restitution={stop.name: 1e-6 for stop in mechanism.stops},
+                        restitution={stop.name: restitution for stop in mechanism.stops},
                         tolerance=tolerance)
         for tolerance in (1e-3, 1e-13)
     )  # fmt: skip
     assert (few.collisions == 1.0).all()
     assert (many.collisions > 1.0).all()
-    np.testing.assert_allclose(few.largest_torque, many.largest_torque, rtol=1e-7)
+    off = np.abs(few.largest_torque - many.largest_torque)
+    assert (off <= few.largest_torque_error + many.largest_torque_error).all()
+    assert (few.largest_torque_error <= 10.0 * restitution * few.largest_torque).all()
+    np.testing.assert_allclose(few.largest_torque, many.largest_torque, rtol=restitution)
 
 
 def test_numbers_of_a_case_change_the_torque(e62: Mechanism) -> None:

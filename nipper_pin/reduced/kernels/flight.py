@@ -6,8 +6,8 @@ stretch at rest is a panel without nodes. In the first block the row KEPT begins
 panels that are kept.
 
 The numbers of a panel: its chart, travel at its begin, length [s], part of it that is covered, x
-and x' at its begin, nodes (0: at rest), bounds on the errors of time, x, x' and x'', and 1 if
-bounces that are not computed come before it.
+and x' at its begin, nodes (0: at rest), bounds on the errors of time, x, x' and x'', and the
+rate with which bounces begin that are not computed before it.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ def keep(solved: SolvedPanel, covered: float) -> None:
 
 @part
 def keep_rest(nodes: FloatArray, chart: int, u: float, end: float, speed: float, late: float,
-              bounced: bool) -> None:  # fmt: skip
+              bounced: float) -> None:  # fmt: skip
     """Keep a stretch at rest between two travels of a chart; ``late`` bounds the errors of both."""
     first = _next_block(nodes)
     if first + rows.SCRATCH_ROWS > nodes.shape[0]:
@@ -66,7 +66,7 @@ def keep_rest(nodes: FloatArray, chart: int, u: float, end: float, speed: float,
     numbers[CHART], numbers[FROM], numbers[LENGTH] = float(chart), u, (end - u) / speed
     numbers[COVERED], numbers[X_BEGIN], numbers[V_BEGIN], numbers[NODES] = 1.0, 0.0, 0.0, 0.0
     numbers[T_WRONG], numbers[X_WRONG], numbers[V_WRONG], numbers[A_WRONG] = late, 0.0, 0.0, 0.0
-    numbers[BOUNCED] = 1.0 if bounced else 0.0
+    numbers[BOUNCED] = bounced
 
 
 @part

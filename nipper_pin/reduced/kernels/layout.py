@@ -31,8 +31,8 @@ over the touch, gap and rate, and bounds on the errors of both.
 
 Memory of a motion: number of bounces of a series, when it began, and its fastest rebound; the
 collision whose rebound is under way (-1 without one), how high and long that has been, and the
-errors of both; the error of the travel of the last rest, and whether bounces that are not computed
-come before it; its chart and the travel of its end.
+errors of both; the error of the travel of the last rest, and the rate with which bounces begin that
+are not computed before it; its chart and the travel of its end.
 """
 
 from __future__ import annotations

@@ -107,8 +107,7 @@ def _rest(solver: Solver, clamp: int, at: Motion) -> tuple[int, int, Motion]:
     gone = TURN * records.counts[rows.DONE] + number[rows.BEGIN] + u
     t = gone / speed
     dt = 4.0 * EPS * t + freed / speed
-    bounced = memory[rows.SETTLED] > 0.0
-    keep_rest(work.nodes, c, at.u, u, speed, max(at.dt, dt), bounced)
+    keep_rest(work.nodes, c, at.u, u, speed, max(at.dt, dt), memory[rows.SETTLED])
     memory[rows.SETTLED] = memory[rows.UNSURE] = 0.0
     ended = Motion(c, u, t, 0.0, 0.0, dt, 0.0, 0.0)
     if at_end:
@@ -176,7 +175,7 @@ def _bounce(solver: Solver, settings: Settings, to_rest: bool,
     if to_rest:
         # The rebound of the last collision is flown all the same.
         return rows.GOES_ON if at.v > 0.0 else rows.AT_REST, FLYING, at
-    memory[rows.SETTLED], memory[rows.UNSURE] = 1.0, speed * dt + 4.0 * EPS * TURN
+    memory[rows.SETTLED], memory[rows.UNSURE] = max(at.v, 0.0), speed * dt + 4.0 * EPS * TURN
     return rows.GOES_ON, RESTING, Motion(c, u, t, 0.0, 0.0, dt, 0.0, 0.0)
 
 

@@ -125,11 +125,28 @@ def _wrong(torques: Solver, i: int, block: FloatArray) -> float:
 
 
 @part
-def _after_bounces(solver: Solver, torques: Solver, c: int, i: int, block: FloatArray) -> float:
-    """Torque in bounces too small to be computed: at rest, but for the acceleration of a flight."""
-    u = block[rows.KEPT, panels.FROM]
-    still = along(solver.work.line[c], solver.charts.numbers[c, rows.PER_RAD], u)
-    return abs(torque_at(torques, i, u, 0.0, 0.0, still))
+def _after_bounces(solver: Solver, torques: Solver, c: int, i: int,
+                   block: FloatArray) -> tuple[float, float]:  # fmt: skip
+    """Torque in bounces too small to be computed, and a bound on its error.
+
+    At rest but for the acceleration of a flight; what their rate, gap and travel change is error.
+    """
+    u, w = block[rows.KEPT, panels.FROM], block[rows.KEPT, panels.BOUNCED]
+    charts, one = solver.charts, solver.one
+    still = along(solver.work.line[c], charts.numbers[c, rows.PER_RAD], u)
+    lasts = 2.0 * w / (-still * (1.0 - one.restitution[charts.stops[c, rows.OWN]]))
+    gap, travel = 0.5 * w * w / -still, one.speed * lasts
+    by_a_wrong, by_a = torques.charts.gap_bounds[i, 0], torques.charts.gap_bounds[i, 1]
+    wrong = _changes(torques.work.sizes[i], w, gap, travel) + by_a_wrong * -still
+    wrong += by_a * _changes(solver.work.sizes[c], w, gap, travel)
+    return abs(torque_at(torques, i, u, 0.0, 0.0, still)), wrong
+
+
+@part
+def _changes(sizes: FloatArray, rate: float, gap: float, travel: float) -> float:
+    """Bound on the error of a sum of functions up to a rate, a gap, and a travel to either side."""
+    by_place = size(sizes, rows.BY_X, rate) * gap + size(sizes, rows.BY_U, rate) * travel
+    return float(size(sizes, rows.RESIDUAL, rate) + by_place + size(sizes, rows.BY_V, rate) * rate)
 
 
 @part
@@ -145,22 +162,23 @@ def largest_torques(solver: Solver, torques: Solver, most: FloatArray, wrong: Fl
     nodes, mixed = solver.work.nodes, torques.work
     mixed.pressed[:] = False
     drives = len(most)
-    most[:] = wrong[:] = 0.0
-    for number in range(kept(nodes)):
-        first = (1 + number) * rows.SCRATCH_ROWS
-        block = nodes[first : first + rows.SCRATCH_ROWS]
-        c = int(block[rows.KEPT, panels.CHART])
-        for d in range(drives):
+    for d in range(drives):
+        largest = beside = bounced = 0.0
+        for number in range(kept(nodes)):
+            first = (1 + number) * rows.SCRATCH_ROWS
+            block = nodes[first : first + rows.SCRATCH_ROWS]
+            c = int(block[rows.KEPT, panels.CHART])
             i = c * drives + d
             press(torques, i)
             reach(torques, i, 0.0, mixed.case[i, rows.TRAVEL_MOST])
-            value, late = _panel(torques, i, block, most[d])
-            late += _wrong(torques, i, block)
-            if block[rows.KEPT, panels.BOUNCED] > 0.0:
-                value = max(value, _after_bounces(solver, torques, c, i, block))
+            value, late = _panel(torques, i, block, largest)
             # An extreme that is just beaten may be the larger one by its error.
-            wrong[d] = max(wrong[d], late)
-            most[d] = max(most[d], value)
+            beside = max(beside, late + _wrong(torques, i, block))
+            largest = max(largest, value)
+            if block[rows.KEPT, panels.BOUNCED] > 0.0:
+                value, late = _after_bounces(solver, torques, c, i, block)
+                largest, bounced = max(largest, value), max(bounced, value + late)
+        most[d], wrong[d] = largest, max(beside, bounced - largest)
 
 
 @compiled
