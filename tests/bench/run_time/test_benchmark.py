@@ -395,10 +395,11 @@ def test_quick_benchmark_prints_one_document(
         # The first run is apart from the others: their median, their best, and their quartiles.
         ([2.0, 0.3, 0.1, 0.4, 0.15, 0.9], 5, math.inf, 5, (300.0, 100.0, 525.0)),
         ([2.0, 0.1, 0.2, 0.3], 3, math.inf, 3, (200.0, 100.0, 0.0)),
-        # Enough repeats, but not a fifth of a second: 1 / 64 s are repeated 13 times, the first in.
-        ([1 / 64], 3, math.inf, 12, (15.625, 15.625, 0.0)),
-        # A short budget is all that a short run is repeated for.
-        ([1 / 64], 3, 1 / 8, 7, (15.625, 15.625, 0.0)),
+        # Enough repeats, but not a fifth of a second: 1 / 64 s are repeated 13 times.
+        ([1 / 64], 3, math.inf, 13, (15.625, 15.625, 0.0)),
+        # A short budget is all that a short run is repeated for, however long the first took.
+        ([1 / 64], 3, 1 / 8, 8, (15.625, 15.625, 0.0)),
+        ([2.0, 1 / 64], 3, 1 / 8, 8, (15.625, 15.625, 0.0)),
         ([1.0], 9, 0.0, 1, (1000.0, 1000.0, 0.0)),
     ],
 )
