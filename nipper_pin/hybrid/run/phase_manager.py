@@ -40,7 +40,8 @@ class EventLog:
             The number of the event.
         """
         t, error, stops, impact, closed = change
-        closed_before, later = state.closed, list[Event]()
+        closed_before = state.closed
+        later: list[Event] = []
         if self.events and self.events[-1].t > t:
             later = self._later(t, stops)
             waiting = {name for rest in later for name in rest.stops}
@@ -260,11 +261,12 @@ class PhaseManager:
         # Those in contact that do not separate may stay closed, and all that is closed elsewhere.
         still = (name for name, rate in rates.items() if rate == 0.0)
         at_rest = state.closed.difference(rates).union(still)
-        after = state._replace(v=impact.v_after)
+        after = state._replace(v=impact.v_after, series=self._apart(met))
         closed = active_set(self.system, after, at_rest, met)
         change = Change(state.t, 0.0, _struck(impact, hit), impact, closed)
         number = self._log.record(EventKind.COLLISION, state, change)
-        after = after._replace(closed=closed, series=self._apart(met))
+        if closed != state.closed:
+            after = after._replace(closed=closed)
         newly = met & closed
         if newly:
             # Without rebound, the collision is the end of its own series.

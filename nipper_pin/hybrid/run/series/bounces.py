@@ -197,7 +197,9 @@ def bounces(struck: ImpactOutcome) -> Followed:
     system, state = struck.system, struck.after
     if not struck.rebounding:
         return state.series, ()
-    a, found, known = struck.a, list[BounceSeries](), list[Limit]()
+    a = struck.a
+    found: list[BounceSeries] = []
+    known: list[Limit] = []
     for stop in struck.rebounding:
         own = [item for item in struck.before.series if item.stop == stop.name]
         series = own[0] if own else BounceSeries(stop.name, state.t)
