@@ -106,6 +106,14 @@ def _panel(torques: Solver, i: int, block: FloatArray, beaten: float) -> tuple[f
 
 
 @part
+def _off(sizes: FloatArray, fastest: float, du: float, dx: float, dv: float) -> float:
+    """Bound on the error of a sum of functions at errors of travel, gap and rate."""
+    wrong = size(sizes, rows.RESIDUAL, fastest) + size(sizes, rows.BY_U, fastest) * du
+    wrong += size(sizes, rows.BY_X, fastest) * dx + size(sizes, rows.BY_V, fastest) * dv
+    return float(wrong)
+
+
+@part
 def _wrong(torques: Solver, i: int, block: FloatArray) -> float:
     """Bound on the error of the torque along a panel, by those of the functions and the motion."""
     numbers, sizes, speed = block[rows.KEPT], torques.work.sizes[i], torques.one.speed
@@ -117,10 +125,8 @@ def _wrong(torques: Solver, i: int, block: FloatArray) -> float:
         steepest = max(steepest, abs(chebyshev(block, rows.SERIES, 0, order, 2.0 * sigma - 1.0)))
     # Of the function of x'' the bound on its error, and its largest value.
     by_a_wrong, by_a = torques.charts.gap_bounds[i, 0], torques.charts.gap_bounds[i, 1]
-    wrong = size(sizes, rows.RESIDUAL, fastest) + by_a_wrong * steepest
-    wrong += size(sizes, rows.BY_U, fastest) * speed * numbers[panels.T_WRONG]
-    wrong += size(sizes, rows.BY_X, fastest) * numbers[panels.X_WRONG]
-    wrong += size(sizes, rows.BY_V, fastest) * numbers[panels.V_WRONG]
+    late, dx, dv = numbers[panels.T_WRONG], numbers[panels.X_WRONG], numbers[panels.V_WRONG]
+    wrong = _off(sizes, fastest, speed * late, dx, dv) + by_a_wrong * steepest
     return float(wrong + by_a * numbers[panels.A_WRONG])
 
 
@@ -137,16 +143,9 @@ def _after_bounces(solver: Solver, torques: Solver, c: int, i: int,
     lasts = 2.0 * w / (-still * (1.0 - one.restitution[charts.stops[c, rows.OWN]]))
     gap, travel = 0.5 * w * w / -still, one.speed * lasts
     by_a_wrong, by_a = torques.charts.gap_bounds[i, 0], torques.charts.gap_bounds[i, 1]
-    wrong = _changes(torques.work.sizes[i], w, gap, travel) + by_a_wrong * -still
-    wrong += by_a * _changes(solver.work.sizes[c], w, gap, travel)
+    wrong = _off(torques.work.sizes[i], w, travel, gap, w) + by_a_wrong * -still
+    wrong += by_a * _off(solver.work.sizes[c], w, travel, gap, w)
     return abs(torque_at(torques, i, u, 0.0, 0.0, still)), wrong
-
-
-@part
-def _changes(sizes: FloatArray, rate: float, gap: float, travel: float) -> float:
-    """Bound on the error of a sum of functions up to a rate, a gap, and a travel to either side."""
-    by_place = size(sizes, rows.BY_X, rate) * gap + size(sizes, rows.BY_U, rate) * travel
-    return float(size(sizes, rows.RESIDUAL, rate) + by_place + size(sizes, rows.BY_V, rate) * rate)
 
 
 @part
