@@ -39,14 +39,14 @@ def tables_of(
     Args:
         gaps: Those of other stops, shape (stops, cells, Nu, Nx); their slopes are not written.
         approach: Derivative by u of the gap where the chart is met.
-        **bounds: Rows of its bounds, as of ``BOUNDS``.
+        **bounds: Columns of its bounds, as of ``BOUNDS``.
     """
     functions, cells, count_u, _ = equation.shape
     gaps = np.zeros((0, *equation.shape[1:])) if gaps is None else gaps
     if inertia is None:
         inertia = np.zeros((cells, count_u))
         inertia[:, 0] = 1.0
-    numbers = np.zeros(layout.CASE_NUMBERS)
+    numbers = np.zeros(layout.CHART_NUMBERS)
     numbers[[layout.TRAVEL_MOST, layout.PER_RAD]] = travel, cells / travel
     numbers[[layout.LOW, layout.HIGH]] = low, high
     numbers[layout.SCALE] = 2.0 / (high - low)
@@ -55,11 +55,11 @@ def tables_of(
     stops = np.arange(2 + len(gaps)) - 1
     stops[:2] = 0
     charts = Charts(
-        equation=equation[None],
+        equation=np.ascontiguousarray(np.moveaxis(equation, 0, 2))[None],
         along=along_of(equation, low, high)[None],
         gaps=np.concatenate([gaps, np.zeros((2 * len(gaps), *equation.shape[1:]))])[None],
         inertia=inertia[None],
-        bounds=np.zeros((1, layout.SIZES, functions)),
+        bounds=np.zeros((1, functions, layout.SIZES)),
         gap_bounds=np.zeros((1, 3 * len(gaps))),
         numbers=numbers[None],
         beyond=np.empty((1, 0, cells, count_u)),
@@ -70,9 +70,15 @@ def tables_of(
 
 
 def along_of(equation: FloatArray, low: float, high: float) -> FloatArray:
-    """The same functions along x = 0, shape (functions, cells, Nu)."""
+    """The same functions along x = 0, shape (cells, functions, Nu)."""
     place = -(low + high) / (high - low)
-    return np.asarray(equation @ chebyshev.chebvander([place], equation.shape[3] - 1)[0])
+    line = equation @ chebyshev.chebvander([place], equation.shape[3] - 1)[0]
+    return np.ascontiguousarray(np.moveaxis(line, 0, 1))
+
+
+def functions_of(charts: Charts) -> FloatArray:
+    """The functions of the first chart, shape (functions, cells, Nu, Nx)."""
+    return np.moveaxis(charts.equation[0], 2, 0)
 
 
 # Beside the waiting stop the gap of the other is x = y / 2 + 0.01, and grows by the travel.
@@ -136,7 +142,7 @@ def one_of(charts: Charts, place: int) -> Charts:
     one = Charts(*(array[place : place + 1] for array in charts[:-1]), charts.lever)
     travel, per_rad = one.numbers[0, [layout.TRAVEL_MOST, layout.PER_RAD]]
     cells = round(travel * per_rad)
-    equation, gaps = one.equation[:, :, :cells], one.gaps[:, :, :cells]
+    equation, gaps = one.equation[:, :cells], one.gaps[:, :, :cells]
     return one._replace(equation=equation, gaps=gaps)
 
 
@@ -155,10 +161,10 @@ BOUNDS = {
 
 
 def with_bounds(charts: Charts, **bounds: FloatArray) -> Charts:
-    """The same with other rows of its bounds."""
+    """The same with other bounds."""
     changed = charts.bounds.copy()
     for name, row in bounds.items():
-        changed[0, BOUNDS[name]] = row
+        changed[0, :, BOUNDS[name]] = row
     return charts._replace(bounds=changed)
 
 
@@ -194,7 +200,7 @@ def value(charts: Charts, table: FloatArray, u: float, x: float) -> float:
 
 def x_dd(charts: Charts, u: float, x: float, v: float, w: float, springs: Any) -> float:
     """x'' as the model's docstring writes it; springs are pairs (k, p)."""
-    f = [value(charts, table, u, x) for table in charts.equation[0]]
+    f = [value(charts, table, u, x) for table in functions_of(charts)]
     total = f[0] * w**2 + f[1] * w * v + f[2] * v**2 + f[3]
     for number, (k, p) in enumerate(springs):
         total += k * (f[4 + 2 * number] * p + f[5 + 2 * number])
@@ -206,12 +212,12 @@ def bounded(charts: Charts) -> Charts:
     place = np.linspace(-1.0, 1.0, 41)
     grid = np.array(np.meshgrid(place, place)).reshape(2, -1)
     travel, low, high = charts.numbers[0, [layout.TRAVEL_MOST, layout.LOW, layout.HIGH]]
-    cells = charts.equation.shape[2]
+    cells = charts.equation.shape[1]
 
     def most(change: Any) -> FloatArray:
         return np.array([
             max(np.abs(chebyshev.chebval2d(*grid, change(cell))).max() for cell in table)
-            for table in charts.equation[0]
+            for table in functions_of(charts)
         ])  # fmt: skip
 
     return with_bounds(
@@ -241,11 +247,10 @@ def solver_of(charts: Charts, one: Case, *, most: int = 8) -> Solver:
     Scratch arrays are filled with what no result may contain.
     """
     work = turn_charts.scratch(charts, most, 0)
-    for array in (work.case, work.mixed, work.line, work.poly, work.nodes, work.series):
+    for array in (work.sizes, work.mixed, work.line, work.poly, work.nodes, work.series):
         array.fill(np.nan)
-    work.pressed.fill(False)
     records = turn_charts.records_in(np.full((most, layout.COLUMNS), np.nan), 1)
     solver = Solver(panel.grids(), charts, work, one, records)
-    turn_charts.press(solver, 0)
-    panel.reach(solver, 0, 0.0, work.case[0, layout.TRAVEL_MOST])
+    turn_charts.prepare(solver)
+    panel.reach(solver, 0, 0.0, charts.numbers[0, layout.TRAVEL_MOST])
     return solver

@@ -226,7 +226,7 @@ def test_motion_at_the_touch(part: float, wrong: float) -> None:
     r = wrong * SPEED**2
     if part > 1.0:
         T = 2.0 * w / A
-        sizes = np.zeros((4, 3))
+        sizes = np.zeros(12)
         flight_errors.sizes_of(turn.bounds[1], sizes, case(SPEED, [], []))
         dt, rate, _ = flight_errors.flight_errors(
             sizes, SPEED, bounce(T, -w, -A, 0.5 * T, w), 0.0, dw
@@ -254,17 +254,17 @@ def test_errors_of_a_short_flight_that_starts_above_its_stop(
 ) -> None:
     """Gronwall's lemma for errors of place, rate and time at its start."""
     random = np.random.default_rng(9)
-    bounds = random.uniform(0.1, 0.5, (4, 6))
-    sizes, one = np.zeros((4, 3)), case(SPEED, [], [])
+    bounds = random.uniform(0.1, 0.5, (6, 4))
+    sizes, one = np.zeros(12), case(SPEED, [], [])
     flight_errors.sizes_of(bounds, sizes, one)
     T, v, a, fastest = 0.3, -1.4, -9.0, 1.6
     (dx, dw), (changed, left) = given, solver
 
     def bound(name: str) -> float:
-        f = bounds[BOUNDS[name]]
+        f = bounds[:, BOUNDS[name]]
         return float(SPEED**2 * f[0] + f[3] + SPEED * f[1] * fastest + f[2] * fastest**2)
 
-    largest = bounds[BOUNDS["largest"]]
+    largest = bounds[:, BOUNDS["largest"]]
     by_rate = SPEED * largest[1] + 2.0 * largest[2] * fastest
     F = by_rate * T + 0.5 * bound("steepest_x") * T**2
     e = F * changed + bound("residual") + left + SPEED * bound("steepest_u") * late

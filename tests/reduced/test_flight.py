@@ -187,7 +187,7 @@ def sizes() -> Any:
         name: random.uniform(0.1, 1.0, 6)
         for name in ("residual", "steepest_x", "steepest_u", "largest")
     }
-    found = np.zeros((4, 3))
+    found = np.zeros(12)
     k, p = np.array([40.0]), np.array([-0.05])
     (bounds,) = tables_of(level(-1.0), **rows).bounds
     flight_errors.sizes_of(bounds, found, case(SPEED, k, p))
@@ -255,7 +255,7 @@ def test_what_is_ahead_of_a_series_drifts(w: float, ahead: float) -> None:
 def test_without_any_errors_round_off_is_left() -> None:
     """Four units of it, of the time and of the rate."""
     found = flight_errors.flight_errors(
-        np.zeros((4, 3)), SPEED, bounce(0.1, -2.0, -40.0, 0.05, 2.0), 0.0, 0.0
+        np.zeros(12), SPEED, bounce(0.1, -2.0, -40.0, 0.05, 2.0), 0.0, 0.0
     )
     assert found == (4.0 * EPS * 0.1, 4.0 * EPS * 2.0, 0.0)
 

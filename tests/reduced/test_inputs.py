@@ -34,9 +34,9 @@ def parallel(model: ReducedModel) -> ReducedModel:
         model, springs=("one", "two"), stiffness=model.stiffness[0] * SHARES, preload=PRELOADS,
         arrival=Arrival(why="not of two springs"),
         charts=charts._replace(
-            equation=charts.equation[:, both], along=charts.along[:, both],
             # Code is compiled anew for arrays of another order.
-            bounds=np.ascontiguousarray(charts.bounds[..., both]),
+            equation=np.ascontiguousarray(charts.equation[..., both, :]),
+            along=np.ascontiguousarray(charts.along[..., both, :]), bounds=charts.bounds[:, both],
         ),
     )  # fmt: skip
 
@@ -131,7 +131,7 @@ def without_rest(e62: Mechanism, model: ReducedModel) -> list[tuple[Any, dict[st
     near[:, 0, :, 0, 0] -= 1e-3
     far[:, 0, :, 0, 0] += 1e-3
     # From one cell to the next, within a flight.
-    jump[0, 0, 1:, 0, 0] -= 1e4
+    jump[0, 1:, 0, 0, 0] -= 1e4
     low = lowered(model.arrival)
     flying = {"speed_rpm": 690.0, "restitution": 0.3, "stiffness": 7000.0, "preload": 0.0085,
               "assumed": False}  # fmt: skip

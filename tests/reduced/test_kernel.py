@@ -108,7 +108,7 @@ def expected(count: int) -> dict[int, Any]:
     t = np.concatenate([[0.0], np.cumsum(T)[:-1]])
     u = SPEED * t
     C = chebyshev.chebval(2.0 * u / 5.0 - 1.0, TABLES["inertia"][0])
-    sizes = np.zeros((4, 3))
+    sizes = np.zeros(12)
     (bounds,) = tables_of(EQUATION, **TABLES).bounds
     flight_errors.sizes_of(bounds, sizes, case(SPEED, K, P))
     dt, dv = np.zeros(count), np.zeros(count)

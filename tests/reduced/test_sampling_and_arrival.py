@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import chebyshev
 from snapshots import Words
-from written_tables import bounded, one_of, value, x_dd
+from written_tables import bounded, functions_of, one_of, value, x_dd
 
 from nipper_pin import (
     Case,
@@ -99,12 +99,12 @@ def test_bounds_of_values_and_slopes(model: ReducedModel, waiting: bool) -> None
     if waiting:
         assert model.arrival.charts is not None
         charts = one_of(model.arrival.charts, 1)
-    assert charts.bounds.shape == (1, layout.SIZES, len(charts.equation[0]))
-    residual, *found = charts.bounds[0]
-    for row, true in zip(found, bounded(charts).bounds[0, 1:], strict=True):
+    assert charts.bounds.shape == (1, len(functions_of(charts)), layout.SIZES)
+    residual, *found = charts.bounds[0].T
+    for row, true in zip(found, bounded(charts).bounds[0].T[1:], strict=True):
         np.testing.assert_allclose(row, true, rtol=5e-2)
     assert (residual > 0.0).all()
-    assert (residual < 1e-7 * charts.bounds[0, layout.BY_V]).all()
+    assert (residual < 1e-7 * charts.bounds[0, :, layout.BY_V]).all()
     assert 0.0 < charts.numbers[0, layout.INERTIA_ERROR] < 1e-7
 
 
@@ -156,9 +156,9 @@ def test_what_presses_the_stops(
     a = fast.accelerations(
         fast.shaft.driven(np.array([u / speed])), q, m, fast.constraint_set(frozenset())
     )
-    series, residual = charts.along[place], charts.bounds[place, layout.RESIDUAL]
+    series, residual = charts.along[place], charts.bounds[place, :, layout.RESIDUAL]
     cells = share * length * float(charts.numbers[place, layout.PER_RAD])
-    f = chebyshev.chebval(2.0 * (cells - int(cells)) - 1.0, series[:, int(cells)].T)
+    f = chebyshev.chebval(2.0 * (cells - int(cells)) - 1.0, series[int(cells)].T)
     found = f[0] * speed**2 + f[3] + 9000.0 * (0.011 * f[4] + f[5])
     assert found == pytest.approx(a[0, e62.stop(name).index], rel=1e-7)
     assert ((residual > 0.0) & (residual < 1e-7 * np.abs(f).max())).all()
@@ -278,8 +278,8 @@ def test_the_coarsest_and_the_longest_domain_can_be(e62: Mechanism) -> None:
     model = build(e62, tolerance=1e-3, travel_rad=1.0, gap_max=0.02)
     assert (model.tolerance, model.travel_rad, model.gap_max) == (1e-3, 1.0, 0.02)
     assert model.charts.numbers[0, layout.LOW] == -0.02 / 16.0
-    steepest = bounded(model.charts).bounds[0, layout.BY_U]
-    assert model.charts.bounds[0, layout.BY_U] == pytest.approx(steepest, rel=5e-2)
+    steepest = bounded(model.charts).bounds[0, :, layout.BY_U]
+    assert model.charts.bounds[0, :, layout.BY_U] == pytest.approx(steepest, rel=5e-2)
 
 
 def test_a_machine_that_opens_at_its_touch_is_refused() -> None:
@@ -322,7 +322,7 @@ def test_acceleration_of_a_flight(model: ReducedModel, e62: Mechanism, speed: fl
 
 
 def residual(model: ReducedModel) -> FloatArray:
-    return np.asarray(model.charts.bounds[0, layout.RESIDUAL])
+    return np.asarray(model.charts.bounds[0, :, layout.RESIDUAL])
 
 
 def test_stated_residual(model: ReducedModel, fine: ReducedModel) -> None:
@@ -338,7 +338,7 @@ def test_stated_residual(model: ReducedModel, fine: ReducedModel) -> None:
     ):
         error = np.abs([
             value(model.charts, one, u, x) - value(fine.charts, other, u, x)
-            for one, other in zip(model.charts.equation[0], fine.charts.equation[0], strict=True)
+            for one, other in zip(*map(functions_of, (model.charts, fine.charts)), strict=True)
         ])  # fmt: skip
         assert (error <= residual(model) + residual(fine)).all()
     # The bound says something: below the part of x'' that the tables are asked for.
@@ -354,12 +354,12 @@ def test_spring_force_is_the_slope_of_its_stroke(model: ReducedModel) -> None:
     """
     low, high = model.charts.numbers[0, [layout.LOW, layout.HIGH]]
     span, across = high - low, -(low + high) / (high - low)
-    for cell in range(model.charts.equation.shape[2]):
+    for cell in range(model.charts.equation.shape[1]):
         for place in (-0.9, 0.1, 0.8):
             slope = chebyshev.chebder(model.charts.gaps[0, 0, cell], axis=1)
             slope_x = 2.0 / span * chebyshev.chebval2d(place, across, slope)
             inertia = chebyshev.chebval(place, model.charts.inertia[0, cell])
-            force = chebyshev.chebval2d(place, across, model.charts.equation[0, 4, cell])
+            force = chebyshev.chebval2d(place, across, model.charts.equation[0, cell, :, 4])
             # A derivative of a series of degree n loses up to n^2 of its accuracy of 1e-11.
             assert force * inertia == pytest.approx(-slope_x, rel=1e-9)
 

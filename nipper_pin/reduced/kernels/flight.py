@@ -220,7 +220,7 @@ def _ballistic(solver: Solver, c: int, u: float, x: float, v: float, a0: float) 
     """Time to the next zero of x, for an acceleration a0 < 0 that changes linearly with time."""
     h = (v + sqrt(max(v * v - 2.0 * a0 * x, 0.0))) / -a0
     until, row = u + h * solver.one.speed, len(solver.work.poly) - 1
-    if x > 0.0 or until > solver.work.case[c, rows.TRAVEL_MOST] or until - u < _STEADY:
+    if x > 0.0 or until > solver.charts.numbers[c, rows.TRAVEL_MOST] or until - u < _STEADY:
         return h
     reach(solver, c, until, until)
     contract(solver, c, row, until)
@@ -241,7 +241,8 @@ def flight(solver: Solver, at: Motion, tolerance: float) -> Flown:
     Its start has been contracted into the first row.
     """
     c, work, speed, u0, x0 = at.chart, solver.work, solver.one.speed, at.u, at.x
-    nodes, travel, high = work.nodes, work.case[c, rows.TRAVEL_MOST], work.case[c, rows.HIGH]
+    nodes, number = work.nodes, solver.charts.numbers[c]
+    travel, high = number[rows.TRAVEL_MOST], number[rows.HIGH]
     t, x, v, a = 0.0, x0, at.v, 0.0
     top = peak = fastest = changed = left = 0.0
     nodes[rows.GROWTH, 0] = nan

@@ -41,7 +41,7 @@ from . import layout as rows
 from .compiled import part
 from .hits import SolvedPanel
 from .layout import Case, Flown
-from .panel import chebyshev, contract, position, rate_at
+from .panel import chebyshev, combine, contract, place_of, position, rate_at
 
 # Steps of a panel; panels are shorter than a period of what they resolve.
 _STEPS = 16
@@ -79,12 +79,12 @@ def grow(solved: SolvedPanel, end: float) -> None:
 def _slopes(solved: SolvedPanel, sigma: float) -> tuple[float, float]:
     """Derivatives of x'' by x and by x' at a place of a panel."""
     solver, c = solved.solver, solved.c
-    poly, nodes, case = solver.work.poly, solver.work.nodes, solver.work.case[c]
+    poly, nodes, number = solver.work.poly, solver.work.nodes, solver.charts.numbers[c]
     row, degree, order = len(poly) - 1, solver.charts.equation.shape[4], rows.LEVELS[solved.level]
     contract(solver, c, row, solved.u + solved.h * solver.one.speed * sigma)
     x = position(nodes, order, solved.h, solved.x0, solved.v0, sigma)
     v = rate_at(nodes, order, solved.h, solved.v0, sigma)
-    place = case[rows.SCALE] * (x - case[rows.LOW]) - 1.0
+    place = place_of(number, x)
     by_v = chebyshev(poly, row, degree, degree, place)
     by_v += 2.0 * v * chebyshev(poly, row, 2 * degree, degree, place)
     older, old, by_x = 0.0, 1.0, 0.0
@@ -93,7 +93,7 @@ def _slopes(solved: SolvedPanel, sigma: float) -> tuple[float, float]:
         terms = poly[row, m] + v * (poly[row, degree + m] + v * poly[row, 2 * degree + m])
         by_x += m * terms * old
         older, old = old, 2.0 * place * old - older
-    return case[rows.SCALE] * by_x, by_v
+    return number[rows.SCALE] * by_x, by_v
 
 
 # A change of x'' enters the time of a bounce once and the next rate twice.
@@ -105,33 +105,23 @@ _UNEVEN = 4.0
 
 @part
 def sizes_of(bounds: FloatArray, sizes: FloatArray, one: Case) -> None:
-    """Sums of the terms of x'', all positive, with bounds in the places of the functions.
+    """Write sums of the terms of x'', all positive, with bounds in the places of the functions.
 
     Args:
-        bounds: Those of a chart, shape (SIZES, functions).
-        sizes: Written, shape (SIZES, 3).
+        bounds: Those of a chart, shape (functions, SIZES).
+        sizes: Shape (3 SIZES,).
     """
-    speed, stiffness, preload = one.speed, one.stiffness, one.preload
-    first = 4 + 2 * len(stiffness)
-    for row in range(3):
-        values = bounds[row]
-        total = speed * speed * values[0] + values[3]
-        for k in range(len(stiffness)):
-            total += abs(stiffness[k]) * (abs(preload[k]) * values[4 + 2 * k] + values[5 + 2 * k])
-        sizes[row, 0], sizes[row, 1], sizes[row, 2] = total, speed * values[1], values[2]
-        if len(values) == first + 3:
-            sizes[row, 0] += values[first] + speed * values[first + 1]
-            sizes[row, 1] += values[first + 2]
-    largest = bounds[rows.BY_V]
-    sizes[rows.BY_V, 0], sizes[rows.BY_V, 1] = speed * largest[1], 2.0 * largest[2]
-    if len(largest) == first + 3:
-        sizes[rows.BY_V, 0] += largest[first + 2]
+    combine(bounds, one, True, sizes)
+    # b x' + c x'^2 changes with x' by b + 2 c x'.
+    by_v, with_v, squared = rows.BY_V, rows.SIZES + rows.BY_V, 2 * rows.SIZES + rows.BY_V
+    sizes[by_v], sizes[with_v], sizes[squared] = sizes[with_v], 2.0 * sizes[squared], 0.0
 
 
 @part
 def size(sizes: FloatArray, row: int, rate: float) -> float:
     """One of the sums at a rate of x."""
-    return float(sizes[row, 0] + rate * (sizes[row, 1] + rate * sizes[row, 2]))
+    with_v, squared = sizes[rows.SIZES + row], sizes[2 * rows.SIZES + row]
+    return float(sizes[row] + rate * (with_v + rate * squared))
 
 
 @part

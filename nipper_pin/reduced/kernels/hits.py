@@ -9,7 +9,7 @@ import numpy as np
 from . import layout as rows
 from .compiled import part
 from .layout import Solver
-from .panel import chebyshev, contract, position
+from .panel import chebyshev, contract, place_of, position
 
 # Halvings of a bracket from a panel to round-off.
 _SEARCH_STEPS = 60
@@ -42,14 +42,14 @@ def first_hit(solved: SolvedPanel, end: float, first: int) -> tuple[float, int]:
 
     Nodes before ``first`` do not count: there a stop has just been thrown open.
     """
-    place, hit, work, level = end, -1, solved.solver.work, solved.level
-    grids, poly, nodes, case = solved.solver.grids, work.poly, work.nodes, work.case[solved.c]
-    degree = solved.solver.charts.equation.shape[4]
+    place, hit, level, solver = end, -1, solved.level, solved.solver
+    grids, poly, nodes = solver.grids, solver.work.poly, solver.work.nodes
+    number, degree = solver.charts.numbers[solved.c], solver.charts.equation.shape[4]
     for column in range(3 * degree, poly.shape[1], degree):
         older = old = -np.inf
         for j in range(rows.LEVELS[level]):
             sigma = grids[rows.SIGMA, level, 0, j]
-            at = case[rows.SCALE] * (nodes[rows.NODE_X, j] - case[rows.LOW]) - 1.0
+            at = place_of(number, nodes[rows.NODE_X, j])
             gap = chebyshev(poly, j, column, degree, at)
             low = grids[rows.SIGMA, level, 0, max(j - 1, 0)]
             high = sigma if gap <= 0.0 and j >= first else -1.0
@@ -73,11 +73,11 @@ def first_hit(solved: SolvedPanel, end: float, first: int) -> tuple[float, int]:
 def _gap_at(solved: SolvedPanel, column: int, sigma: float) -> float:
     """Gap of another stop at a place sigma of the panel."""
     solver, c = solved.solver, solved.c
-    poly, nodes, case = solver.work.poly, solver.work.nodes, solver.work.case[c]
-    row, order = len(poly) - 1, rows.LEVELS[solved.level]
+    poly, nodes, order = solver.work.poly, solver.work.nodes, rows.LEVELS[solved.level]
+    row = len(poly) - 1
     contract(solver, c, row, solved.u + solved.h * solver.one.speed * sigma)
     x = position(nodes, order, solved.h, solved.x0, solved.v0, sigma)
-    place = case[rows.SCALE] * (x - case[rows.LOW]) - 1.0
+    place = place_of(solver.charts.numbers[c], x)
     return chebyshev(poly, row, column, solver.charts.equation.shape[4], place)
 
 

@@ -21,7 +21,7 @@ from .in_memory import in_memory
 from .layout import Cases, Charts, Job, Motion, Plain, Records, Settings, Solver, Work
 from .release import released
 from .turn import FLYING, STRIKING, follow
-from .turn_charts import case_of, press, records_in, scratch
+from .turn_charts import case_of, prepare, records_in, scratch
 from .turn_quantities import turns_of
 
 # Charts of the rest of a turn: of the clamping stop up to its opening, of the waiting one from
@@ -70,8 +70,6 @@ def _clamps(solver: Solver, rest: float) -> bool:
     opening = number[rows.TRAVEL_MOST]
     if not rest < opening:
         return False
-    work.pressed[_CLAMPING] = False
-    press(solver, _CLAMPING)
     return bool(released(solver, _CLAMPING, work.line[_CLAMPING], rest, opening) > opening)
 
 
@@ -187,6 +185,7 @@ def _all(grids: FloatArray, machine: Charts, scratches: Work, cases: Cases, sett
         own = events[min(i, len(events) - 1)]
         records = in_memory(Records(own, room.holds, room.ends, room.counts))
         solver = in_memory(Solver(grids, charts, work, in_memory(case_of(cases, i)), records))
+        prepare(solver)
         if job.task == rows.TRANSITIONS:
             _transition(solver, settings, job, found[i, 0], told[i])
         elif job.task == rows.ARRIVALS:

@@ -15,15 +15,14 @@ follows for every panel that is kept; see the module that keeps them.
 Numbers of a chart: SCALE takes x - low to [0, 2]; PER_RAD is the number of its cells in a radian;
 BEGIN is the travel from the start of the turn to u = 0. Where another stop takes over at the end:
 ARRIVE, the derivative by u of its gap there, negative, THROW, the rate of x by that of this gap,
-and CORNER_ERROR, the bound on the error of the end itself [rad]; zeros where it is the same stop. A
-case on it has the speed, too.
+and CORNER_ERROR, the bound on the error of the end itself [rad]; zeros where it is the same stop.
 
 Places of a chart: its stop, the chart that follows where it ends, and from OTHERS on the other
 stops.
 
-Bounds of a case: sums that bound the error of x'' and its derivatives by x, travel and rate, with
-the powers of the rate in the columns. Those of the functions of a chart, likewise: their errors,
-largest derivatives by x and by u, and largest values.
+Bounds of a case: sums that bound the error of x'' and its derivatives by x, travel and rate; then
+what is multiplied by the rate, then by its square. Those of the functions of a chart, likewise:
+their errors, largest derivatives by x and by u, and largest values.
 
 What is told of a transition: time of rest and its error [s], share of the first two rebounds in it,
 bound on the worst relative error; RESTS: travel of the rest; from OVER on, of a machine in flight
@@ -95,12 +94,12 @@ PROBES = 3
 # Rows of the scratch array.
 NODE_A, NODE_NEW, NODE_X, NODE_V, SERIES, SERIES_ONCE, SERIES_TWICE, GROWTH, KEPT = numbered(9)
 SCRATCH_ROWS = 9
-# Numbers of a chart, and of a case on it.
+# Numbers of a chart.
 (
-    SPEED, TRAVEL_MOST, LOW, HIGH, SCALE, PER_RAD, BEGIN, ARRIVE, ARRIVE_ERROR, THROW, CORNER_ERROR,
+    TRAVEL_MOST, LOW, HIGH, SCALE, PER_RAD, BEGIN, ARRIVE, ARRIVE_ERROR, THROW, CORNER_ERROR,
     INERTIA_ERROR,
-) = numbered(12)  # fmt: skip
-CASE_NUMBERS = 12
+) = numbered(11)  # fmt: skip
+CHART_NUMBERS = 11
 # Places of a chart.
 OWN, AFTER, OTHERS = numbered(3)
 # Whether the machine arrives in its initial phase at the touch.
@@ -131,15 +130,15 @@ class Charts(NamedTuple):
     chart. C charts, K stops, R ends of tables of springs, S = K - 1 + R.
 
     Attributes:
-        equation: Functions in x'', shape (C, 4 + 2 springs, cells, Nu, Nx).
-        along: The same along the closed stop, x = 0, shape (C, functions, cells, Nu).
+        equation: Functions in x'', shape (C, cells, Nu, 4 + 2 springs, Nx).
+        along: The same along the closed stop, x = 0, shape (C, cells, functions, Nu).
         gaps: Gaps of the other stops and up to those ends, then their derivatives by x, then those
             by u, shape (C, 3 S, cells, Nu, Nx).
         inertia: Effective inertia at x = 0, shape (C, cells, Nu).
         bounds: Of the functions: of their errors, largest derivatives by x and by u, and largest
-            values, shape (C, SIZES, functions).
+            values, shape (C, functions, SIZES).
         gap_bounds: Of the errors of the gaps and their derivatives, shape (C, 3 S).
-        numbers: Shape (C, CASE_NUMBERS).
+        numbers: Shape (C, CHART_NUMBERS).
         beyond: How far springs are beyond those ends where x = 0, shape (C, R, cells, Nu).
         stops: Places of a chart, shape (C, 1 + K).
         lever: Rate of the normal gap by that of the coordinate, shape (K,) [m/rad or 1].
@@ -296,13 +295,11 @@ class Work(NamedTuple):
     """Scratch arrays of a call, made in it: no two threads share them.
 
     Attributes:
-        case: Numbers of the case, shape (C, CASE_NUMBERS).
         mixed: Functions combined for the case, shape (C, cells, Nu, (3 + S) Nx): terms of x''
             without x', with it, with its square, then the gaps.
-        sizes: Bounds of the case as polynomials of the rate, shape (C, SIZES, 3).
+        sizes: Bounds of the case as polynomials of the rate, shape (C, 3 SIZES).
         line: x'' along x = 0 at rest, shape (C, cells, Nu).
-        pressed: Whether what presses the stop of a chart was combined, shape (C,).
-        ready: Whether its cells were, shape (C, cells).
+        ready: Whether cells of the charts were combined, shape (C, cells).
         poly: A chart as polynomials in x at the nodes, shape (N + 1, (3 + S) Nx); the last row is
             for single points.
         nodes: Shape (SCRATCH_ROWS, N + 2), and the panels that are kept.
@@ -310,11 +307,9 @@ class Work(NamedTuple):
         memory: What is remembered of the motion, shape (MEMORY,).
     """
 
-    case: FloatArray
     mixed: FloatArray
     sizes: FloatArray
     line: FloatArray
-    pressed: NDArray[np.bool_]
     ready: NDArray[np.bool_]
     poly: FloatArray
     nodes: FloatArray

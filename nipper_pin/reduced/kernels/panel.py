@@ -17,7 +17,7 @@ from ...tolerances.mechanics import EPS
 from ...tolerances.reduced import COARSE_SWEEP, DEFECT_EFFECT
 from . import layout as rows
 from .compiled import inlined, part
-from .layout import Solver
+from .layout import Case, Solver
 
 # Panels end this much beyond the zero of x that is expected.
 OVERSHOOT = 1.01
@@ -28,8 +28,7 @@ _GUESSES = 4
 @part
 def reach(solver: Solver, c: int, u: float, until: float) -> None:
     """Combine the cells of a chart between two travels for the case, where that is not done yet."""
-    work = solver.work
-    ready, per_rad = work.ready[c], work.case[c, rows.PER_RAD]
+    ready, per_rad = solver.work.ready[c], solver.charts.numbers[c, rows.PER_RAD]
     first, last = cell_at(per_rad, len(ready), u)[0], cell_at(per_rad, len(ready), until)[0]
     for cell in range(first, last + 1):
         if not ready[cell]:
@@ -40,27 +39,43 @@ def reach(solver: Solver, c: int, u: float, until: float) -> None:
 @part
 def _mix(solver: Solver, c: int, cell: int) -> None:
     """Combine the functions of a cell for the parameters of the case."""
-    f, gaps, one = solver.charts.equation[c], solver.charts.gaps[c], solver.one
-    speed, stiffness, preload = one.speed, one.stiffness, one.preload
-    count_u, count_x = f.shape[2], f.shape[3]
+    gaps = solver.charts.gaps[c]
+    _, _, count_u, count_x = gaps.shape
     for i in range(count_u):
         row = solver.work.mixed[c, cell, i]
-        for m in range(count_x):
-            row[m] = speed * speed * f[0, cell, i, m] + f[3, cell, i, m]
-            row[count_x + m] = speed * f[1, cell, i, m]
-            row[2 * count_x + m] = f[2, cell, i, m]
-        for k in range(len(stiffness)):
-            rate, unit = stiffness[k], stiffness[k] * preload[k]
-            for m in range(count_x):
-                row[m] += unit * f[4 + 2 * k, cell, i, m] + rate * f[5 + 2 * k, cell, i, m]
-        if f.shape[0] == 7 + 2 * len(stiffness):
-            first = 4 + 2 * len(stiffness)
-            for m in range(count_x):
-                row[m] += f[first, cell, i, m] + speed * f[first + 1, cell, i, m]
-                row[count_x + m] += f[first + 2, cell, i, m]
+        combine(solver.charts.equation[c, cell, i], solver.one, False, row)
         for stop in range(len(gaps) // 3):
             for m in range(count_x):
                 row[(3 + stop) * count_x + m] = gaps[stop, cell, i, m]
+
+
+@part
+def combine(f: FloatArray, one: Case, bounds: bool, row: FloatArray) -> None:
+    """Combine functions for a case: the terms of x'' without x', with it, and with its square.
+
+    Args:
+        f: Coefficients, values, or bounds, shape (functions, N).
+        bounds: Whether they are bounds, so that all terms are positive.
+        row: Written, the three one after the other; or only the first, shape (N,).
+    """
+    speed, stiffness, preload, count = one.speed, one.stiffness, one.preload, f.shape[1]
+    first = 4 + 2 * len(stiffness)
+    others = len(f) == first + 3
+    for m in range(count):
+        row[m] = speed * speed * f[0, m] + f[3, m]
+    for k in range(len(stiffness)):
+        unit = stiffness[k] * (abs(preload[k]) if bounds else preload[k])
+        for m in range(count):
+            row[m] += unit * f[4 + 2 * k, m] + stiffness[k] * f[5 + 2 * k, m]
+    if others:
+        for m in range(count):
+            row[m] += f[first, m] + speed * f[first + 1, m]
+    if len(row) == count:
+        return
+    for m in range(count):
+        row[count + m], row[2 * count + m] = speed * f[1, m], f[2, m]
+        if others:
+            row[count + m] += f[first + 2, m]
 
 
 @part
@@ -76,7 +91,7 @@ def contract(solver: Solver, c: int, j: int, u: float) -> None:
     """Functions of a chart at one travel, as polynomials in x, into row j of the scratch array."""
     poly, mixed = solver.work.poly, solver.work.mixed[c]
     cells, count_u, size = mixed.shape
-    cell, place = cell_at(solver.work.case[c, rows.PER_RAD], cells, u)
+    cell, place = cell_at(solver.charts.numbers[c, rows.PER_RAD], cells, u)
     for m in range(size):
         poly[j, m] = mixed[cell, 0, m] + place * mixed[cell, 1, m]
     older, old, i = 1.0, place, 2
@@ -140,10 +155,16 @@ def range_in(line: FloatArray, cell: int, left: float, right: float) -> tuple[fl
 
 
 @part
+def place_of(number: FloatArray, x: float) -> float:
+    """Place of a coordinate in [-1, 1], by the numbers of a chart."""
+    return float(number[rows.SCALE] * (x - number[rows.LOW]) - 1.0)
+
+
+@part
 def acceleration(solver: Solver, c: int, row: int, x: float, v: float) -> float:
     """Acceleration at the travel that was contracted into a row."""
-    poly, case, degree = solver.work.poly, solver.work.case[c], solver.charts.equation.shape[4]
-    place = case[rows.SCALE] * (x - case[rows.LOW]) - 1.0
+    poly, degree = solver.work.poly, solver.charts.equation.shape[4]
+    place = place_of(solver.charts.numbers[c], x)
     p0 = chebyshev(poly, row, 0, degree, place)
     p1 = chebyshev(poly, row, degree, degree, place)
     p2 = chebyshev(poly, row, 2 * degree, degree, place)
@@ -188,11 +209,10 @@ def _sweep(solver: Solver, c: int, level: int, h: float, x0: float, v0: float) -
     """One Picard sweep; returns the largest change of the accelerations."""
     _positions(solver, level, h, x0, v0)
     poly, nodes, degree = solver.work.poly, solver.work.nodes, solver.charts.equation.shape[4]
-    low, scale = solver.work.case[c, rows.LOW], solver.work.case[c, rows.SCALE]
-    change = 0.0
+    number, change = solver.charts.numbers[c], 0.0
     for j in range(rows.LEVELS[level]):
         # Beyond the domain the answer is refused; until then it only has to stay finite.
-        t = min(max(scale * (nodes[rows.NODE_X, j] - low) - 1.0, -1.3), 1.3)
+        t = min(max(place_of(number, nodes[rows.NODE_X, j]), -1.3), 1.3)
         older, old = 1.0, t
         p0 = poly[j, 0] + t * poly[j, 1]
         p1 = poly[j, degree] + t * poly[j, degree + 1]
@@ -254,7 +274,7 @@ def solve_panel(solver: Solver, c: int, u: float, h: float, x0: float, v0: float
         of x'' that does what the coefficients missing from the series and round-off do.
     """
     grids, nodes, speed = solver.grids, solver.work.nodes, solver.one.speed
-    longest = (solver.work.case[c, rows.TRAVEL_MOST] - u) / speed
+    longest = (solver.charts.numbers[c, rows.TRAVEL_MOST] - u) / speed
     for j in range(rows.LEVELS[0]):
         nodes[rows.NODE_A, j] = a0
     for guess in range(_GUESSES + 1):

@@ -104,16 +104,16 @@ def surely_over(solver: Solver, at: Motion, still: float) -> tuple[bool, float]:
         still: x'' at x = 0 at rest.
     """
     charts, work, c, u, w, d = solver.charts, solver.work, at.chart, at.u, at.v, -still
-    case, sizes, speed = work.case[c], work.sizes[c], solver.one.speed
+    number, sizes, speed = charts.numbers[c], work.sizes[c], solver.one.speed
     restitution = solver.one.restitution[charts.stops[c, rows.OWN]]
     if not (d > 0.0 and restitution < 1.0):
         return False, 0.0
     ahead = LATE_REST_SAFETY * 2.0 * w / (d * (1.0 - restitution))
     # Rates stay below 2 w, and gaps below w w / d.
     over, gap = u + speed * ahead, w * w / d
-    if over >= case[rows.TRAVEL_MOST] or gap > case[rows.HIGH]:
+    if over >= number[rows.TRAVEL_MOST] or gap > number[rows.HIGH]:
         return False, ahead
-    low, high = range_along(work.line[c], case[rows.PER_RAD], u, over)
+    low, high = range_along(work.line[c], number[rows.PER_RAD], u, over)
     felt = 2.0 * w * size(sizes, rows.BY_V, 2.0 * w) + gap * size(sizes, rows.BY_X, 2.0 * w)
     least, most = -high - felt, felt - low
     if not (least > 0.0 and most <= 4.0 * least):
@@ -124,6 +124,6 @@ def surely_over(solver: Solver, at: Motion, still: float) -> tuple[bool, float]:
     gaps = charts.gaps[c]
     others = len(gaps) // 3
     for row in range(others, 2 * others):
-        if min(surface(gaps, row, case, u, 0.0), surface(gaps, row, case, over, 0.0)) < 0.0:
+        if min(surface(gaps, row, number, u, 0.0), surface(gaps, row, number, over, 0.0)) < 0.0:
             return False, ahead
     return True, ahead

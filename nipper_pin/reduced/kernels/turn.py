@@ -17,7 +17,7 @@ from .layout import Flown, Motion, Settings, Solver, numbered
 from .panel import acceleration, contract, reach
 from .release import release_error, released
 from .series import settles, surely_over
-from .turn_charts import chart_at, other_of, press, seen_by, surface
+from .turn_charts import chart_at, other_of, seen_by, surface
 from .turn_events import TURN, errors_after, mark, note, rebounded, repeats, strike
 
 # What a machine does next: its stop is closed, is about to be struck, has just been struck, is
@@ -39,7 +39,6 @@ def follow(solver: Solver, settings: Settings, turns: int, phase: int, at: Motio
         does not.
     """
     work, records = solver.work, solver.records
-    work.pressed[:] = False
     records.counts[:] = 0
     work.memory[:] = 0.0
     work.memory[rows.LAST] = work.memory[rows.REST_CHART] = -1.0
@@ -49,7 +48,6 @@ def follow(solver: Solver, settings: Settings, turns: int, phase: int, at: Motio
     while status == rows.GOES_ON:
         if _no_room(solver):
             return rows.TOO_MANY, rows.ZERO
-        press(solver, at.chart)
         now = phase
         if phase == RESTING:
             status, phase, at = _rest(solver, clamp, at)
@@ -220,12 +218,12 @@ def _fly(solver: Solver, settings: Settings, bounced: bool,
 def _meet(solver: Solver, flown: Flown, at: Motion) -> tuple[int, int, Motion]:
     """Go over to the chart of another stop that closes at the end of a flight."""
     c, charts, work, speed = at.chart, solver.charts, solver.work, solver.one.speed
-    gaps, case, begin, s = charts.gaps[c], work.case[c], charts.numbers, flown.hit
+    gaps, begin, s = charts.gaps[c], charts.numbers, flown.hit
     _, closing, d_gap, d_rate = seen_by(solver, s, at)
     to = chart_at(charts, charts.stops[c, rows.OTHERS + s], begin[c, rows.BEGIN] + at.u)
     if to < 0 or closing >= 0.0:
         return rows.OTHER_STOP, FLYING, at
-    by_x = surface(gaps, len(gaps) // 3 + s, case, at.u, at.x)
+    by_x = surface(gaps, len(gaps) // 3 + s, begin[c], at.u, at.x)
     late = d_gap / -closing
     dv = d_rate + 2.0 * (abs(by_x * flown.a) + speed * flown.fastest) * late
     u = at.u + (begin[c, rows.BEGIN] - begin[to, rows.BEGIN])

@@ -9,7 +9,7 @@ from . import layout as rows
 from .compiled import allocating, part
 from .flight_errors import sizes_of
 from .layout import Case, Cases, Charts, Motion, Records, Solver, Work
-from .panel import cell_at
+from .panel import cell_at, combine, place_of
 
 
 @allocating
@@ -20,13 +20,12 @@ def scratch(charts: Charts, most: int, panels: int) -> Work:
         most: Largest number of collisions of a series.
         panels: Panels of the motion that are kept.
     """
-    count, _, cells, count_u, count_x = charts.equation.shape
+    count, cells, count_u, _, count_x = charts.equation.shape
     size = (3 + charts.gaps.shape[1] // 3) * count_x
     finest = rows.LEVELS[-1]
     return Work(
-        np.empty((count, rows.CASE_NUMBERS)), np.empty((count, cells, count_u, size)),
-        np.zeros((count, rows.SIZES, 3)), np.empty((count, cells, count_u)),
-        np.empty(count, dtype=np.bool_), np.empty((count, cells), dtype=np.bool_),
+        np.empty((count, cells, count_u, size)), np.empty((count, 3 * rows.SIZES)),
+        np.empty((count, cells, count_u)), np.empty((count, cells), dtype=np.bool_),
         np.empty((finest + 1, size)), np.zeros((rows.SCRATCH_ROWS * (1 + panels), finest + 2)),
         np.empty((3, most)), np.empty(rows.MEMORY),
     )  # fmt: skip
@@ -51,45 +50,23 @@ def case_of(cases: Cases, i: int) -> Case:
 
 
 @part
-def press(solver: Solver, c: int) -> None:
-    """Combine what presses the stop of a chart for the case, where that is first asked for."""
-    charts, work, one = solver.charts, solver.work, solver.one
-    if work.pressed[c]:
-        return
-    case = work.case[c]
-    for number in range(rows.CASE_NUMBERS):
-        case[number] = charts.numbers[c, number]
-    case[rows.SPEED] = one.speed
-    sizes_of(charts.bounds[c], work.sizes[c], one)
-    line(charts.along[c], one, work.line[c])
-    work.ready[c] = False
-    work.pressed[c] = True
+def prepare(solver: Solver) -> None:
+    """Combine for a case what is known of its charts before their cells: see ``reach``."""
+    charts, work = solver.charts, solver.work
+    work.ready[:] = False
+    for c in range(len(charts.along)):
+        sizes_of(charts.bounds[c], work.sizes[c], solver.one)
+        for cell in range(charts.along.shape[1]):
+            combine(charts.along[c, cell], solver.one, False, work.line[c, cell])
 
 
 @part
-def line(functions: FloatArray, one: Case, found: FloatArray) -> None:
-    """Combine functions along a stop for a case, one row a cell."""
-    speed, stiffness, preload = one.speed, one.stiffness, one.preload
-    first = 4 + 2 * len(stiffness)
-    for cell in range(functions.shape[1]):
-        for i in range(functions.shape[2]):
-            value = speed * speed * functions[0, cell, i] + functions[3, cell, i]
-            for k in range(len(stiffness)):
-                unit = preload[k] * functions[4 + 2 * k, cell, i] + functions[5 + 2 * k, cell, i]
-                value += stiffness[k] * unit
-            if functions.shape[0] == first + 3:
-                value += functions[first, cell, i] + speed * functions[first + 1, cell, i]
-            found[cell, i] = value
-
-
-@part
-def surface(table: FloatArray, row: int, case: FloatArray, u: float, x: float) -> float:
+def surface(table: FloatArray, row: int, number: FloatArray, u: float, x: float) -> float:
     """Value of one function of (u, x), shape of ``table`` (functions, cells, Nu, Nx)."""
     _, cells, count_u, count_x = table.shape
-    cell, place_u = cell_at(case[rows.PER_RAD], cells, u)
-    place_x = case[rows.SCALE] * (x - case[rows.LOW]) - 1.0
-    total = 0.0
-    older, old = 0.0, 1.0
+    cell, place_u = cell_at(number[rows.PER_RAD], cells, u)
+    place_x = place_of(number, x)
+    total, older, old = 0.0, 0.0, 1.0
     for i in range(count_u):
         high = low = 0.0
         for m in range(count_x - 1, 0, -1):
@@ -103,14 +80,14 @@ def surface(table: FloatArray, row: int, case: FloatArray, u: float, x: float) -
 def seen_by(solver: Solver, s: int, at: Motion) -> tuple[float, float, float, float]:
     """Gap and rate of another stop, and bounds on their errors, from those of a motion."""
     charts, speed, c, u, x, v = solver.charts, solver.one.speed, at.chart, at.u, at.x, at.v
-    gaps, case = charts.gaps[c], solver.work.case[c]
+    gaps, number = charts.gaps[c], charts.numbers[c]
     others = len(gaps) // 3
-    gap = surface(gaps, s, case, u, x)
-    by_x = surface(gaps, others + s, case, u, x)
-    by_u = surface(gaps, 2 * others + s, case, u, x)
+    gap = surface(gaps, s, number, u, x)
+    by_x = surface(gaps, others + s, number, u, x)
+    by_u = surface(gaps, 2 * others + s, number, u, x)
     wrong = charts.gap_bounds[c, s::others]
     # The slopes change by less than themselves over the whole domain.
-    bent = at.dx / (case[rows.HIGH] - case[rows.LOW])
+    bent = at.dx / (number[rows.HIGH] - number[rows.LOW])
     d_gap = abs(by_x) * at.dx + wrong[0]
     d_rate = (
         abs(by_x) * at.dv

@@ -14,9 +14,9 @@ from .flight import kept
 from .flight_errors import size
 from .in_memory import in_memory
 from .layout import Cases, Charts, Job, Records, Settings, Solver, Work
-from .panel import acceleration, along, chebyshev, contract, position, rate_at, reach
+from .panel import acceleration, along, chebyshev, contract, place_of, position, rate_at, reach
 from .turn import FLYING, RESTING, follow
-from .turn_charts import case_of, press, records_in, scratch
+from .turn_charts import case_of, prepare, records_in, scratch
 from .turn_events import begin_at
 from .turn_quantities import begun
 
@@ -31,7 +31,7 @@ def torque_at(torques: Solver, i: int, u: float, x: float, v: float, a: float) -
     work, degree = torques.work, torques.charts.equation.shape[4]
     row = len(work.poly) - 1
     contract(torques, i, row, u)
-    place = work.case[i, rows.SCALE] * (x - work.case[i, rows.LOW]) - 1.0
+    place = place_of(torques.charts.numbers[i], x)
     by_a = chebyshev(work.poly, row, 3 * degree, degree, place)
     return acceleration(torques, i, row, x, v) + by_a * a
 
@@ -43,7 +43,7 @@ def _value(torques: Solver, i: int, block: FloatArray, sigma: float) -> float:
     h, order = numbers[panels.LENGTH], int(numbers[panels.NODES])
     # By round-off beyond the chart, there may be a cell that is combined for no case.
     past = numbers[panels.FROM] + torques.one.speed * h * sigma
-    u = min(past, torques.work.case[i, rows.TRAVEL_MOST])
+    u = min(past, torques.charts.numbers[i, rows.TRAVEL_MOST])
     if order == 0:
         return torque_at(torques, i, u, 0.0, 0.0, 0.0)
     x = position(block, order, h, numbers[panels.X_BEGIN], numbers[panels.V_BEGIN], sigma)
@@ -158,8 +158,7 @@ def largest_torques(solver: Solver, torques: Solver, most: FloatArray, wrong: Fl
         most: Written, shape (drives,).
         wrong: Written: bounds on the errors, likewise.
     """
-    nodes, mixed = solver.work.nodes, torques.work
-    mixed.pressed[:] = False
+    nodes = solver.work.nodes
     drives = len(most)
     for d in range(drives):
         largest = beside = bounced = 0.0
@@ -168,8 +167,7 @@ def largest_torques(solver: Solver, torques: Solver, most: FloatArray, wrong: Fl
             block = nodes[first : first + rows.SCRATCH_ROWS]
             c = int(block[rows.KEPT, panels.CHART])
             i = c * drives + d
-            press(torques, i)
-            reach(torques, i, 0.0, mixed.case[i, rows.TRAVEL_MOST])
+            reach(torques, i, 0.0, torques.charts.numbers[i, rows.TRAVEL_MOST])
             value, late = _panel(torques, i, block, largest)
             # An extreme that is just beaten may be the larger one by its error.
             beside = max(beside, late + _wrong(torques, i, block))
@@ -214,11 +212,13 @@ def _all(grids: FloatArray, charts: Charts, torques: Charts, works: tuple[Work, 
     first, again = in_memory(records[0]), in_memory(records[1])
     for i in range(len(cases.speed)):
         one = in_memory(case_of(cases, i))
-        told[i] = _torques(
-            in_memory(Solver(grids, machine, work, one, first)),
-            in_memory(Solver(grids, machine, keeping, one, again)),
-            in_memory(Solver(grids, drives, mixed, one, again)), settings, job, found[i],
-        )  # fmt: skip
+        solver = in_memory(Solver(grids, machine, work, one, first))
+        keeper = in_memory(Solver(grids, machine, keeping, one, again))
+        torques_of = in_memory(Solver(grids, drives, mixed, one, again))
+        prepare(solver)
+        prepare(keeper)
+        prepare(torques_of)
+        told[i] = _torques(solver, keeper, torques_of, settings, job, found[i])
         if told[i] != rows.AT_REST:
             found[i] = np.nan
 

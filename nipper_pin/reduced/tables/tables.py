@@ -300,7 +300,7 @@ def stacked(mechanism: Mechanism, charts: list[Chart]) -> Charts:
     for chart in charts:
         travel, low, high = chart.domain.travel, chart.domain.low, chart.domain.high
         per_rad = chart.equation.shape[1] / travel
-        numbers.append((0.0, travel, low, high, 2.0 / (high - low), per_rad, chart.begin,
+        numbers.append((travel, low, high, 2.0 / (high - low), per_rad, chart.begin,
                         *chart.meets, chart.inertia_error))  # fmt: skip
         others = [place for place in range(len(lever)) if place != chart.stop]
         stops.append((chart.stop, chart.after, *others))
@@ -309,18 +309,18 @@ def stacked(mechanism: Mechanism, charts: list[Chart]) -> Charts:
     closed = np.concatenate([chart.domain.places(np.zeros(1)) for chart in charts])
     at_zero = chebyshev.chebvander(closed, count_x - 1)
 
-    def along(functions: FloatArray) -> FloatArray:
-        return np.ascontiguousarray(np.einsum("cfnij,cj->cfni", functions, at_zero))
+    def along(functions: FloatArray, order: str) -> FloatArray:
+        return np.asarray(np.einsum(f"cfnij,cj->{order}", functions, at_zero, order="C"))
 
     return Charts(
-        equation=equation,
-        along=along(equation),
+        equation=np.ascontiguousarray(np.moveaxis(equation, 1, 3)),
+        along=along(equation, "cnfi"),
         gaps=gaps,
         inertia=np.ascontiguousarray(inertia),
-        bounds=np.array([chart.bounds for chart in charts]),
+        bounds=np.array([chart.bounds.T for chart in charts], order="C"),
         gap_bounds=np.array([chart.gap_bounds for chart in charts]),
         numbers=np.array(numbers),
-        beyond=-along(gaps[:, len(lever) - 1 : gaps.shape[1] // 3]),
+        beyond=-along(gaps[:, len(lever) - 1 : gaps.shape[1] // 3], "cfni"),
         stops=np.array(stops, dtype=np.int64),
         lever=lever,
     )
