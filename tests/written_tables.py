@@ -113,17 +113,18 @@ def rest_of_turn(
 def solve(
     charts: Charts, cases: Cases, settings: Settings, most: int, *, ask: bool = False,
     angle: tuple[float, float] = (0.0, 1.0), premise: int = layout.HOLDS, before: Any = None,
-) -> tuple[Any, Any, Any]:  # fmt: skip
+) -> tuple[Any, Any]:  # fmt: skip
     """What is written of cases, of their transitions or of what is asked of the turn before.
 
     Args:
         before: What was written of them before.
     """
     n = len(cases.speed)
-    table = np.empty((n, most + layout.BESIDE, layout.COLUMNS))
-    rest, told = np.full((n, 1, layout.REST_COLUMNS), np.nan), np.full((n, 3), layout.GOES_ON)
+    table = np.full((n, most + layout.BESIDE, layout.COLUMNS), np.nan)
+    told = np.full((n, 3), layout.GOES_ON)
     if before is not None:
-        rest, told = before[1:]
+        table, told = before if ask else (table, before[1])
+        table[:, 0] = before[0][:, 0]
     if before is None or premise == layout.NOT_ASKED:
         told[:, 2] = premise
     job = layout.Job(int(layout.TRANSITIONS), most, touch=angle[0], sense=angle[1])
@@ -132,9 +133,9 @@ def solve(
         job = layout.Job(int(layout.ARRIVALS), _BOUNCES)
         events = np.empty((1, 2 * _BOUNCES, layout.COLUMNS))
     kernel.run(
-        panel.grids(), tuple(charts), tuple(cases), tuple(settings), tuple(job), events, told, rest
+        panel.grids(), tuple(charts), tuple(cases), tuple(settings), tuple(job), events, told, table
     )
-    return table, rest, told
+    return table, told
 
 
 def one_of(charts: Charts, place: int) -> Charts:

@@ -169,34 +169,54 @@ class CollisionRows(EventRows):
 
 
 @dataclass(frozen=True, eq=False)
-class TransitionBatch(CollisionRows):
-    """Transitions of n cases; the rows have shape (n, most), NaN beyond the last collision.
+class TransitionRows(CollisionRows):
+    """Transitions of n cases, or a single one: what is told of it has no axis of cases.
 
     Attributes:
         model: Name of the model.
-        status: :class:`Status` of each case, shape (n,).
-        collisions: Number of collisions computed, shape (n,).
-        rest: The next four, shape (n, 4).
+        rest: Row of the rest, NaN without one, shape (n, rows).
+        table: All rows of the collisions, shape (n, rows, most).
+        tell: Computes the premise.
         duration: Time from the first collision to rest [s], NaN without rest, shape (n,).
         duration_error: Bound on its error [s], shape (n,).
-        share: Share of the first two rebounds in the duration, shape (n,).
+        share: Share of the first two rebounds in the duration; NaN with fewer, shape (n,).
         error_bound: Bound on the worst relative error of the first two rebound times, the first
             amplitude and the duration, shape (n,).
-        table: All rows, shape (n, rows, most).
-        tell: Computes the premise.
     """
 
     model: str
-    status: NDArray[np.int64]
-    collisions: NDArray[np.int64]
     rest: FloatArray = field(repr=False)
     table: FloatArray = field(repr=False)
     tell: Callable[[], NDArray[np.int64]] = field(repr=False)
 
-    duration = Column(0, table="rest")
-    duration_error = Column(1, table="rest")
-    share = Column(2, table="rest")
-    error_bound = Column(3, table="rest")
+    @cached_property
+    def _relative(self) -> FloatArray:
+        """Share and error bound."""
+        time, wrong = (self.rest[..., row] for row in (layout.TIME, layout.TIME_ERROR))
+        third = self.time[..., 2] if self.time.shape[-1] > 2 else np.nan
+        values = [time[..., None], self.rebound_amplitude[..., :1], self.rebound_time[..., :2]]
+        errors = [wrong[..., None], self.amplitude_error[..., :1], self.rebound_error[..., :2]]
+        of, by = np.concatenate(errors, axis=-1), np.concatenate(values, axis=-1)
+        worst = np.divide(of, by, out=np.zeros_like(by), where=by > 0.0).max(axis=-1)
+        return np.stack([third / time, np.where(np.isnan(time), np.nan, worst)], axis=-1)
+
+
+@dataclass(frozen=True, eq=False)
+class TransitionBatch(TransitionRows):
+    """Transitions of n cases; the rows have shape (n, most), NaN beyond the last collision.
+
+    Attributes:
+        status: :class:`Status` of each case, shape (n,).
+        collisions: Number of collisions computed, shape (n,).
+    """
+
+    status: NDArray[np.int64]
+    collisions: NDArray[np.int64]
+
+    duration = Column(layout.TIME, table="rest")
+    duration_error = Column(layout.TIME_ERROR, table="rest")
+    share = Column(0, table="_relative")
+    error_bound = Column(1, table="_relative")
 
     @cached_property
     def premise(self) -> NDArray[np.int64]:
@@ -208,32 +228,19 @@ class TransitionBatch(CollisionRows):
 
 
 @dataclass(frozen=True, eq=False)
-class ReducedTransition(CollisionRows):
+class ReducedTransition(TransitionRows):
     """One transition that came to rest; the rows have shape (collisions,).
 
     Attributes:
-        model: Name of the model.
         collisions: Number of collisions computed.
-        rest: The next four, shape (4,).
-        duration: Time from the first collision to rest [s].
-        duration_error: Bound on its error [s].
-        share: Share of the first two rebounds in the duration; NaN with fewer.
-        error_bound: Bound on the worst relative error of the first two rebound times, the first
-            amplitude and the duration.
-        table: All rows, shape (rows, collisions).
-        tell: Computes the premise.
     """
 
-    model: str
     collisions: int
-    rest: FloatArray
-    table: FloatArray = field(repr=False)
-    tell: Callable[[], NDArray[np.int64]] = field(repr=False)
 
-    duration = Number(0, table="rest")
-    duration_error = Number(1, table="rest")
-    share = Number(2, table="rest")
-    error_bound = Number(3, table="rest")
+    duration = Number(layout.TIME, table="rest")
+    duration_error = Number(layout.TIME_ERROR, table="rest")
+    share = Number(0, table="_relative")
+    error_bound = Number(1, table="_relative")
 
     def __repr__(self) -> str:
         """Its numbers by their names."""

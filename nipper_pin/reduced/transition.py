@@ -77,8 +77,8 @@ def transition(
             break
     if status != _AT_REST:
         raise _refusal(model, Status(status), count, speed_rpm, max_collisions)
-    rows, rest = found.table[0, :count].T, found.rest[0, 0, : layout.RESTS]
-    return ReducedTransition(model.name, count, rest, rows, tell)
+    table = found.table[0]
+    return ReducedTransition(model.name, table[-1], table[:count].T, tell, count)
 
 
 def transitions(
@@ -122,20 +122,18 @@ def transitions(
     found, tell = _solved(model, cases, settings, assumed, max_collisions)
     status, counts, _ = found.told.T.copy()
     rows = found.table[:, :max_collisions].swapaxes(1, 2)
-    return TransitionBatch(model.name, status, counts, found.rest[:, 0, : layout.RESTS], rows, tell)
+    return TransitionBatch(model.name, found.table[:, -1], rows, tell, status, counts)
 
 
 class _Found(NamedTuple):
     """What is told of n cases.
 
     Attributes:
-        table: Collisions, shape (n, most + BESIDE, COLUMNS).
-        rest: Shape (n, 1, REST_COLUMNS).
+        table: Collisions, and the rest in the last row, shape (n, most + BESIDE, COLUMNS).
         told: Status, collisions, and whether they arrive in their initial phase, shape (n, 3).
     """
 
     table: FloatArray
-    rest: FloatArray
     told: NDArray[np.int64]
 
 
@@ -161,7 +159,7 @@ def _run(model: ReducedModel, cases: Cases, settings: Settings, ask: bool, found
         charts, events = model.arrival.charts, np.empty((1, 2 * _MOST_BOUNCES, layout.COLUMNS))
         task, most = _ARRIVALS, _MOST_BOUNCES
     job = task, most, *_NO_TURNS, model.touch_angle_rad, float(model.sense)
-    run(grids, (*charts,), (*cases,), (*settings,), job, events, found.told, found.rest)
+    run(grids, (*charts,), (*cases,), (*settings,), job, events, found.told, found.table)
 
 
 def _solved(
@@ -172,7 +170,7 @@ def _solved(
     told = np.empty((n, 3), dtype=np.int64)
     told[:, 0], told[:, 2] = layout.GOES_ON, layout.HOLDS if assumed else layout.NOT_ASKED
     table = np.empty((n, most + layout.BESIDE, layout.COLUMNS))
-    found = _Found(table, np.empty((n, 1, layout.REST_COLUMNS)), told)
+    found = _Found(table, told)
     if not assumed:
         _run(model, cases, settings, True, found)
     _run(model, cases, settings, False, found)
@@ -181,7 +179,7 @@ def _solved(
     _run(model, cases, settings, True, found)
     lost = (told[:, 2] == layout.UNKNOWN) & (told[:, 0] == _AT_REST)
     told[lost, :2] = int(Status.UNTOLD), 0
-    table[lost], found.rest[lost] = math.nan, math.nan
+    table[lost] = math.nan
     return found, partial(told[:, 2].copy)
 
 

@@ -19,7 +19,8 @@ from written_tables import (
     with_numbers,
 )
 
-from nipper_pin.reduced.kernels import flight_errors, kernel
+from nipper_pin.reduced import ReducedTransition
+from nipper_pin.reduced.kernels import flight_errors
 from nipper_pin.reduced.kernels import series as bounces
 from nipper_pin.reduced.kernels.layout import (
     AMPLITUDE,
@@ -43,7 +44,6 @@ from nipper_pin.reduced.kernels.layout import (
     RATE_ERROR,
     REBOUND,
     REBOUND_ERROR,
-    RESTS,
     SEPARATION,
     STOP,
     TIME,
@@ -88,15 +88,21 @@ def run(
     if not assumed:
         asked = solve(turn, cases, settings, 0, ask=True, premise=NOT_ASKED)
     found = solve(charts, cases, settings, most, angle=ANGLE, before=asked)
-    table, rest, told = found
+    table, told = found
     status, count, premise = told[0]
     if turn is None:
         premise = UNKNOWN
     else:
         known = HOLDS if asked else NOT_ASKED
-        premise = solve(turn, cases, settings, 0, ask=True, premise=known, before=found)[2][0, 2]
-    assert np.isnan(table[0, count:]).all()
-    return status, rest[0, 0, :RESTS], premise, table[0, :count].T
+        premise = solve(turn, cases, settings, 0, ask=True, premise=known, before=found)[1][0, 2]
+    assert np.isnan(table[0, count:-1]).all()
+    return status, summary(table[0, -1], table[0, :count]), premise, table[0, :count].T
+
+
+def summary(rest: Any, collisions: Any) -> Any:
+    """What is told of a rest."""
+    found = ReducedTransition("", rest, collisions.T, list, len(collisions))
+    return found.duration, found.duration_error, found.share, found.error_bound
 
 
 def expected(count: int) -> dict[int, Any]:
@@ -166,13 +172,13 @@ def test_the_worst_relative_error_of_a_transition(worst: int) -> None:
     """Of its duration, its amplitude and the times of its first two rebounds."""
     errors = np.array([1e-9, 2e-9, 3e-9, 4e-9])
     errors[worst] = 7e-9
-    table, found = np.zeros((4, COLUMNS)), np.zeros(4)
+    table = np.zeros((4, COLUMNS))
     table[:2, REBOUND], table[0, AMPLITUDE] = (0.02, 0.01), 2e-3
     table[2:, TIME] = 0.03, 0.04
     table[3, TIME_ERROR], table[0, AMPLITUDE_ERROR] = errors[:2] * (0.04, 2e-3)
     table[:2, REBOUND_ERROR] = errors[2:] * (0.02, 0.01)
-    kernel.summary(table, AT_REST, 3, found)
-    assert found == pytest.approx((0.04, table[3, TIME_ERROR], 0.75, 7e-9), rel=1e-12)
+    found = 0.04, table[3, TIME_ERROR], 0.75, 7e-9
+    assert summary(table[3], table[:3]) == pytest.approx(found, rel=1e-12)
 
 
 def test_a_series_that_is_nearly_over_is_closed_by_its_sum() -> None:
@@ -232,9 +238,9 @@ def test_rest_by_a_rate() -> None:
 def test_a_stop_that_is_pulled_open_does_not_rest(rest_rate: float) -> None:
     """However slow it is: it flies on, to the end of the travel."""
     tables = tables_of(level(0.02), **{**TABLES, "approach": -0.05})
-    status, summary, _, table = run(tables, rest_rate=rest_rate)
+    status, told, _, table = run(tables, rest_rate=rest_rate)
     assert status == LEFT_TRAVEL
-    assert np.isnan(summary).all()
+    assert np.isnan(told).all()
     assert table.shape[1] == 1
     for row in (AMPLITUDE, REBOUND, AMPLITUDE_ERROR, REBOUND_ERROR):
         assert np.isnan(table[row, 0])

@@ -74,63 +74,39 @@ def _clamps(solver: Solver, rest: float) -> bool:
 
 
 @part
-def _write(events: FloatArray, count: int, job: Job) -> None:
-    """Tell times from the first collision, angles, and the rebound of a stop that has none."""
-    for n in range(count, -1, -1):
-        events[n, rows.TIME] -= events[0, rows.TIME]
+def _transition(solver: Solver, settings: Settings, job: Job, told: NDArray[np.int64]) -> None:
+    """One transition: from the touch, from the flight over it, or from what is not known."""
+    events = solver.records.events
+    most, end = len(events) - rows.BESIDE, len(events) - 1
+    phase, at = STRIKING, _met(solver, _CLAMPING, _CLAMPING)
+    if told[2] == rows.FAILS:
+        x, v, dx, dv = events[0, 0], events[0, 1], events[0, 2], events[0, 3]
+        phase, at = FLYING, Motion(_CLAMPING, 0.0, 0.0, x, v, 0.0, dx, dv)
+    status, count = rows.UNTOLD, rows.ZERO
+    if told[2] != rows.UNKNOWN:
+        status, _ = follow(solver, settings, rows.ZERO, phase, at, _CLAMPING)
+        count = solver.records.counts[rows.EVENTS]
+    rests = count > 0 and events[count - 1, rows.KIND] == rows.REST
+    if rests:
+        status, count = rows.AT_REST, count - 1
+    first = events[0, rows.TIME]
+    for column in range(rows.COLUMNS):
+        events[end, column] = events[count, column] if rests else np.nan
+    events[end, rows.TIME] -= first
+    told[0], told[1] = status, min(count, most)
+    events[told[1] : end] = np.nan
+    for n in range(told[1]):
+        events[n, rows.TIME] -= first
         events[n, rows.ANGLE] = job.touch + job.sense * events[n, rows.TRAVEL]
-    last = events[count - 1]
-    if last[rows.SEPARATION] <= 0.0:
+    last = events[told[1] - 1]
+    if told[1] > 0 and last[rows.SEPARATION] <= 0.0:
+        # It has no rebound.
         last[rows.AMPLITUDE] = last[rows.AMPLITUDE_ERROR] = 0.0
         last[rows.REBOUND] = last[rows.REBOUND_ERROR] = 0.0
 
 
 @part
-def summary(events: FloatArray, status: int, count: int, rest: FloatArray) -> None:
-    """Write duration, its error, share of the first two rebounds, worst relative error of four."""
-    rest[:] = np.nan
-    if status != rows.AT_REST:
-        return
-    duration, error = events[count, rows.TIME], events[count, rows.TIME_ERROR]
-    rest[0], rest[1] = duration, error
-    if count > 2 and duration > 0.0:
-        rest[2] = events[2, rows.TIME] / duration
-    rest[3] = error / duration if duration > 0.0 else 0.0
-    if events[0, rows.AMPLITUDE] > 0.0:
-        rest[3] = max(rest[3], events[0, rows.AMPLITUDE_ERROR] / events[0, rows.AMPLITUDE])
-    for n in range(min(2, count)):
-        if events[n, rows.REBOUND] > 0.0:
-            rest[3] = max(rest[3], events[n, rows.REBOUND_ERROR] / events[n, rows.REBOUND])
-
-
-@part
-def _transition(solver: Solver, settings: Settings, job: Job, rest: FloatArray,
-                told: NDArray[np.int64]) -> None:  # fmt: skip
-    """One transition: from the touch, from the flight over it, or from what is not known."""
-    events = solver.records.events
-    most = len(events) - rows.BESIDE
-    phase, at = STRIKING, _met(solver, _CLAMPING, _CLAMPING)
-    if told[2] == rows.FAILS:
-        over = rest[rows.OVER :]
-        phase, at = FLYING, Motion(_CLAMPING, 0.0, 0.0, over[0], over[1], 0.0, over[2], over[3])
-    status, count = rows.UNTOLD, rows.ZERO
-    if told[2] != rows.UNKNOWN:
-        status, _ = follow(solver, settings, rows.ZERO, phase, at, _CLAMPING)
-        count = solver.records.counts[rows.EVENTS]
-    rest[rows.RESTS] = np.nan
-    if count > 0:
-        if events[count - 1, rows.KIND] == rows.REST:
-            status, count = rows.AT_REST, count - 1
-            rest[rows.RESTS] = events[count, rows.TRAVEL]
-        count = min(count, most)
-        _write(events, count, job)
-    told[0], told[1] = status, count
-    summary(events, status, count, rest[: rows.RESTS])
-    events[count:] = np.nan
-
-
-@part
-def _premise(solver: Solver, settings: Settings, rest: FloatArray,
+def _premise(solver: Solver, settings: Settings, found: FloatArray,
              told: NDArray[np.int64]) -> None:  # fmt: skip
     """Find how one machine arrives, and how its transition begins, or whether that ends so."""
     if told[2] == rows.NOT_ASKED:
@@ -140,9 +116,8 @@ def _premise(solver: Solver, settings: Settings, rest: FloatArray,
             finer = max(ARRIVAL_SHARE * settings.tolerance, FINEST_TOLERANCE)
             fine = Settings(settings.rest_rate, finer, False)
             told[2], at = _arrival(solver, fine, FLIGHT_UNRESOLVED)
-            over = rest[rows.OVER :]
-            over[0], over[1], over[2], over[3] = at.x, at.v, at.dx, at.dv
-    known = told[0] == rows.AT_REST and _clamps(solver, rest[rows.RESTS])
+            found[0, 0], found[0, 1], found[0, 2], found[0, 3] = at.x, at.v, at.dx, at.dv
+    known = told[0] == rows.AT_REST and _clamps(solver, found[len(found) - 1, rows.TRAVEL])
     if told[0] != rows.GOES_ON and not known:
         told[2] = rows.UNKNOWN
 
@@ -159,16 +134,17 @@ def run(grids: FloatArray, charts: Plain, cases: Plain, settings: Plain, job: Pl
             the turn, of turns those of the machine.
         job: As of :class:`~.layout.Job`.
         events: Written: of each transition, shape (n, most + BESIDE, COLUMNS), NaN beyond the last
-            collision; of all others scratch, which then has the last case, shape (1, most,
-            COLUMNS).
+            collision, but the last row is its rest, whose travel is told; of all others scratch,
+            which then has the last case, shape (1, most, COLUMNS).
         told: Written. Of transitions and arrivals status (GOES_ON before), number of collisions,
-            and premise: HOLDS, where transitions begin at the touch, FAILS, where they begin from
-            the state over it, or UNKNOWN; shape (n, 3). Arrivals find it where it is NOT_ASKED;
+            and premise: HOLDS, where transitions begin at the touch, FAILS, where they begin in
+            flight over it, or UNKNOWN; shape (n, 3). Arrivals find it where it is NOT_ASKED;
             where transitions are known it becomes UNKNOWN for one that does not rest up to the
             opening. Of turns status, turns, after how many the last repeats, and events, shape
             (n, 4).
-        found: Written: shape (n, 1, REST_COLUMNS); or quantities of turns, the last one first, NaN
-            before the first one, shape (n, last, quantities).
+        found: Those events of transitions; arrivals write the first numbers of those in flight
+            over the touch: gap, rate, and bounds on the errors of both. Or, written, quantities of
+            turns, the last one first, NaN before the first one, shape (n, last, quantities).
     """
     machine, given, shared, asked = Charts(*charts), Cases(*cases), Settings(*settings), Job(*job)
     work, room = scratch(machine, asked.bounces, 0), records_in(events[0], asked.turns)
@@ -187,8 +163,8 @@ def _all(grids: FloatArray, machine: Charts, scratches: Work, cases: Cases, sett
         solver = in_memory(Solver(grids, charts, work, in_memory(case_of(cases, i)), records))
         prepare(solver)
         if job.task == rows.TRANSITIONS:
-            _transition(solver, settings, job, found[i, 0], told[i])
+            _transition(solver, settings, job, told[i])
         elif job.task == rows.ARRIVALS:
-            _premise(solver, settings, found[i, 0], told[i])
+            _premise(solver, settings, found[i], told[i])
         else:
             turns_of(solver, settings, job, told[i], found[i])

@@ -24,10 +24,6 @@ Bounds of a case: sums that bound the error of x'' and its derivatives by x, tra
 what is multiplied by the rate, then by its square. Those of the functions of a chart, likewise:
 their errors, largest derivatives by x and by u, and largest values.
 
-What is told of a transition: time of rest and its error [s], share of the first two rebounds in it,
-bound on the worst relative error; RESTS: travel of the rest; from OVER on, of a machine in flight
-over the touch, gap and rate, and bounds on the errors of both.
-
 Memory of a motion: number of bounces of a series, when it began, and its fastest rebound; the
 collision whose rebound is under way (-1 without one), how high and long that has been, and the
 errors of both; the error of the travel of the last rest, and the rate with which bounces begin that
@@ -66,9 +62,6 @@ COLLISION, REST, RELEASE = numbered(3)
 ) = numbered(16)  # fmt: skip
 ANGLE = TRAVEL
 COLUMNS = 16
-# Columns of what is told of a transition.
-RESTS, OVER = 4, 5
-REST_COLUMNS = 9
 # Rooms for events of a transition beyond its collisions: a rest, and a collision too many.
 BESIDE = 2
 # Stretches of a turn on which the clamping stop is closed, and their columns.
