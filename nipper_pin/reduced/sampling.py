@@ -116,7 +116,7 @@ def build(
                where=_MODEL)  # fmt: skip
     stop = mechanism.stop(mechanism.transition_stop)
     system = system_at(mechanism, 0.0, mechanism.cylinder.angle_at_touch_rad)
-    sampler = Sampler(system, stop)
+    sampler = Sampler(system, stop, np.zeros(system.body.nv))
     rate, rounded = _approach_rate(system, stop)
     _check_opening(mechanism, sampler)
     weights, room = _nominal(mechanism, sampler, rate)

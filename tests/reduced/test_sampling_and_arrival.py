@@ -25,6 +25,7 @@ from nipper_pin import (
 )
 from nipper_pin.arrays import FloatArray
 from nipper_pin.dynamics import ShaftMotion, System
+from nipper_pin.mechanism import Stop
 from nipper_pin.reduced import (
     ReducedModel,
     build,
@@ -57,6 +58,10 @@ def hits(turn: Solution, stop: str) -> Any:
     return next(item for item in turn.collisions if item.stop == stop)
 
 
+def at_touch(system: System, stop: Stop) -> Sampler:
+    return Sampler(system, stop, np.zeros(system.body.nv))
+
+
 def travel_of(e62: Mechanism, angle: float) -> float:
     cylinder = e62.cylinder
     return float(cylinder.sense * (angle - cylinder.angle_at_touch_rad) % math.tau)
@@ -84,7 +89,7 @@ def test_every_number_of_a_model(model: ReducedModel, e62: Mechanism, turn: Solu
     rate = 0.5 * 1.5 * approach * SPEED
     fast = System(e62, ShaftMotion(e62, 1.5 * SPEED, e62.cylinder.angle_at_touch_rad))
     q = np.zeros((1, len(e62.joints)))
-    sampler = Sampler(fast, e62.stop("jaw"))
+    sampler = at_touch(fast, e62.stop("jaw"))
     n, m = sampler.rates(np.zeros(1), q)
     a = fast.accelerations(
         fast.shaft.driven(np.zeros(1)), q, m - rate * n, fast.constraint_set(frozenset())
@@ -132,7 +137,7 @@ def test_tables_between_opening_and_touch(
     assert charts.lever.tolist() == [stop.lever for stop in e62.stops]
     assert numbers[layout.LOW] == pytest.approx(-numbers[layout.HIGH] / 16.0)
     # As high as the steeve goes with the jaw in the touch configuration.
-    n, _ = Sampler(system, e62.stop("jaw")).rates(np.zeros(1), np.zeros((1, len(e62.joints))))
+    n, _ = at_touch(system, e62.stop("jaw")).rates(np.zeros(1), np.zeros((1, len(e62.joints))))
     high = n[0, steeve.index] * model.gap_max
     assert numbers[layout.HIGH] == pytest.approx(high, rel=1e-12)
     assert numbers[layout.THROW] == pytest.approx(n[0, steeve.index], rel=1e-12)
@@ -149,7 +154,7 @@ def test_what_presses_the_stops(
     length = float(charts.numbers[place, layout.TRAVEL_MOST])
     begin = charts.numbers[place, layout.BEGIN] - math.tau * place
     fast = System(e62, ShaftMotion(e62, speed, e62.cylinder.angle_at_touch_rad))
-    sampler = Sampler(fast, e62.stop(name))
+    sampler = at_touch(fast, e62.stop(name))
     u = begin + share * length
     q = sampler.grid(np.array([u / speed]), np.zeros(1))[0]
     _, m = sampler.rates(np.array([u / speed]), q)
@@ -170,7 +175,7 @@ def test_the_jaw_at_the_touch_by_the_steeve(model: ReducedModel, system: System)
     charts = one_of(model.arrival.charts, 1)
     high, travel = charts.numbers[0, [layout.HIGH, layout.TRAVEL_MOST]]
     steeve, jaw = (system.mechanism.stop(name) for name in ("steeve", "jaw"))
-    sampler = Sampler(system, steeve)
+    sampler = at_touch(system, steeve)
     assert charts.gaps.shape[1] == 3
     assert (charts.gap_bounds < 1e-9).all()
     step = 1e-4
@@ -192,19 +197,19 @@ def test_weights_are_shares_of_the_acceleration(system: System, e62: Mechanism) 
     """
     rate, speed = -0.25, 1.5 * SPEED
     w = 0.5 * 0.25 * speed
-    touch = Sampler(system, e62.stop("jaw")).at(
+    touch = at_touch(system, e62.stop("jaw")).at(
         np.zeros(1), np.zeros(1), np.zeros((1, len(e62.joints)))
     )
     terms = np.array([speed**2, speed * w, w**2, 1.0, 9000.0 * 0.011, 9000.0])
     size = np.abs(terms * touch.equation[:, 0]).sum()
-    weights, gap = sampling._nominal(e62, Sampler(system, e62.stop("jaw")), rate)
+    weights, gap = sampling._nominal(e62, at_touch(system, e62.stop("jaw")), rate)
     np.testing.assert_allclose(weights, terms / size, rtol=1e-12)
     assert gap == pytest.approx(-1.25 * 0.5 * w**2 / (terms @ touch.equation[:, 0]), rel=1e-12)
     loose = load("e62", {"springs.steeve.preload_length_mm": -11.0})
-    signs, _ = sampling._nominal(loose, Sampler(system, e62.stop("jaw")), rate)
+    signs, _ = sampling._nominal(loose, at_touch(system, e62.stop("jaw")), rate)
     np.testing.assert_allclose(signs, weights, rtol=1e-12)
     slack = load("e62", {"springs.steeve.preload_length_mm": 0.0, "cylinder.rated_speed_rpm": 1.0})
-    weights, _ = sampling._nominal(slack, Sampler(system, e62.stop("jaw")), rate)
+    weights, _ = sampling._nominal(slack, at_touch(system, e62.stop("jaw")), rate)
     assert weights[4] * abs(touch.equation[4, 0]) == pytest.approx(0.01, rel=1e-12)
 
 

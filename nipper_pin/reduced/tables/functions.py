@@ -27,6 +27,9 @@ from ...errors import InputError
 from ...mechanism import Mechanism, Stop, rad_s_from_rpm
 from ...tolerances.mechanics import TABLE_END_OVERRUN
 
+# Places along the travel of which one is found from the last such one, the others from it.
+_STRIDE = 4
+
 
 @dataclass(frozen=True, eq=False)
 class _Motion:
@@ -91,35 +94,25 @@ class Sampler:
     Args:
         system: The system; its time is the travel u.
         stop: The stop whose gap is x.
-        home: A configuration in which it is closed, shape (nv,); None: that of the touch.
-        path: Travels and configurations in which x is zero, shapes (W,) and (W, nv), not far from
-            one another; of one sampler without it, the configuration zero at travel zero.
+        home: The configuration at travel zero, shape (nv,), with the stop closed or near it.
 
     Raises:
         InputError: The stop's coordinate follows from the drives at home.
     """
 
-    def __init__(
-        self,
-        system: System,
-        stop: Stop,
-        home: FloatArray | None = None,
-        path: tuple[FloatArray, FloatArray] | None = None,
-    ) -> None:
+    def __init__(self, system: System, stop: Stop, home: FloatArray) -> None:
         """Choose dependent coordinates; that of the stop and the drives are independent."""
-        q = np.zeros(system.body.nv) if home is None else home
-        _, jacobian = system.body.closures(q[None])
+        _, jacobian = system.body.closures(home[None])
         driven = [int(index) for index in system.driven]
         self._split = partition(jacobian[0] * system.body.units, driven, [stop.index])
         if stop.index in self._split.dependent:
-            where = " in the touch configuration" if home is None else ": a dead centre is near"
+            where = ": a dead centre is near" if home.any() else " in the touch configuration"
             message = f"stop {stop.name!r} cannot move freely{where}"
             raise InputError(message, stop=stop.name)
         self._system = system
-        self._stop = stop
+        self._stop, self._home = stop, home[None]
         others = [item for item in system.mechanism.stops if item.name != stop.name]
         self._others = (*others, *_table_ends(system.mechanism))
-        self._path = path
         self._armature = np.zeros(system.body.nv)
         self._armature[[*system.driven, stop.index]] = INFINITE_INERTIA
         # Cylinder speed at which inertial forces are evaluated: at 1 rad/s the round-off of the
@@ -139,33 +132,36 @@ class Sampler:
         Raises:
             SimulationError: The mechanism cannot reach a point of the grid.
         """
-        if self._path is None:
-            rows = self._across(x, np.zeros(1), np.zeros((1, self._system.body.nv)))[0]
-            return np.array([*self.along(u, x, rows)])
-        travels, path = self._path
-        near = np.abs(u[:, None] - travels).argmin(axis=1)
-        jacobian = self._system.body.closures(path[near])[1]
-        q, _ = self._moved(path[near], jacobian, u, np.zeros_like(u))
-        return self._across(x, u, q)
+        rough = np.concatenate([*self.along(u[::_STRIDE, None], np.zeros(1), self._home)])
+        near = np.repeat(rough, _STRIDE, axis=0)[: len(u)]
+        (closed,) = self.along(u[None], np.zeros(1), near)
+        found = np.empty((len(u), len(x), closed.shape[1]))
+        # Outwards from x = 0, first to one side and then to the other.
+        for side in (np.flatnonzero(x >= 0.0), np.flatnonzero(x < 0.0)):
+            order = side[np.argsort(np.abs(x[side]))]
+            for place, rows in zip(order, self.along(u, x[order, None], closed), strict=True):
+                found[:, place] = rows
+        return found
 
-    def along(self, u: FloatArray, x: FloatArray, rows: FloatArray) -> Iterator[FloatArray]:
-        """Follow points from travel zero on, to either side, in small steps.
+    def along(self, u: FloatArray, x: FloatArray, q: FloatArray) -> Iterator[FloatArray]:
+        """Follow configurations in small steps.
 
         Args:
-            u: Travels, shape (U,).
-            x: Coordinates of the points, shape (X,).
-            rows: Configurations at travel zero, shape (X, nv).
+            u: Travels after every step; with x broadcast to shape (steps, N).
+            q: Configurations before the first one.
 
         Yields:
-            Configurations at every travel, shape (X, nv).
+            Configurations after every step, shape (N, nv).
 
         Raises:
             SimulationError: The mechanism cannot reach a point.
         """
-        jacobians = self._system.body.closures(rows)[1]
-        for travel in u:
-            rows, jacobians = self._moved(rows, jacobians, np.full(len(x), travel), x)
-            yield rows
+        jacobian = self._system.body.closures(q)[1]
+        for travels, places in zip(*np.broadcast_arrays(u, x), strict=True):
+            step = close_velocities(self._set(q, travels, places) - q, jacobian, self._split)
+            to = self._set(q + step, travels, places)
+            q, jacobian = close_positions(self._system.body, to, self._split)
+            yield q
 
     def rates(self, u: FloatArray, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Rates of all coordinates by that of x, and by that of the travel with x held: n and m."""
@@ -178,20 +174,8 @@ class Sampler:
             near: A configuration near by, shape (nv,).
         """
         u = np.array([travel])
-        (rows,) = self.along(u, np.zeros(1), near[None])
+        (rows,) = self.along(u[None], np.zeros(1), near[None])
         return rows[0], self.rates(u, rows)[1][0]
-
-    def _across(self, x: FloatArray, u: FloatArray, q: FloatArray) -> FloatArray:
-        """Configurations at all x from those at x = 0, shape (U, X, nv)."""
-        jacobian = self._system.body.closures(q)[1]
-        found = np.empty((len(u), len(x), q.shape[1]))
-        # Outwards from x = 0, first to one side and then to the other.
-        for side in (np.flatnonzero(x >= 0.0), np.flatnonzero(x < 0.0)):
-            rows, slopes = q, jacobian
-            for place in side[np.argsort(np.abs(x[side]))]:
-                rows, slopes = self._moved(rows, slopes, u, np.full(len(u), x[place]))
-                found[:, place] = rows
-        return found
 
     def at(self, u: FloatArray, x: FloatArray, guess: FloatArray) -> Samples:
         """Evaluate all functions."""
@@ -280,13 +264,6 @@ class Sampler:
         m[:, self._system.driven] = driven
         n, m = (close_velocities(v, jacobian, self._split) for v in (n, m))
         return n, m
-
-    def _moved(
-        self, q: FloatArray, jacobian: FloatArray, u: FloatArray, x: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
-        """Closed configurations at new points, from those of neighbours along the tangent."""
-        step = close_velocities(self._set(q, u, x) - q, jacobian, self._split)
-        return close_positions(self._system.body, self._set(q + step, u, x), self._split)
 
     def _set(self, q: FloatArray, u: FloatArray, x: FloatArray) -> FloatArray:
         """Configurations with the drives and the stop at new points; the others are kept."""

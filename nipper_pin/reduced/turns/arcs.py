@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -81,24 +82,19 @@ class ContactContinuation:
         """The stop that ends a flight from another one at the start of a turn, closed."""
         sampler = Sampler(self._system, stop, home)
         kind = next(item.kind for item in self._mechanism.joints if item.index == stop.index)
-        q = home[None]
-        for x in np.linspace(0.0, _WIDEST[kind], _ACROSS + 1)[1:]:
-            try:
-                (q,) = sampler.along(np.zeros(1), np.array([x]), q)
-            except SimulationError:
-                return None
-            for other in self._mechanism.stops:
-                if other.name != stop.name and other.gap(q[0]) <= 0.0:
-                    return other, Sampler(self._system, other, q[0]).closed(0.0, q[0])[0]
+        x = np.linspace(0.0, _WIDEST[kind], _ACROSS + 1)[1:, None]
+        with suppress(SimulationError):
+            for (q,) in sampler.along(np.zeros(1), x, home[None]):
+                for other in self._mechanism.stops:
+                    if other.name != stop.name and other.gap(q) <= 0.0:
+                        return other, Sampler(self._system, other, q).closed(0.0, q)[0]
         return None
 
     def closing(self, stop: Stop, q: FloatArray) -> FloatArray:
         """The configuration at the start of a turn in which an open stop has been closed."""
-        sampler = Sampler(self._system, stop, q)
-        rows = q[None]
-        for x in np.linspace(stop.gap(q), 0.0, _CLOSING + 1)[1:]:
-            (rows,) = sampler.along(np.zeros(1), np.array([x]), rows)
-        return np.asarray(rows[0])
+        x = np.linspace(stop.gap(q), 0.0, _CLOSING + 1)[1:, None]
+        *_, (row,) = Sampler(self._system, stop, q).along(np.zeros(1), x, q[None])
+        return np.asarray(row)
 
     def _arc(self, stop: Stop, begin: float, home: FloatArray) -> ContactArc:
         system = system_at(self._mechanism, begin, self._start)

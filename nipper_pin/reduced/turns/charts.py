@@ -43,7 +43,7 @@ class ChartSampler:
         """Sample a few places along the stop."""
         self.mechanism, self.arc, self.after = mechanism, arc, after
         self.system = system_at(mechanism, arc.begin, start_angle)
-        self.sampler = Sampler(self.system, arc.stop, arc.path[0], (arc.travels, arc.path))
+        self.sampler = Sampler(self.system, arc.stop, arc.path[0])
         places = np.unique(np.linspace(0, len(arc.travels) - 1, _PLACES).astype(int))
         self.places = arc.travels[places], np.zeros(len(places)), arc.path[places]
         self.along = self.sampler.at(*self.places)
