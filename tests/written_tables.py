@@ -247,10 +247,10 @@ def solver_of(charts: Charts, one: Case, *, most: int = 8) -> Solver:
 
     Scratch arrays are filled with what no result may contain.
     """
-    work = turn_charts.scratch(charts, most, 0)
+    work = turn_charts.scratch(charts, most)
     for array in (work.sizes, work.mixed, work.line, work.poly, work.nodes, work.series):
         array.fill(np.nan)
-    records = turn_charts.records_in(np.full((most, layout.COLUMNS), np.nan), 1)
+    records = turn_charts.records_in(np.full((most, layout.COLUMNS), np.nan), 1, 0)
     solver = Solver(panel.grids(), charts, work, one, records)
     turn_charts.prepare(solver)
     panel.reach(solver, 0, 0.0, charts.numbers[0, layout.TRAVEL_MOST])

@@ -1,13 +1,12 @@
 """One flight of the reduced model, compiled: from a collision to the next one.
 
-Panels are kept while a motion is computed. Each has a block of rows below the scratch rows of the
-nodes: its series, as ``position`` and ``rate_at`` read them, and in the row KEPT its numbers. A
-stretch at rest is a panel without nodes. In the first block the row KEPT begins with the number of
-panels that are kept.
+Where there is room for the panels of a motion, they are kept: rows of the scratch array with their
+series, as ``position`` and ``rate_at`` read them, and in the row KEPT their numbers. A stretch at
+rest is a panel without nodes.
 
 The numbers of a panel: its chart, travel at its begin, length [s], part of it that is covered, x
-and x' at its begin, nodes (0: at rest), bounds on the errors of time, x, x' and x'', and the
-rate with which bounces begin that are not computed before it.
+and x' at its begin, nodes (0: at rest), bounds on the errors of time, x and x' and on what the
+solver adds to that of x'', and the rate with which bounces begin that are not computed before it.
 """
 
 from __future__ import annotations
@@ -18,9 +17,9 @@ from ...arrays import FloatArray
 from ...tolerances.reduced import NEWTON_STEP, TRAVEL_END, ZERO_RESOLUTION
 from . import layout as rows
 from .compiled import inlined, part
-from .flight_errors import grow, size
+from .flight_errors import grow
 from .hits import SolvedPanel, first_hit
-from .layout import Flown, Motion, Solver
+from .layout import Flown, Motion, Records, Solver
 from .panel import (
     OVERSHOOT,
     acceleration,
@@ -40,82 +39,29 @@ from .panel import (
 
 
 @part
-def keep(solved: SolvedPanel, covered: float) -> None:
-    """Keep a panel of a flight up to a part of it, if panels are kept and there is room."""
-    nodes, order = solved.solver.work.nodes, rows.LEVELS[solved.level]
-    first = _next_block(nodes)
-    if first + rows.SCRATCH_ROWS > nodes.shape[0]:
+def keep(solved: SolvedPanel, order: int, covered: float) -> None:
+    """Keep a panel of so many nodes up to a part of it, if there is room for one more."""
+    records, work = solved.solver.records, solved.solver.work
+    number = records.counts[rows.PANELS]
+    if number == len(records.panels):
         return
+    block = records.panels[number]
     for row in (rows.SERIES, rows.SERIES_ONCE, rows.SERIES_TWICE):
         for i in range(order + 2):
-            nodes[first + row, i] = nodes[row, i]
-    numbers = nodes[first + rows.KEPT]
-    numbers[FROM], numbers[LENGTH], numbers[COVERED] = solved.u, solved.h, covered
-    numbers[X_BEGIN], numbers[V_BEGIN], numbers[NODES] = solved.x0, solved.v0, float(order)
-    numbers[BOUNCED] = 0.0
+            block[row, i] = work.nodes[row, i]
+    numbers = block[rows.KEPT]
+    numbers[CHART], numbers[FROM], numbers[LENGTH] = solved.c, solved.u, solved.h
+    numbers[COVERED], numbers[X_BEGIN], numbers[V_BEGIN] = covered, solved.x0, solved.v0
+    numbers[NODES], numbers[BOUNCED] = order, work.memory[rows.SETTLED]
+    records.counts[rows.PANELS] += 1
 
 
 @part
-def keep_rest(nodes: FloatArray, chart: int, u: float, end: float, speed: float, late: float,
-              bounced: float) -> None:  # fmt: skip
-    """Keep a stretch at rest between two travels of a chart; ``late`` bounds the errors of both."""
-    first = _next_block(nodes)
-    if first + rows.SCRATCH_ROWS > nodes.shape[0]:
-        return
-    numbers = nodes[first + rows.KEPT]
-    numbers[CHART], numbers[FROM], numbers[LENGTH] = float(chart), u, (end - u) / speed
-    numbers[COVERED], numbers[X_BEGIN], numbers[V_BEGIN], numbers[NODES] = 1.0, 0.0, 0.0, 0.0
-    numbers[T_WRONG], numbers[X_WRONG], numbers[V_WRONG], numbers[A_WRONG] = late, 0.0, 0.0, 0.0
-    numbers[BOUNCED] = bounced
-
-
-@part
-def describe(solver: Solver, before: int, at: Motion, flown: Flown,
-             wrong: tuple[float, float, float]) -> None:  # fmt: skip
-    """Give the panels of a flight, those after the first ``before``, chart and errors.
-
-    Args:
-        at: At its start.
-        wrong: Bounds on the errors of time, x and x' along it.
-    """
-    nodes, sizes, T, fastest = (
-        solver.work.nodes,
-        solver.work.sizes[at.chart],
-        flown.T,
-        flown.fastest,
-    )
-    if nodes.shape[0] == rows.SCRATCH_ROWS:
-        return
-    late, dx, dv = wrong
-    by_v, by_x = size(sizes, rows.BY_V, fastest), size(sizes, rows.BY_X, fastest)
-    felt = min(by_v * T + 0.5 * by_x * T * T, 1.0)
-    da = size(sizes, rows.RESIDUAL, fastest) + by_x * dx + by_v * dv + felt * flown.changed
-    da += flown.left + solver.one.speed * size(sizes, rows.BY_U, fastest) * at.dt
-    for number in range(before, kept(nodes)):
-        numbers = nodes[(1 + number) * rows.SCRATCH_ROWS + rows.KEPT]
-        numbers[CHART], numbers[T_WRONG] = float(at.chart), late
-        numbers[X_WRONG], numbers[V_WRONG], numbers[A_WRONG] = dx, dv, da
-
-
-@part
-def kept(nodes: FloatArray) -> int:
-    """Number of panels that are kept."""
-    return int(nodes[rows.KEPT, 0])
-
-
-@part
-def full(nodes: FloatArray) -> bool:
-    """Whether panels are kept, and one more may not find room."""
-    return nodes.shape[0] > rows.SCRATCH_ROWS and len(nodes) < (kept(nodes) + 2) * rows.SCRATCH_ROWS
-
-
-@part
-def _next_block(nodes: FloatArray) -> int:
-    """First row of the next block, which counts as kept from now on if there is room for it."""
-    first = (1 + kept(nodes)) * rows.SCRATCH_ROWS
-    if first + rows.SCRATCH_ROWS <= nodes.shape[0]:
-        nodes[rows.KEPT, 0] += 1.0
-    return first
+def describe(records: Records, first: int, late: float, dx: float, dv: float, da: float) -> None:
+    """Give the panels from the first one on bounds on the errors along them."""
+    for number in range(first, records.counts[rows.PANELS]):
+        numbers = records.panels[number, rows.KEPT]
+        numbers[T_WRONG], numbers[X_WRONG], numbers[V_WRONG], numbers[A_WRONG] = late, dx, dv, da
 
 
 # Travel in which accelerations hardly change, so that a first guess needs no better one [rad].
@@ -291,8 +237,7 @@ def flight(solver: Solver, at: Motion, tolerance: float) -> Flown:
         # The usual bounce ends on its first panel, and its errors are known by a formula.
         if panel > 0 or end < 0.0 or x0 > 0.0:
             grow(solved, until)
-        if nodes.shape[0] > rows.SCRATCH_ROWS:
-            keep(solved, until)
+        keep(solved, count, until)
         highest, place = _highest(solved, until)
         if not highest <= high:
             return _lost(rows.LEFT_GAP)

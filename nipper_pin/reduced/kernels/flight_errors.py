@@ -132,11 +132,18 @@ def exponent(sizes: FloatArray, fastest: float, T: float) -> float:
 
 
 @part
+def of_solver(sizes: FloatArray, flown: Flown) -> float:
+    """Bound on what the solver adds to the error of x'' in a flight.
+
+    One more sweep would change x'' by no more than Lv T + Lx T^2 / 2 times the last change.
+    """
+    return min(exponent(sizes, flown.fastest, flown.T), 1.0) * flown.changed + flown.left
+
+
+@part
 def flight_errors(sizes: FloatArray, speed: float, flown: Flown, dt: float,
                   dw: float) -> tuple[float, float, float]:  # fmt: skip
     """Errors at the end of a flight, by the formula at the head of this module.
-
-    One more sweep would change x'' by no more than Lv T + Lx T^2 / 2 times the last change.
 
     Returns:
         Bounds on the errors of its duration, rate at the end and amplitude.

@@ -147,7 +147,7 @@ def run(grids: FloatArray, charts: Plain, cases: Plain, settings: Plain, job: Pl
             turns, the last one first, NaN before the first one, shape (n, last, quantities).
     """
     machine, given, shared, asked = Charts(*charts), Cases(*cases), Settings(*settings), Job(*job)
-    work, room = scratch(machine, asked.bounces, 0), records_in(events[0], asked.turns)
+    work, room = scratch(machine, asked.bounces), records_in(events[0], asked.turns, 0)
     _all(grids, machine, work, given, shared, asked, room, events, told, found)
 
 
@@ -159,7 +159,7 @@ def _all(grids: FloatArray, machine: Charts, scratches: Work, cases: Cases, sett
     charts, work = in_memory(machine), in_memory(scratches)
     for i in range(len(cases.speed)):
         own = events[min(i, len(events) - 1)]
-        records = in_memory(Records(own, room.holds, room.ends, room.counts))
+        records = in_memory(Records(own, room.holds, room.ends, room.counts, room.panels))
         solver = in_memory(Solver(grids, charts, work, in_memory(case_of(cases, i)), records))
         prepare(solver)
         if job.task == rows.TRANSITIONS:

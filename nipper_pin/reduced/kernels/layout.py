@@ -9,8 +9,8 @@ rate, and bounds on the errors of both.
 Operators: integrals at nodes (ONCE, TWICE) and at probes, Chebyshev coefficients (VALUE); REFINE
 from the coarser grid; SIGMA holds the nodes, then the probes.
 
-Scratch: values at the nodes, and the coefficients of the panel's motion. A block of the same rows
-follows for every panel that is kept; see the module that keeps them.
+Scratch: values at the nodes, and the coefficients of the panel's motion; of a panel that is kept
+its numbers, too: see the module that keeps them.
 
 Numbers of a chart: SCALE takes x - low to [0, 2]; PER_RAD is the number of its cells in a radian;
 BEGIN is the travel from the start of the turn to u = 0. Where another stop takes over at the end:
@@ -107,8 +107,8 @@ SIZES = 4
 ) = numbered(12)  # fmt: skip
 MEMORY = 12
 # What was written of a motion.
-EVENTS, STRETCHES, DONE = numbered(3)
-COUNTS = 3
+EVENTS, STRETCHES, DONE, PANELS = numbered(4)
+COUNTS = 4
 
 
 # At the door of compiled code named tuples cost a microsecond, plain ones of the same a third.
@@ -275,13 +275,15 @@ class Records(NamedTuple):
         events: Shape (most, COLUMNS).
         holds: Stretches on which the clamping stop is closed, shape (most, HOLD_COLUMNS).
         ends: Of the start and of each turn, shape (turns + 1, END_COLUMNS).
-        counts: Events, stretches and turns that were written, shape (COUNTS,).
+        counts: Events, stretches, turns and panels that were written, shape (COUNTS,).
+        panels: Panels of the motion, shape (panels, SCRATCH_ROWS, N + 2); none: they are not kept.
     """
 
     events: FloatArray
     holds: FloatArray
     ends: FloatArray
     counts: NDArray[np.int64]
+    panels: FloatArray
 
 
 class Work(NamedTuple):
@@ -295,7 +297,7 @@ class Work(NamedTuple):
         ready: Whether cells of the charts were combined, shape (C, cells).
         poly: A chart as polynomials in x at the nodes, shape (N + 1, (3 + S) Nx); the last row is
             for single points.
-        nodes: Shape (SCRATCH_ROWS, N + 2), and the panels that are kept.
+        nodes: Shape (SCRATCH_ROWS, N + 2).
         series: Times and rates of the bounces, and scratch, shape (3, collisions).
         memory: What is remembered of the motion, shape (MEMORY,).
     """

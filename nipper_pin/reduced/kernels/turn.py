@@ -11,8 +11,9 @@ from ...tolerances.mechanics import EPS
 from ...tolerances.reduced import LIMIT_ERROR_SAFETY
 from . import layout as rows
 from .compiled import inlined, part
-from .flight import describe, flight, full, keep_rest, kept
-from .flight_errors import flight_errors
+from .flight import describe, flight, keep
+from .flight_errors import flight_errors, of_solver
+from .hits import SolvedPanel
 from .layout import Flown, Motion, Settings, Solver, numbered
 from .panel import acceleration, contract, reach
 from .release import release_error, released
@@ -72,8 +73,9 @@ def follow(solver: Solver, settings: Settings, turns: int, phase: int, at: Motio
 def _no_room(solver: Solver) -> bool:
     """Whether no event or stretch more can be written, or no panel kept."""
     records, counts = solver.records, solver.records.counts
+    full = 0 < len(records.panels) < counts[rows.PANELS] + 2
     written = counts[rows.EVENTS] == len(records.events)
-    return written or counts[rows.STRETCHES] == len(records.holds) or full(solver.work.nodes)
+    return bool(written or full or counts[rows.STRETCHES] == len(records.holds))
 
 
 @part
@@ -105,7 +107,9 @@ def _rest(solver: Solver, clamp: int, at: Motion) -> tuple[int, int, Motion]:
     gone = TURN * records.counts[rows.DONE] + number[rows.BEGIN] + u
     t = gone / speed
     dt = 4.0 * EPS * t + freed / speed
-    keep_rest(work.nodes, c, at.u, u, speed, max(at.dt, dt), memory[rows.SETTLED])
+    panels = records.counts[rows.PANELS]
+    keep(SolvedPanel(solver, c, rows.ZERO, at.u, (u - at.u) / speed, 0.0, 0.0), rows.ZERO, 1.0)
+    describe(records, panels, max(at.dt, dt), 0.0, 0.0, 0.0)
     memory[rows.SETTLED] = memory[rows.UNSURE] = 0.0
     ended = Motion(c, u, t, 0.0, 0.0, dt, 0.0, 0.0)
     if at_end:
@@ -182,12 +186,13 @@ def _fly(solver: Solver, settings: Settings, bounced: bool,
          at: Motion) -> tuple[int, int, Motion]:  # fmt: skip
     """Fly to the next collision, with the own stop or another one, or to the end of the chart."""
     c, charts, work, speed = at.chart, solver.charts, solver.work, solver.one.speed
-    memory, nodes, sizes, before = work.memory, work.nodes, work.sizes[c], kept(work.nodes)
+    memory, nodes, sizes, records = work.memory, work.nodes, work.sizes[c], solver.records
+    panels = records.counts[rows.PANELS]
     if not bounced:
         reach(solver, c, at.u, at.u)
         contract(solver, c, rows.ZERO, at.u)
     flown = flight(solver, at, settings.tolerance)
-    status, T, rate, a = flown.status, flown.T, flown.v, flown.a
+    status, T, rate, a, da = flown.status, flown.T, flown.v, flown.a, of_solver(sizes, flown)
     u, t = at.u + speed * T, at.t + T
     if status == rows.OTHER_STOP and flown.hit >= charts.stops.shape[1] - rows.OTHERS:
         return rows.OFF_ROWS, FLYING, at
@@ -197,13 +202,13 @@ def _fly(solver: Solver, settings: Settings, bounced: bool,
             wrong, dv = errors_after(nodes, sizes, speed, flown, at, a / rate)
             late = wrong / abs(rate) + 4.0 * EPS * T
         dx_most, dv_most = max(at.dx, wrong, abs(rate) * late), max(at.dv, dv + abs(a) * late)
-        describe(solver, before, at, flown, (max(at.dt, late), dx_most, dv_most))
+        describe(records, panels, max(at.dt, late), dx_most, dv_most, da)
         rebounded(solver, T, flown.top, late, wrong)
         return rows.GOES_ON, STRIKING, Motion(c, u, t, 0.0, rate, at.dt + late, 0.0, dv)
     if status != rows.OTHER_STOP and status != rows.LEFT_TRAVEL:
         return status, FLYING, at
     dx, dv = errors_after(nodes, sizes, speed, flown, at, 0.0)
-    describe(solver, before, at, flown, (at.dt, max(at.dx, dx), max(at.dv, dv)))
+    describe(records, panels, at.dt, max(at.dx, dx), max(at.dv, dv), da)
     if status == rows.OTHER_STOP:
         return _meet(solver, flown, Motion(c, u, t, flown.x, rate, at.dt, dx, dv))
     memory[rows.RISEN] = max(memory[rows.RISEN], flown.top)

@@ -13,31 +13,27 @@ from .panel import cell_at, combine, place_of
 
 
 @allocating
-def scratch(charts: Charts, most: int, panels: int) -> Work:
-    """Scratch arrays.
-
-    Args:
-        most: Largest number of collisions of a series.
-        panels: Panels of the motion that are kept.
-    """
+def scratch(charts: Charts, most: int) -> Work:
+    """Scratch arrays for series of so many collisions."""
     count, cells, count_u, _, count_x = charts.equation.shape
     size = (3 + charts.gaps.shape[1] // 3) * count_x
     finest = rows.LEVELS[-1]
     return Work(
         np.empty((count, cells, count_u, size)), np.empty((count, 3 * rows.SIZES)),
         np.empty((count, cells, count_u)), np.empty((count, cells), dtype=np.bool_),
-        np.empty((finest + 1, size)), np.zeros((rows.SCRATCH_ROWS * (1 + panels), finest + 2)),
+        np.empty((finest + 1, size)), np.empty((rows.SCRATCH_ROWS, finest + 2)),
         np.empty((3, most)), np.empty(rows.MEMORY),
     )  # fmt: skip
 
 
 @allocating
-def records_in(events: FloatArray, turns: int) -> Records:
+def records_in(events: FloatArray, turns: int, panels: int) -> Records:
     """Room for what turns do, with that for their events; what is not written is never touched."""
     count = max(turns, 1)
     return Records(
         events, np.empty((count * rows.STRETCHES_OF_TURN, rows.HOLD_COLUMNS)),
         np.empty((count + 1, rows.END_COLUMNS)), np.zeros(rows.COUNTS, dtype=np.int64),
+        np.empty((panels, rows.SCRATCH_ROWS, rows.LEVELS[-1] + 2)),
     )  # fmt: skip
 
 

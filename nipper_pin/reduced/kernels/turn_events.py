@@ -11,7 +11,7 @@ from ...tolerances.mechanics import EPS
 from ...tolerances.reduced import GROWTH_SAFETY, SAME_TURN
 from . import layout as rows
 from .compiled import part
-from .flight_errors import exponent, size
+from .flight_errors import exponent, of_solver, size
 from .layout import Charts, Flown, Motion, Records, Solver
 from .panel import along
 
@@ -29,16 +29,15 @@ def errors_after(nodes: FloatArray, sizes: FloatArray, speed: float, flown: Flow
     ``bend`` = x'' / x' at the end the second error is that of x' where x is zero.
     """
     T, fastest, dx, dw = flown.T, flown.fastest, at.dx, at.dv
-    felt = exponent(sizes, fastest, T)
     late = speed * size(sizes, rows.BY_U, fastest) * at.dt
-    e = min(felt, 1.0) * flown.changed + size(sizes, rows.RESIDUAL, fastest) + late + flown.left
+    e = of_solver(sizes, flown) + size(sizes, rows.RESIDUAL, fastest) + late
     g = nodes[rows.GROWTH]
     if not np.isnan(g[0]):
         x = GROWTH_SAFETY * (abs(g[0]) * dx + abs(g[1]) * dw + g[2] * e)
         v = abs(g[3] - bend * g[0]) * dx + abs(g[4] - bend * g[1]) * dw
         v = GROWTH_SAFETY * (v + (g[5] + abs(bend) * g[2]) * e)
     else:
-        K = exp(felt)
+        K = exp(exponent(sizes, fastest, T))
         x = K * (dx + dw * T + 0.5 * e * T * T)
         v = K * (dw + (e + size(sizes, rows.BY_X, fastest) * dx) * T) + abs(bend) * x
     return x, v + 4.0 * EPS * fastest

@@ -10,10 +10,9 @@ from ...tolerances.reduced import FLAT_EXTREME
 from . import flight as panels
 from . import layout as rows
 from .compiled import compiled, part
-from .flight import kept
 from .flight_errors import size
 from .in_memory import in_memory
-from .layout import Cases, Charts, Job, Records, Settings, Solver, Work
+from .layout import Cases, Charts, Job, Motion, Records, Settings, Solver, Work
 from .panel import acceleration, along, chebyshev, contract, place_of, position, rate_at, reach
 from .turn import FLYING, RESTING, follow
 from .turn_charts import case_of, prepare, records_in, scratch
@@ -114,20 +113,38 @@ def _off(sizes: FloatArray, fastest: float, du: float, dx: float, dv: float) -> 
 
 
 @part
-def _wrong(torques: Solver, i: int, block: FloatArray) -> float:
-    """Bound on the error of the torque along a panel, by those of the functions and the motion."""
-    numbers, sizes, speed = block[rows.KEPT], torques.work.sizes[i], torques.one.speed
+def _wrong(solver: Solver, torques: Solver, i: int, at: Motion, fastest: float, steepest: float,
+           da: float) -> float:  # fmt: skip
+    """Bound on the error of a torque by those of the functions and of the motion.
+
+    Args:
+        at: A motion with the errors of that.
+        fastest: Largest rate.
+        steepest: Largest x''; zero at rest, which has no error of it.
+        da: Bound on what the solver adds to the error of x''.
+    """
+    du, dx, dv = solver.one.speed * at.dt, at.dx, at.dv
+    wrong = _off(torques.work.sizes[i], fastest, du, dx, dv)
+    if steepest > 0.0:
+        da += _off(solver.work.sizes[at.chart], fastest, du, dx, dv)
+        # Of the function of x'' the bound on its error, and its largest value.
+        wrong += torques.charts.gap_bounds[i, 0] * steepest + torques.charts.gap_bounds[i, 1] * da
+    return float(wrong)
+
+
+@part
+def _along(solver: Solver, torques: Solver, c: int, i: int, block: FloatArray) -> float:
+    """Bound on the error of the torque along a panel."""
+    numbers = block[rows.KEPT]
+    late, dx, dv = numbers[panels.T_WRONG], numbers[panels.X_WRONG], numbers[panels.V_WRONG]
     order, h = int(numbers[panels.NODES]), numbers[panels.LENGTH]
     fastest = steepest = 0.0
-    for j in range(order + 1):
-        sigma = numbers[panels.COVERED] * j / max(order, 1)
+    for j in range(order + 1 if order > 0 else 0):
+        sigma = numbers[panels.COVERED] * j / order
         fastest = max(fastest, abs(rate_at(block, order, h, numbers[panels.V_BEGIN], sigma)))
         steepest = max(steepest, abs(chebyshev(block, rows.SERIES, 0, order, 2.0 * sigma - 1.0)))
-    # Of the function of x'' the bound on its error, and its largest value.
-    by_a_wrong, by_a = torques.charts.gap_bounds[i, 0], torques.charts.gap_bounds[i, 1]
-    late, dx, dv = numbers[panels.T_WRONG], numbers[panels.X_WRONG], numbers[panels.V_WRONG]
-    wrong = _off(sizes, fastest, speed * late, dx, dv) + by_a_wrong * steepest
-    return float(wrong + by_a * numbers[panels.A_WRONG])
+    at = Motion(c, 0.0, 0.0, 0.0, 0.0, late, dx, dv)
+    return _wrong(solver, torques, i, at, fastest, steepest, numbers[panels.A_WRONG])
 
 
 @part
@@ -137,14 +154,11 @@ def _after_bounces(solver: Solver, torques: Solver, c: int, i: int,
 
     At rest but for the acceleration of a flight; what their rate, gap and travel change is error.
     """
-    u, w = block[rows.KEPT, panels.FROM], block[rows.KEPT, panels.BOUNCED]
-    charts, one = solver.charts, solver.one
+    u, w, charts = block[rows.KEPT, panels.FROM], block[rows.KEPT, panels.BOUNCED], solver.charts
     still = along(solver.work.line[c], charts.numbers[c, rows.PER_RAD], u)
-    lasts = 2.0 * w / (-still * (1.0 - one.restitution[charts.stops[c, rows.OWN]]))
-    gap, travel = 0.5 * w * w / -still, one.speed * lasts
-    by_a_wrong, by_a = torques.charts.gap_bounds[i, 0], torques.charts.gap_bounds[i, 1]
-    wrong = _off(torques.work.sizes[i], w, travel, gap, w) + by_a_wrong * -still
-    wrong += by_a * _off(solver.work.sizes[c], w, travel, gap, w)
+    lasts = 2.0 * w / (-still * (1.0 - solver.one.restitution[charts.stops[c, rows.OWN]]))
+    at = Motion(c, u, 0.0, 0.0, 0.0, lasts, 0.5 * w * w / -still, w)
+    wrong = _wrong(solver, torques, i, at, w, -still, 0.0)
     return abs(torque_at(torques, i, u, 0.0, 0.0, still)), wrong
 
 
@@ -158,19 +172,17 @@ def largest_torques(solver: Solver, torques: Solver, most: FloatArray, wrong: Fl
         most: Written, shape (drives,).
         wrong: Written: bounds on the errors, likewise.
     """
-    nodes = solver.work.nodes
     drives = len(most)
     for d in range(drives):
         largest = beside = bounced = 0.0
-        for number in range(kept(nodes)):
-            first = (1 + number) * rows.SCRATCH_ROWS
-            block = nodes[first : first + rows.SCRATCH_ROWS]
+        for number in range(solver.records.counts[rows.PANELS]):
+            block = solver.records.panels[number]
             c = int(block[rows.KEPT, panels.CHART])
             i = c * drives + d
             reach(torques, i, 0.0, torques.charts.numbers[i, rows.TRAVEL_MOST])
             value, late = _panel(torques, i, block, largest)
             # An extreme that is just beaten may be the larger one by its error.
-            beside = max(beside, late + _wrong(torques, i, block))
+            beside = max(beside, late + _along(solver, torques, c, i, block))
             largest = max(largest, value)
             if block[rows.KEPT, panels.BOUNCED] > 0.0:
                 value, late = _after_bounces(solver, torques, c, i, block)
@@ -194,29 +206,26 @@ def run_torques(grids: FloatArray, charts: Charts, torques: Charts, cases: Cases
             last turn first; NaN before the first one.
     """
     found[:] = np.nan
-    work, keeping = scratch(charts, job.bounces, 0), scratch(charts, job.bounces, panels)
-    mixed = scratch(torques, 0, 0)
+    works = scratch(charts, job.bounces), scratch(torques, 0)
     # Of the first run only the ends of turns are read later on.
-    records, again = records_in(events, job.turns), records_in(events, 1)
-    _all(grids, charts, torques, (work, keeping, mixed), cases, settings, job, (records, again),
-         told, found)  # fmt: skip
+    records = records_in(events, job.turns, 0), records_in(events, 1, panels)
+    _all(grids, charts, torques, works, cases, settings, job, records, told, found)
 
 
 @part
-def _all(grids: FloatArray, charts: Charts, torques: Charts, works: tuple[Work, Work, Work],
+def _all(grids: FloatArray, charts: Charts, torques: Charts, works: tuple[Work, Work],
          cases: Cases, settings: Settings, job: Job, records: tuple[Records, Records],
          told: NDArray[np.int64], found: FloatArray) -> None:  # fmt: skip
     """All cases, one after the other."""
-    machine, drives, mixed = in_memory(charts), in_memory(torques), in_memory(works[2])
-    work, keeping = in_memory(works[0]), in_memory(works[1])
+    machine, drives = in_memory(charts), in_memory(torques)
+    work, mixed = in_memory(works[0]), in_memory(works[1])
     first, again = in_memory(records[0]), in_memory(records[1])
     for i in range(len(cases.speed)):
         one = in_memory(case_of(cases, i))
         solver = in_memory(Solver(grids, machine, work, one, first))
-        keeper = in_memory(Solver(grids, machine, keeping, one, again))
+        keeper = in_memory(Solver(grids, machine, work, one, again))
         torques_of = in_memory(Solver(grids, drives, mixed, one, again))
         prepare(solver)
-        prepare(keeper)
         prepare(torques_of)
         told[i] = _torques(solver, keeper, torques_of, settings, job, found[i])
         if told[i] != rows.AT_REST:
@@ -243,7 +252,6 @@ def _torques(solver: Solver, again: Solver, torques: Solver, settings: Settings,
             phase = RESTING if resting else FLYING
             if not known:
                 return int(rows.UNTOLD)
-        again.work.nodes[rows.KEPT, 0] = 0.0
         # A literal 1 would be a type of its own, for which all of it is compiled once more.
         status, _ = follow(again, settings, min(turns, 1), phase, at, job.clamp)
         if status != rows.AT_REST:
