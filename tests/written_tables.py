@@ -112,7 +112,7 @@ def rest_of_turn(
 
 def solve(
     charts: Charts, cases: Cases, settings: Settings, most: int, *, ask: bool = False,
-    angle: tuple[float, float] = (0.0, 1.0), premise: int = layout.HOLDS, before: Any = None,
+    angle: tuple[float, float] = (0.0, 1.0), before: Any = None,
 ) -> tuple[Any, Any]:  # fmt: skip
     """What is written of cases, of their transitions or of what is asked of the turn before.
 
@@ -121,12 +121,10 @@ def solve(
     """
     n = len(cases.speed)
     table = np.full((n, most + layout.BESIDE, layout.COLUMNS), np.nan)
-    told = np.full((n, 3), layout.GOES_ON)
+    told = np.array([[layout.GOES_ON, 0, layout.NOT_ASKED]] * n)
     if before is not None:
         table, told = before if ask else (table, before[1])
         table[:, 0] = before[0][:, 0]
-    if before is None or premise == layout.NOT_ASKED:
-        told[:, 2] = premise
     job = layout.Job(int(layout.TRANSITIONS), most, touch=angle[0], sense=angle[1])
     events = table
     if ask:

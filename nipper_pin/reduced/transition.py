@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import cache, partial
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -28,7 +27,6 @@ _NO_TURNS = Job(0, 0)[2:-2]
 _MOST_BOUNCES = 64
 # Collisions that nearly all transitions have less of.
 _USUAL = 32
-_ENGINE = "the reduced engine"
 
 
 def transition(
@@ -71,14 +69,13 @@ def transition(
     cases = one_case(model, speed_rpm, restitutions, stiffness, preload)
     # Few transitions need the room for all collisions, which takes time to clear.
     for most in (_USUAL, max_collisions) if max_collisions > _USUAL else (max_collisions,):
-        found, tell = _solved(model, cases, settings, assumed, most)
-        status, count, _ = found.told[0].tolist()
+        table, told, tell = _solved(model, cases, settings, assumed, most)
+        status, count, _ = told[0].tolist()
         if status != _TOO_MANY:
             break
     if status != _AT_REST:
         raise _refusal(model, Status(status), count, speed_rpm, max_collisions)
-    table = found.table[0]
-    return ReducedTransition(model.name, table[-1], table[:count].T, tell, count)
+    return ReducedTransition(model.name, table[0, -1], table[0, :count].T, tell, count)
 
 
 def transitions(
@@ -117,79 +114,64 @@ def transitions(
         e_N = column("restitution", restitution, 0.0, 1.0)
         restitutions[model.charts.stops[0, layout.OWN]] = e_N
     cases = cases_of(model, speed_rpm, restitutions, stiffness, preload)
-    require("study", "numba", what=_ENGINE)
     settings = checked_run(rest_rate, tolerance, max_collisions)
-    found, tell = _solved(model, cases, settings, assumed, max_collisions)
-    status, counts, _ = found.told.T.copy()
-    rows = found.table[:, :max_collisions].swapaxes(1, 2)
-    return TransitionBatch(model.name, found.table[:, -1], rows, tell, status, counts)
-
-
-class _Found(NamedTuple):
-    """What is told of n cases.
-
-    Attributes:
-        table: Collisions, and the rest in the last row, shape (n, most + BESIDE, COLUMNS).
-        told: Status, collisions, and whether they arrive in their initial phase, shape (n, 3).
-    """
-
-    table: FloatArray
-    told: NDArray[np.int64]
+    table, told, tell = _solved(model, cases, settings, assumed, max_collisions)
+    status, counts, _ = told.T.copy()
+    rows = table[:, :max_collisions].swapaxes(1, 2)
+    return TransitionBatch(model.name, table[:, -1], rows, tell, status, counts)
 
 
 @cache
 def kernel() -> tuple[Callable[..., None], FloatArray]:
     """The compiled function and its grids; numba is loaded here."""
-    require("study", "numba", what=_ENGINE)
+    require("study", "numba", what="the reduced engine")
     from .kernels.kernel import run
     from .kernels.panel import grids
 
     return run, grids()
 
 
-def _run(model: ReducedModel, cases: Cases, settings: Settings, ask: bool, found: _Found) -> None:
-    """Solve cases, or find their premise where it is not known yet."""
+def _run(
+    model: ReducedModel, cases: Cases, settings: Settings, table: FloatArray,
+    told: NDArray[np.int64], *tasks: int,
+) -> NDArray[np.int64]:  # fmt: skip
+    """Solve cases, or find their premise where it is not known yet; returns what is known of it.
+
+    Args:
+        table: Written: collisions, and the rest in the last row, shape (n, most + BESIDE, COLUMNS).
+        told: Written: status, collisions, premise, shape (n, 3).
+        tasks: What is asked, in its order.
+    """
     run, grids = kernel()
-    charts, events = model.charts, found.table
-    task, most = _TRANSITIONS, events.shape[1] - layout.BESIDE
-    if ask:
-        if model.arrival.charts is None:
-            found.told[:, 2] = layout.UNKNOWN
-            return
-        charts, events = model.arrival.charts, np.empty((1, 2 * _MOST_BOUNCES, layout.COLUMNS))
-        task, most = _ARRIVALS, _MOST_BOUNCES
-    job = task, most, *_NO_TURNS, model.touch_angle_rad, float(model.sense)
-    run(grids, (*charts,), (*cases,), (*settings,), job, events, found.told, found.table)
+    for task in tasks:
+        charts, events, most = model.charts, table, table.shape[1] - layout.BESIDE
+        if task == _ARRIVALS:
+            if model.arrival.charts is None:
+                told[:, 2] = layout.UNKNOWN
+                continue
+            charts, most = model.arrival.charts, _MOST_BOUNCES
+            events = np.empty((1, 2 * most, layout.COLUMNS))
+        job = task, most, *_NO_TURNS, model.touch_angle_rad, float(model.sense)
+        run(grids, (*charts,), (*cases,), (*settings,), job, events, told, table)
+    return told[:, 2]
 
 
 def _solved(
     model: ReducedModel, cases: Cases, settings: Settings, assumed: bool, most: int
-) -> tuple[_Found, partial[NDArray[np.int64]]]:
-    """Transitions of checked cases, and what tells their premise."""
+) -> tuple[FloatArray, NDArray[np.int64], partial[NDArray[np.int64]]]:
+    """Transitions of checked cases: what is written by :func:`_run`, and what tells the premise."""
     n = len(cases.speed)
-    told = np.empty((n, 3), dtype=np.int64)
-    told[:, 0], told[:, 2] = layout.GOES_ON, layout.HOLDS if assumed else layout.NOT_ASKED
     table = np.empty((n, most + layout.BESIDE, layout.COLUMNS))
-    found = _Found(table, told)
-    if not assumed:
-        _run(model, cases, settings, True, found)
-    _run(model, cases, settings, False, found)
+    told = np.empty((n, 3), dtype=np.int64)
+    told[:, 0], told[:, 2] = layout.GOES_ON, layout.NOT_ASKED
+    found = partial(_run, model, cases, settings, table, told)
     if assumed:
-        return found, partial(_premise, model, cases, settings, found)
-    _run(model, cases, settings, True, found)
-    lost = (told[:, 2] == layout.UNKNOWN) & (told[:, 0] == _AT_REST)
-    told[lost, :2] = int(Status.UNTOLD), 0
-    table[lost] = math.nan
-    return found, partial(told[:, 2].copy)
-
-
-def _premise(
-    model: ReducedModel, cases: Cases, settings: Settings, found: _Found
-) -> NDArray[np.int64]:
-    """Whether machines arrive in their initial phase, of transitions that are known."""
-    found.told[:, 2] = layout.NOT_ASKED
-    _run(model, cases, settings, True, found)
-    return found.told[:, 2].copy()
+        found(_TRANSITIONS)
+        return table, told, partial(found, _ARRIVALS)
+    premise = found(_ARRIVALS, _TRANSITIONS, _ARRIVALS)
+    lost = (premise == layout.UNKNOWN) & (told[:, 0] == _AT_REST)
+    told[lost, :2], table[lost] = (int(Status.UNTOLD), 0), math.nan
+    return table, told, found
 
 
 def _refusal(

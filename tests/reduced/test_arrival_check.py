@@ -62,7 +62,7 @@ def arrival(
     none = np.empty((1, 0))
     cases = Cases(np.array([SPEED]), np.array([[0.3, e]]), none, none)
     settings = Settings(rest_rate, tolerance)
-    table, told = solve(turn, cases, settings, 0, ask=True, premise=layout.NOT_ASKED)
+    table, told = solve(turn, cases, settings, 0, ask=True)
     return int(told[0, 2]), *table[0, 0, :4]
 
 

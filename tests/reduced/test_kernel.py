@@ -38,7 +38,6 @@ from nipper_pin.reduced.kernels.layout import (
     IMPULSE_ERROR,
     KIND,
     LEFT_TRAVEL,
-    NOT_ASKED,
     NOT_PRESSED,
     OTHER_STOP,
     RATE_ERROR,
@@ -84,17 +83,15 @@ def run(
         charts = tables_of(EQUATION, **TABLES)
     stops = np.array([[e, WAITING_E_N]])
     cases = Cases(np.array([SPEED]), stops, K[None], P[None])
-    settings, asked = Settings(rest_rate, 1e-9), None
-    if not assumed:
-        asked = solve(turn, cases, settings, 0, ask=True, premise=NOT_ASKED)
+    settings = Settings(rest_rate, 1e-9)
+    asked = None if assumed else solve(turn, cases, settings, 0, ask=True)
     found = solve(charts, cases, settings, most, angle=ANGLE, before=asked)
     table, told = found
     status, count, premise = told[0]
     if turn is None:
         premise = UNKNOWN
     else:
-        known = HOLDS if asked else NOT_ASKED
-        premise = solve(turn, cases, settings, 0, ask=True, premise=known, before=found)[1][0, 2]
+        premise = solve(turn, cases, settings, 0, ask=True, before=found)[1][0, 2]
     assert np.isnan(table[0, count:-1]).all()
     return status, summary(table[0, -1], table[0, :count]), premise, table[0, :count].T
 

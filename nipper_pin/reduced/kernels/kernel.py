@@ -137,11 +137,11 @@ def run(grids: FloatArray, charts: Plain, cases: Plain, settings: Plain, job: Pl
             collision, but the last row is its rest, whose travel is told; of all others scratch,
             which then has the last case, shape (1, most, COLUMNS).
         told: Written. Of transitions and arrivals status (GOES_ON before), number of collisions,
-            and premise: HOLDS, where transitions begin at the touch, FAILS, where they begin in
-            flight over it, or UNKNOWN; shape (n, 3). Arrivals find it where it is NOT_ASKED;
-            where transitions are known it becomes UNKNOWN for one that does not rest up to the
-            opening. Of turns status, turns, after how many the last repeats, and events, shape
-            (n, 4).
+            and premise: HOLDS or NOT_ASKED, where transitions begin at the touch, FAILS, where they
+            begin in flight over it, or UNKNOWN; shape (n, 3). Arrivals find it where it is
+            NOT_ASKED; where transitions are known it becomes UNKNOWN for one that does not rest up
+            to the opening. Of turns status, turns, after how many the last repeats, and events,
+            shape (n, 4).
         found: Those events of transitions; arrivals write the first numbers of those in flight
             over the touch: gap, rate, and bounds on the errors of both. Or, written, quantities of
             turns, the last one first, NaN before the first one, shape (n, last, quantities).
