@@ -7,36 +7,22 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..arrays import FloatArray
-from ..dynamics import DriveMode, System, assemble
+from ..dynamics import DriveMode
 from ..errors import InputError, NipperError, SimulationError
 from ..given import LARGEST, number
 from ..hybrid import State, comes_back
 from ..hybrid.error_estimate.local_error import at_start
 from ..made_once import made_once
 from ..mechanism import Mechanism, Stop
-from ..tolerances.reduced import ARRIVAL_TABLES, NO_ACCELERATION, TRIMMED_SHARE
+from ..tolerances.reduced import ARRIVAL_TABLES, TRIMMED_SHARE
 from .inputs import check_tolerance
-from .model import (
-    BY_SPRINGS,
-    FAST,
-    LIVELY,
-    MARGIN,
-    ROOM,
-    Arrival,
-    ReducedModel,
-    factors,
-    lively_speed,
-    numbers_of,
-)
+from .model import FAST, LIVELY, MARGIN, Arrival, ReducedModel, lively_speed, numbers_of
 from .tables.functions import Sampler
-from .tables.tables import Chart, Domain, chart_over, stacked
-from .turns.arcs import ContactArc, ContactContinuation, system_at
+from .tables.tables import Chart, Domain, stacked
+from .turns.arcs import ContactArc, ContactContinuation
 from .turns.charts import ChartSampler
 from .turns.model import charts_of, unfit_turns
 
-# Least assumed share of a spring's preload in x''.
-_LEAST_SHARE = 0.01
 _MODEL = "reduced model"
 # Travel of a domain where no opening is known, and the longest [rad].
 _USUAL, _LONGEST = math.radians(95.0), math.radians(150.0)
@@ -115,12 +101,12 @@ def build(
         number("gap_max", gap_max, 0.0, LARGEST, open_low=True, allowed="above zero",
                where=_MODEL)  # fmt: skip
     stop = mechanism.stop(mechanism.transition_stop)
-    system = system_at(mechanism, 0.0, mechanism.cylinder.angle_at_touch_rad)
-    sampler = Sampler(system, stop, np.zeros(system.body.nv))
-    rate, rounded = _approach_rate(system, stop)
-    _check_opening(mechanism, sampler)
-    weights, room = _nominal(mechanism, sampler, rate)
-    gap_max = room if gap_max is None else gap_max
+    # Of the arc that starts there the touch, in which all coordinates are zero.
+    touch = ContactArc(stop, 0.0, 0.0, stop, np.zeros(1), np.zeros((1, len(mechanism.joints))))
+    around = ChartSampler(mechanism, touch, mechanism.cylinder.angle_at_touch_rad, 0)
+    rate, rounded = _approach_rate(around)
+    w = -LIVELY * rate * lively_speed(mechanism)
+    gap_max = around.rebound(w) if gap_max is None else gap_max
     if not gap_max > 0.0:
         message = (
             f"{mechanism.name}: stop {stop.name!r} is not pressed shut after its "
@@ -133,8 +119,7 @@ def build(
         opening = next((arc.end for arc in arcs if arc.after.name != stop.name), _USUAL)
         travel_rad = min(opening, _LONGEST)
     domain = Domain(travel_rad, -MARGIN * gap_max, gap_max)
-    kept = chart_over(sampler.grid, sampler.at, domain, weights, tolerance)
-    chart = replace(kept, stop=mechanism.stops.index(stop), meets=(rate, rounded, 0.0, 0.0))
+    chart = replace(around.over(domain, w, tolerance), meets=(rate, rounded, 0.0, 0.0))
     return ReducedModel(
         **numbers_of(mechanism),
         charts=stacked(mechanism, [chart]),
@@ -142,21 +127,8 @@ def build(
         touch_angle_rad=mechanism.cylinder.angle_at_touch_rad,
         sense=mechanism.cylinder.sense,
         tolerance=tolerance,
-        arrival=_arrival(system, chart, arcs, why, tolerance),
+        arrival=_arrival(around, chart, arcs, why, tolerance),
     )
-
-
-def _check_opening(mechanism: Mechanism, sampler: Sampler) -> None:
-    """Refuse a closed stop that the rebound of the transition stop does not open."""
-    (name,) = mechanism.phase(mechanism.initial_phase).closed
-    by_x, _ = sampler.rates(np.zeros(1), np.zeros((1, len(mechanism.joints))))
-    opening = mechanism.stop(name).rate(by_x[0])
-    if opening <= 0.0:
-        message = (
-            f"{mechanism.name}: stop {name!r} does not open when "
-            f"{mechanism.transition_stop!r} rebounds; use the direct engine"
-        )
-        raise InputError(message, stop=name, opening_rate=opening)
 
 
 def _turn(mechanism: Mechanism, stop: Stop) -> tuple[list[ContactArc], str]:
@@ -172,15 +144,15 @@ def _turn(mechanism: Mechanism, stop: Stop) -> tuple[list[ContactArc], str]:
 
 
 def _arrival(
-    system: System, chart: Chart, arcs: list[ContactArc], why: str, tolerance: float
+    touch: ChartSampler, chart: Chart, arcs: list[ContactArc], why: str, tolerance: float
 ) -> Arrival:
     """Sample the turn around the touch: its clamping stop up to the opening, then the waiting one.
 
     Args:
         chart: The domain of the transition, which serves where it ends at the opening.
     """
-    mechanism = system.mechanism
-    if not comes_back(system):
+    mechanism = touch.mechanism
+    if not comes_back(touch.system):
         return Arrival(why="the drives do not come back with the cylinder", asked=False)
     (name,) = mechanism.phase(mechanism.initial_phase).closed
     if why:
@@ -201,45 +173,34 @@ def _arrival(
     return Arrival(charts=stacked(mechanism, charts))
 
 
-def _approach_rate(system: System, stop: Stop) -> tuple[float, float]:
-    """Rate dx/du of the initial phase in the touch configuration, and its round-off."""
-    closed = system.mechanism.phase(system.mechanism.initial_phase).closed
-    (name,) = closed
-    given = [*system.shaft.indices, system.mechanism.stop(name).index]
-    all_rates = np.append(system.shaft.driven(np.zeros(1))[1], 0.0)
-    _, v, _ = assemble(system.body, np.zeros((0, len(given))), given, all_rates)
-    rate = float(v[stop.index])
+def _approach_rate(touch: ChartSampler) -> tuple[float, float]:
+    """Rate dx/du of the initial phase in the touch configuration, and its round-off.
+
+    Raises:
+        InputError: It is not negative, or the stop that is closed does not open by a rebound.
+    """
+    mechanism, system, stop = touch.mechanism, touch.system, touch.arc.stop
+    closed = mechanism.phase(mechanism.initial_phase).closed
+    (waiting,) = (mechanism.stop(name) for name in closed)
+    u, q = np.zeros(1), touch.arc.path
+    _, (v,) = Sampler(system, waiting, q[0]).rates(u, q)
+    rate = stop.rate(v)
     if rate >= 0.0:
         message = (
             f"stop {stop.name!r} is not closing in the touch configuration (rate {rate:.3g} by the "
             "cylinder angle); check cylinder.angle_at_touch_deg and cylinder.direction"
         )
         raise InputError(message, stop=stop.name, rate=rate)
-    rounded = at_start(system, State.at(system, 0.0, np.zeros_like(v), v, closed))
+    (by_x,), _ = touch.sampler.rates(u, q)
+    opening = waiting.rate(by_x)
+    if opening <= 0.0:
+        message = (
+            f"{mechanism.name}: stop {waiting.name!r} does not open when "
+            f"{stop.name!r} rebounds; use the direct engine"
+        )
+        raise InputError(message, stop=waiting.name, opening_rate=opening)
+    rounded = at_start(system, State.at(system, 0.0, q[0], v, closed))
     return rate, rounded.size(len(v) + stop.index)
-
-
-def _nominal(mechanism: Mechanism, sampler: Sampler, rate: float) -> tuple[FloatArray, float]:
-    """Weights of the functions in x'' by the size of x'', and the gap of a lively rebound.
-
-    Returns:
-        Weights, shape (4 + 2 springs,), and the gap; not above zero if no stop is pressed shut.
-    """
-    touch = sampler.at(np.zeros(1), np.zeros(1), np.zeros((1, len(mechanism.joints))))
-    w = -LIVELY * rate * lively_speed(mechanism)
-    weights = factors(mechanism, len(touch.equation), w)
-    terms = weights * touch.equation[:, 0]
-    a = float(terms.sum())
-    gap = 0.0 if a >= 0.0 else ROOM * 0.5 * w**2 / -a
-    size = float(np.abs(terms).sum())
-    # Without acceleration at touch the scale is arbitrary.
-    weights = np.abs(weights) / (size if size > NO_ACCELERATION else 1.0)
-    # A spring that is slack in the file may be preloaded in a case.
-    for place in range(BY_SPRINGS, len(weights), 2):
-        unit = abs(float(touch.equation[place, 0]))
-        if unit > 0.0:
-            weights[place] = max(weights[place], _LEAST_SHARE / unit)
-    return weights, gap
 
 
 def reduced_model(mechanism: Mechanism, drive: DriveMode = DriveMode.HELD) -> ReducedModel:

@@ -30,13 +30,14 @@ from nipper_pin.reduced import (
     ReducedModel,
     build,
     reduced_model,
-    sampling,
     transition,
     transitions,
     unfit,
 )
 from nipper_pin.reduced.kernels import layout
 from nipper_pin.reduced.tables.functions import Sampler
+from nipper_pin.reduced.turns.arcs import ContactArc
+from nipper_pin.reduced.turns.charts import ChartSampler
 
 MODELS = Path(__file__).parents[1] / "verification" / "models"
 RPM = 450.0
@@ -190,26 +191,30 @@ def test_the_jaw_at_the_touch_by_the_steeve(model: ReducedModel, system: System)
         assert by_u == pytest.approx((later - before) / (2.0 * step), rel=1e-4, abs=1e-7)
 
 
-def test_weights_are_shares_of_the_acceleration(system: System, e62: Mechanism) -> None:
+def around_touch(e62: Mechanism) -> ChartSampler:
+    """The arc of the jaw, of which the touch alone is known."""
+    jaw, home = e62.stop("jaw"), np.zeros((1, len(e62.joints)))
+    arc = ContactArc(jaw, 0.0, 0.0, jaw, np.zeros(1), home)
+    return ChartSampler(e62, arc, e62.cylinder.angle_at_touch_rad, 0)
+
+
+def test_weights_are_shares_of_the_acceleration(e62: Mechanism) -> None:
     """All terms of x'' at touch together have the size one; a slack spring counts for a hundredth.
 
     Half of the approach rate at one and a half times the rated speed.
     """
-    rate, speed = -0.25, 1.5 * SPEED
+    speed = 1.5 * SPEED
     w = 0.5 * 0.25 * speed
-    touch = at_touch(system, e62.stop("jaw")).at(
-        np.zeros(1), np.zeros(1), np.zeros((1, len(e62.joints)))
-    )
+    touch = around_touch(e62).along
     terms = np.array([speed**2, speed * w, w**2, 1.0, 9000.0 * 0.011, 9000.0])
     size = np.abs(terms * touch.equation[:, 0]).sum()
-    weights, gap = sampling._nominal(e62, at_touch(system, e62.stop("jaw")), rate)
+    weights, gap = around_touch(e62).weights(w), around_touch(e62).rebound(w)
     np.testing.assert_allclose(weights, terms / size, rtol=1e-12)
     assert gap == pytest.approx(-1.25 * 0.5 * w**2 / (terms @ touch.equation[:, 0]), rel=1e-12)
     loose = load("e62", {"springs.steeve.preload_length_mm": -11.0})
-    signs, _ = sampling._nominal(loose, at_touch(system, e62.stop("jaw")), rate)
-    np.testing.assert_allclose(signs, weights, rtol=1e-12)
+    np.testing.assert_allclose(around_touch(loose).weights(w), weights, rtol=1e-12)
     slack = load("e62", {"springs.steeve.preload_length_mm": 0.0, "cylinder.rated_speed_rpm": 1.0})
-    weights, _ = sampling._nominal(slack, at_touch(system, e62.stop("jaw")), rate)
+    weights = around_touch(slack).weights(w)
     assert weights[4] * abs(touch.equation[4, 0]) == pytest.approx(0.01, rel=1e-12)
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import cached_property
-from itertools import count
 
 import numpy as np
 
@@ -14,8 +13,8 @@ from ...errors import SimulationError
 from ...hybrid import State
 from ...hybrid.error_estimate.local_error import of_rates
 from ...mechanism import Mechanism
-from ...tolerances.reduced import CORNER_ROUND_OFF
-from ..model import MARGIN, factors
+from ...tolerances.reduced import CORNER_ROUND_OFF, NO_ACCELERATION
+from ..model import BY_SPRINGS, MARGIN, ROOM, factors
 from ..tables.functions import Sampler
 from ..tables.tables import Chart, Domain, chart_over
 from .arcs import TURN, ContactArc, system_at
@@ -23,6 +22,8 @@ from .arcs import TURN, ContactArc, system_at
 _PLACES = 9
 # Nodes across the gap to start with.
 NODES_X = 8
+# Least assumed share of a spring's preload in x''.
+_LEAST_SHARE = 0.01
 # Travel over which the change of a rate is taken [rad].
 _BESIDE = 1e-3
 # Halvings of the gap of a chart that reaches a dead centre.
@@ -109,33 +110,49 @@ class ChartSampler:
         weights = factors(self.mechanism, len(self.along.equation), w)
         return weights * self.along.equation[:, 0]
 
+    def rebound(self, w: float) -> float:
+        """Gap of a rebound at the begin with a rate w, and room; 0 where nothing presses."""
+        a = float(self.terms(w).sum())
+        return ROOM * 0.5 * w * w / -a if a < 0.0 else 0.0
+
     def weights(self, w: float) -> FloatArray:
         """Weights of the functions in x'' by the size of x'', at rates up to w."""
         functions = self.along.equation
-        return shares(factors(self.mechanism, len(functions), w), functions)
+        weights = shares(factors(self.mechanism, len(functions), w), functions)
+        # A spring that is slack in the file may be preloaded in a case.
+        for place in range(BY_SPRINGS, BY_SPRINGS + 2 * len(self.mechanism.springs), 2):
+            unit = float(np.abs(functions[place]).mean())
+            if unit > 0.0:
+                weights[place] = max(weights[place], _LEAST_SHARE / unit)
+        return weights
+
+    def over(self, domain: Domain, w: float, tolerance: float, of_gaps: float = math.inf) -> Chart:
+        """Sample the tables of a domain.
+
+        Args:
+            w: Rates of x up to this are usual.
+            of_gaps: Relative accuracy of the gaps of other stops.
+        """
+        grid, at = self.sampler.grid, self.sampler.at
+        return self.placed(chart_over(grid, at, domain, self.weights(w), tolerance, of_gaps))
 
 
 def shares(weights: FloatArray, functions: FloatArray) -> FloatArray:
     """Weights of functions by the mean size of the sum of all, from their values at places."""
     size = float(np.abs(weights[:, None] * functions).sum(axis=0).mean())
-    return np.abs(weights) / (size if size > 0.0 else 1.0)
+    # Without acceleration the scale is arbitrary.
+    return np.abs(weights) / (size if size > NO_ACCELERATION else 1.0)
 
 
-def chart_of(around: ChartSampler, gap: float, w: float, tolerance: float, of_gaps: float) -> Chart:
-    """Sample the tables of one arc.
-
-    Args:
-        w: Rates of x up to this are usual.
-        of_gaps: Relative accuracy of the gaps of other stops.
-    """
-    for halvings in count():
-        domain = Domain(float(around.arc.travels[-1]), -MARGIN * gap, gap, count_x=NODES_X)
-        try:
-            weights, sampler = around.weights(w), around.sampler
-            kept = chart_over(sampler.grid, sampler.at, domain, weights, tolerance, of_gaps)
-            break
-        except SimulationError:
-            if halvings == _HALVINGS:
-                raise
-            gap *= 0.5
-    return around.placed(kept)
+def chart_of(
+    around: ChartSampler, gap: float, w: float, tolerance: float, of_gaps: float,
+    halvings: int = _HALVINGS,
+) -> Chart:  # fmt: skip
+    """Sample the tables of one arc, up to a gap or a part of it that can be reached."""
+    domain = Domain(float(around.arc.travels[-1]), -MARGIN * gap, gap, count_x=NODES_X)
+    try:
+        return around.over(domain, w, tolerance, of_gaps)
+    except SimulationError:
+        if not halvings:
+            raise
+    return chart_of(around, 0.5 * gap, w, tolerance, of_gaps, halvings - 1)

@@ -13,7 +13,7 @@ from ...errors import InputError
 from ...hybrid import START_INDEX, comes_back, initial_state
 from ...mechanism import Mechanism, Stop
 from ...tolerances.reduced import GAP_SHARE, TURN_TABLES
-from ..model import LIVELY, ROOM, Tabulated, lively_speed, numbers_of
+from ..model import LIVELY, Tabulated, lively_speed, numbers_of
 from ..tables.tables import Chart, stacked
 from .arcs import ContactContinuation, system_at
 from .charts import ChartSampler, chart_of
@@ -175,10 +175,8 @@ def _reach(around: list[ChartSampler]) -> list[tuple[float, float]]:
     for item in around:
         to, mechanism = item.after, item.mechanism
         w = LIVELY * abs(item.meets[0]) * lively_speed(mechanism)
-        a = float(around[to].terms(w).sum())
         rates[to] = max(rates[to], w)
-        if a < 0.0:
-            gaps[to] = max(gaps[to], ROOM * 0.5 * w * w / -a)
+        gaps[to] = max(gaps[to], around[to].rebound(w))
     # Where stops meet slowly, a stop that is released flies higher than after their collision.
     for number, item in enumerate(around):
         if gaps[number] > 0.0:
