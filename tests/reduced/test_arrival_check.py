@@ -23,9 +23,9 @@ from written_tables import (
 )
 
 from nipper_pin.reduced.kernels import (
+    closed,
     flight_errors,
     layout,
-    release,
     series,
 )
 from nipper_pin.reduced.kernels import turn_events as events
@@ -327,4 +327,4 @@ def test_where_a_stop_lets_go(values: Any, begin: float, end: float, expected: f
         ]
     )
     solver = solver_of(tables_of(level(-1.0, cells=cells)), case(SPEED, [], []))
-    assert release.released(solver, 0, line, begin, end) == pytest.approx(expected, abs=1e-9)
+    assert closed.released(solver, 0, line, begin, end) == pytest.approx(expected, abs=1e-9)

@@ -16,10 +16,10 @@ from ...tolerances.reduced import (
     PHASE_TOLERANCE,
 )
 from . import layout as rows
+from .closed import released
 from .compiled import compiled, part
 from .in_memory import in_memory
 from .layout import Cases, Charts, Job, Motion, Plain, Records, Settings, Solver, Work
-from .release import released
 from .turn import FLYING, STRIKING, follow
 from .turn_charts import case_of, prepare, records_in, scratch
 from .turn_quantities import turns_of

@@ -10,13 +10,13 @@ import numpy as np
 from ...tolerances.mechanics import EPS
 from ...tolerances.reduced import LIMIT_ERROR_SAFETY
 from . import layout as rows
+from .closed import release_error, released
 from .compiled import inlined, part
 from .flight import describe, flight, keep
 from .flight_errors import flight_errors, of_solver
 from .hits import SolvedPanel
 from .layout import Flown, Motion, Settings, Solver, numbered
 from .panel import acceleration, contract, reach
-from .release import release_error, released
 from .series import settles, surely_over
 from .turn_charts import chart_at, other_of, seen_by, surface
 from .turn_events import TURN, errors_after, mark, note, rebounded, repeats, strike
