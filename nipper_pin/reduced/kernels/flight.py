@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from math import nan, sqrt
 
-from ...arrays import FloatArray
 from ...tolerances.reduced import NEWTON_STEP, TRAVEL_END, ZERO_RESOLUTION
 from . import layout as rows
 from .compiled import inlined, part
@@ -73,18 +72,22 @@ _NONE: int = rows.numbered(1, -1)[0]
 
 
 @part
-def _zero(nodes: FloatArray, count: int, h: float, x0: float, v0: float, low: float, high: float,
-          start: float) -> float:  # fmt: skip
-    """Zero of x in (low, high], of x / sigma if x0 = 0, to round-off."""
-    sigma = start
+def _zero(solved: SolvedPanel, of_rate: bool, low: float, high: float, start: float) -> float:
+    """Zero in (low, high], to round-off, of what falls through it: x or its rate.
+
+    Of x that begins at zero it is that of x / sigma.
+    """
+    nodes, h, x0, v0 = solved.solver.work.nodes, solved.h, solved.x0, solved.v0
+    sigma, count = start, rows.LEVELS[solved.level]
     for _ in range(60):
-        x = position(nodes, count, h, x0, v0, sigma)
-        v = rate_at(nodes, count, h, v0, sigma)
-        if x0 == 0.0:
-            f = x / sigma
-            slope = (h * v - f) / sigma
+        f = v = rate_at(nodes, count, h, v0, sigma)
+        if of_rate:
+            slope = h * chebyshev(nodes, rows.SERIES, 0, count, 2.0 * sigma - 1.0)
         else:
-            f, slope = x, h * v
+            f, slope = position(nodes, count, h, x0, v0, sigma), h * v
+            if x0 == 0.0:
+                f /= sigma
+                slope = (slope - f) / sigma
         if f > 0.0:
             low = sigma
         else:
@@ -113,7 +116,7 @@ def _first_zero(solved: SolvedPanel) -> float:
             start, v = high, nodes[rows.NODE_V, j]
             if v < 0.0:
                 start = max(high - x / (h * v), 0.5 * (before + high))
-            return _zero(nodes, count, h, x0, v0, before, high, start)
+            return _zero(solved, False, before, high, start)
         if nodes[rows.NODE_V, j - 1] < 0.0 <= nodes[rows.NODE_V, j]:
             # A minimum between two positive nodes may be below zero.
             low, high = before, grids[rows.SIGMA, level, 0, j]
@@ -124,7 +127,7 @@ def _first_zero(solved: SolvedPanel) -> float:
                 else:
                     high = middle
             if position(nodes, count, h, x0, v0, high) <= 0.0:
-                return _zero(nodes, count, h, x0, v0, before, high, high)
+                return _zero(solved, False, before, high, high)
     return -1.0
 
 
@@ -143,21 +146,7 @@ def _highest(solved: SolvedPanel, end: float) -> tuple[float, float]:
     falling = rate_at(nodes, count, h, v0, high)
     if rising <= 0.0 or falling >= 0.0:
         return best, place
-    peak = low + (high - low) * rising / (rising - falling)
-    for _ in range(60):
-        v = rate_at(nodes, count, h, v0, peak)
-        if v > 0.0:
-            low = peak
-        else:
-            high = peak
-        slope = h * chebyshev(nodes, rows.SERIES, 0, count, 2.0 * peak - 1.0)
-        new = peak - v / slope if slope < 0.0 else -1.0
-        if not (low <= new <= high):
-            new = 0.5 * (low + high)
-        step = abs(new - peak)
-        peak = new
-        if step <= NEWTON_STEP:
-            break
+    peak = _zero(solved, True, low, high, low + (high - low) * rising / (rising - falling))
     return max(best, position(nodes, count, h, x0, v0, peak)), peak
 
 
