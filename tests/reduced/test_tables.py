@@ -100,10 +100,9 @@ def test_samples_of_a_domain() -> None:
     known = Known()
     domain = Domain(1.3, -0.1, 0.5)
     tables = resolved(known.grid, known.at, domain, np.array([1.0, 1.0]), 1e-9)
-    cells = tables.equation.shape[1]
-    assert cells == 3
     assert known.sampled == 3 * 16 * 12
-    assert tables.equation.shape == (2, 3, 16, 12)
+    # Two functions of the equation, a gap with its slopes, and the inertia.
+    assert (tables.functions, tables.series.shape) == (2, (6, 3, 16, 12))
     assert (np.diff(tables.u) > 0.0).all()
     assert (np.diff(tables.x) > 0.0).all()
     assert 0.0 < tables.u[0] < tables.u[-1] < 1.3
@@ -119,12 +118,10 @@ def test_samples_of_a_domain() -> None:
                 across = (2.0 * x - 0.4) / 0.6
                 assert domain.places(np.array([x])) == pytest.approx([across])
                 assert domain.coordinates(np.array([across])) == pytest.approx([x])
-                found = [chebyshev.chebval2d(place, across, row[cell]) for row in tables.equation]
-                assert found == pytest.approx(known.values(u, x), rel=1e-10)
-                gap = chebyshev.chebval2d(place, across, tables.gaps[0, cell])
-                assert gap == pytest.approx(u - 7.0 * x, abs=1e-12)
-            inertia = chebyshev.chebval(place, tables.inertia[cell])
-            assert inertia == pytest.approx(2.0 + math.cos(u), rel=1e-12)
+                found = [chebyshev.chebval2d(place, across, row[cell]) for row in tables.series]
+                assert found[:2] == pytest.approx(known.values(u, x), rel=1e-10)
+                assert found[2:5] == pytest.approx([u - 7.0 * x, -7.0, 1.0], abs=1e-12)
+                assert found[5] == pytest.approx(2.0 + math.cos(u) * (1.0 + 0.1 * x), rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -139,8 +136,8 @@ def test_samples_of_a_domain() -> None:
 def test_what_is_refined(known: Known, domain: Domain, shape: tuple[int, int]) -> None:
     """Cells for what changes fast along the travel, orders for what changes across; not both."""
     tables = resolved(known.grid, known.at, domain, np.ones(2), 1e-9)
-    assert (tables.equation.shape[1], tables.equation.shape[3]) == shape
-    assert max(series2d.tails(tables.equation, np.ones(2))) <= 1e-9
+    assert (tables.series.shape[1], tables.series.shape[3]) == shape
+    assert max(series2d.tails(tables.series[:2], np.ones(2))) <= 1e-9
     before = 16 * domain.count_x if shape != (1, 12) else 0
     assert known.sampled == before + 16 * shape[0] * shape[1]
 
@@ -166,22 +163,21 @@ def test_residuals_are_twice_the_largest_error_at_the_checks() -> None:
     known, domain = Known(), Domain(1.3, -0.1, 0.5)
     tables = resolved(known.grid, known.at, domain, np.ones(2), 1e-12)
     points = checks(known.at, domain, tables)
-    true = points.true.equation
-    largest = np.array([1.2, 43.0])
-    assert (points.misfit(tables.equation, true) <= 200.0 * EPS * largest).all()
-    wrong = tables.equation.copy()
+    largest = np.array([1.2, 43.0, 5.0, 7.0, 1.0, 3.1])
+    assert (points.misfit(tables.series) <= 200.0 * EPS * largest).all()
+    wrong = tables.series.copy()
     wrong[0, 2, 0, 0] += 1e-4
     wrong[1, 0, 0, 0] -= 3e-4
-    np.testing.assert_allclose(points.misfit(wrong, true), [2e-4, 6e-4], rtol=1e-6)
+    np.testing.assert_allclose(points.misfit(wrong)[:2], [2e-4, 6e-4], rtol=1e-6)
     # An error that grows towards the edges: they are among the points that are checked.
-    wrong = tables.equation.copy()
+    wrong = tables.series.copy()
     wrong[0, 0, 15, 0] += 1e-4
     wrong[1, 2, 0, 11] += 1e-4
-    found = points.misfit(wrong, true)
+    found = points.misfit(wrong)
     assert found[0] == pytest.approx(2e-4, rel=1e-6)
     assert 1.5e-4 <= found[1] <= 2.0001e-4
     # Lower orders alone are evaluated in the same places.
-    assert (points.misfit(tables.equation[:, :, :8, :6], true) < 1e-6).all()
+    assert (points.misfit(tables.series[:, :, :8, :6]) < 1e-6).all()
 
 
 @pytest.mark.parametrize(("bent", "least", "most"), [(0.0, 0.0, 1e-9), (1e-3, 1e-6, 1e-4)])
@@ -197,7 +193,8 @@ def test_the_error_of_the_inertia_is_known(bent: float, least: float, most: floa
     chart = chart_over(Heavy().grid, Heavy().at, domain, np.ones(2), 1e-9)
     assert least <= chart.inertia_error <= most
     u = np.linspace(0.0, 1.3 / 3.0, 501)
-    series = chebyshev.chebval(2.0 * u / (1.3 / 3.0) - 1.0, chart.inertia[0])
+    closed = domain.places(np.zeros_like(u))
+    series = chebyshev.chebval2d(2.0 * u / (1.3 / 3.0) - 1.0, closed, chart.series[-1, 0])
     true = 2.0 + np.cos(u) + bent * np.abs(u - 0.217)
     assert (np.abs(series / true - 1.0) <= chart.inertia_error).all()
 
@@ -227,7 +224,7 @@ def test_noise_of_samples_is_accepted_up_to_the_root_of_the_tolerance(tolerance:
     domain, root = Domain(1.0, -0.1, 1.0), tolerance**0.5
     one, other = Noisy(0.05 * root), Noisy(2.0 * root)
     tables = resolved(one.grid, one.at, domain, np.ones(1), tolerance)
-    assert tolerance < max(series2d.tails(tables.equation, np.ones(1))) <= root
+    assert tolerance < max(series2d.tails(tables.series[:1], np.ones(1))) <= root
     with pytest.raises(ConvergenceError, match="too rough") as caught:
         resolved(other.grid, other.at, domain, np.ones(1), tolerance)
     assert root < caught.value.evidence["residual"] < 40.0 * root

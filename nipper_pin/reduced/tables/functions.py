@@ -69,6 +69,11 @@ class Samples:
     gaps: FloatArray
     inertia: FloatArray
 
+    @property
+    def rows(self) -> FloatArray:
+        """All of them, shape (rows, N)."""
+        return np.concatenate([self.equation, self.gaps, self.inertia[None]])
+
 
 def _table_ends(mechanism: Mechanism) -> Iterator[Stop]:
     """Ends of the tables of springs, as if they were stops; none where a stop holds them off.

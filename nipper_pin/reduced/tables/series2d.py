@@ -37,7 +37,7 @@ def _from_values(count: int) -> FloatArray:
     return np.asarray(matrix)
 
 
-def tails(coefficients: FloatArray, weights: FloatArray) -> tuple[float, float]:
+def tails(coefficients: FloatArray, weights: FloatArray) -> FloatArray:
     """Size of what a longer series would add, at least.
 
     Args:
@@ -45,12 +45,12 @@ def tails(coefficients: FloatArray, weights: FloatArray) -> tuple[float, float]:
         weights: Weight of an error of each function, shape (functions,).
 
     Returns:
-        The largest weighted sum of the last two orders, by u and by x.
+        The largest weighted sum of the last two orders, by u and by x, shape (2,).
     """
     size = np.abs(coefficients) * weights[:, None, None, None]
     by_u = size[:, :, -2:, :].sum(axis=(2, 3)).max()
     by_x = size[:, :, :, -2:].sum(axis=(2, 3)).max()
-    return float(by_u), float(by_x)
+    return np.array([by_u, by_x])
 
 
 def needed(coefficients: FloatArray, weights: FloatArray, tolerance: float) -> tuple[int, int]:

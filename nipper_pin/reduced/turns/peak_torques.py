@@ -12,8 +12,6 @@ sampled on the charts of the turns.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -50,30 +48,26 @@ def torque_model(mechanism: Mechanism, start_index: float, gap_scale: float) -> 
         domain = Domain(float(item.arc.travels[-1]), low, high, count_x=NODES_X)
         for drive in range(len(mechanism.drives)):
             found.append(_chart(item, drive, domain))
-    return stacked(mechanism, found)
+    # Of the function of x'' the bound on its error, and its largest value.
+    by_a = np.array([chart.bounds[[0, -1], chart.functions] for chart in found])
+    return stacked(mechanism, found)._replace(gap_bounds=by_a)
 
 
 def _chart(around: ChartSampler, drive: int, domain: Domain) -> Chart:
     """Tables of the torque of one drive around one arc."""
 
     def at(u: FloatArray, x: FloatArray, guess: FloatArray) -> Samples:
-        # In the place of the functions of the equation of motion.
-        found = around.sampler.torques(u, x, guess)[drive]
-        return Samples(found, np.empty((0, len(u))), np.ones(len(u)))
+        *functions, by_a = around.sampler.torques(u, x, guess)[drive]
+        none = np.zeros(len(u))
+        return Samples(np.array(functions), np.array([by_a, none, none]), none + 1.0)
 
     # The size of the torque at usual rates.
     rate = float(np.sqrt(np.abs(around.terms(0.0).sum()) * domain.high))
-    functions = at(*around.places).equation
+    functions = at(*around.places).rows[:-3]
     fastest = np.abs(around.terms(rate)).sum()
     weights = np.append(factors(around.mechanism, len(functions) - 1, rate), fastest)
     weights = shares(weights, functions)
-    kept = chart_over(around.sampler.grid, at, domain, weights, TURN_TABLES)
-    by_a = np.zeros((3, *kept.equation.shape[1:]))
-    by_a[0] = kept.equation[-1]
-    return replace(
-        kept, equation=kept.equation[:-1], gaps=by_a, bounds=kept.bounds[:, :-1],
-        gap_bounds=kept.bounds[[0, -1, -1], -1],
-    )  # fmt: skip
+    return chart_over(around.sampler.grid, at, domain, weights, TURN_TABLES)
 
 
 # Panels of a turn that there is room for, by its collisions and other events.
