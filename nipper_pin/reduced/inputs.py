@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -37,47 +39,35 @@ def check_tolerance(tolerance: float, where: str = "") -> None:
            where=where)  # fmt: skip
 
 
-def one_case(
-    model: Tabulated, speed_rpm: float, restitutions: FloatArray, stiffness: ArrayLike | None,
-    preload: ArrayLike | None,
-) -> Cases:  # fmt: skip
-    """Numbers of a single case: as :func:`cases_of`, in less time.
-
-    Args:
-        restitutions: e_N of all stops, checked, shape (K,).
-        stiffness: Spring rates, one number or shape (springs,); so are the deflections.
-    """
-
-    def row(key: str, value: ArrayLike | None, default: FloatArray) -> FloatArray:
-        if value is None:
-            return default[None]
-        given = numbers(key, value)
-        return np.array(spring_rows(key, given if given.ndim == 0 else given[None], len(default)))
-
-    return Cases(
-        np.array([number("speed_rpm", speed_rpm, 0.0, FASTEST_RPM, open_low=True) * _RAD_S]),
-        restitutions[None],
-        row("stiffness", stiffness, model.stiffness),
-        row("preload", preload, model.preload),
-    )
-
-
 def cases_of(
-    model: Tabulated, speed_rpm: ArrayLike, restitutions: list[FloatArray],
-    stiffness: ArrayLike | None, preload: ArrayLike | None,
+    model: Tabulated, speed_rpm: ArrayLike, restitution: Mapping[int, tuple[str, ArrayLike]],
+    stiffness: ArrayLike | None, preload: ArrayLike | None, *, one: bool = False,
 ) -> Cases:  # fmt: skip
     """Numbers of n cases; a single number stands for all of them.
 
     Args:
-        restitutions: e_N of every stop, checked, each (1,) or (n,).
+        restitution: e_N of stops by their places, with names of the parameters; of all others those
+            of the model.
         stiffness: Spring rates, shape (n,) with one spring or (n, springs); None: the model's.
         preload: Deflections in the springs at zero, likewise.
+        one: Whether there is a single case, whose springs have numbers or shape (springs,).
     """
-    speed, count = speeds_of(speed_rpm) * _RAD_S, len(model.stiffness)
-    rates = spring_rows("stiffness", model.stiffness if stiffness is None else stiffness, count)
-    lengths = spring_rows("preload", model.preload if preload is None else preload, count)
-    speed, rates, lengths, *columns = of_all_cases(speed, rates, lengths, *restitutions)
-    return Cases(speed, np.stack(columns, axis=1), rates, lengths)
+    take: Callable[..., Any] = number if one else column
+    speed = take("speed_rpm", speed_rpm, 0.0, FASTEST_RPM, open_low=True) * _RAD_S
+    columns = [take(key, value, 0.0, 1.0) for key, value in restitution.values()]
+    e_N, most = model.restitutions[None].copy(), 1.0 if one else math.inf
+    rates, lengths = model.stiffness[None], model.preload[None]
+    if stiffness is not None:
+        rates = spring_rows("stiffness", stiffness, len(model.stiffness), most)
+    if preload is not None:
+        lengths = spring_rows("preload", preload, len(model.preload), most)
+    if one:
+        speed = np.array([speed])
+    else:
+        speed, e_N, rates, lengths, *columns = of_all_cases(speed, e_N, rates, lengths, *columns)
+    for place, values in zip(restitution, columns, strict=True):
+        e_N[:, place] = values
+    return Cases(speed, e_N, rates, lengths)
 
 
 def speeds_of(value: ArrayLike) -> FloatArray:
@@ -85,13 +75,14 @@ def speeds_of(value: ArrayLike) -> FloatArray:
     return column("speed_rpm", value, 0.0, FASTEST_RPM, open_low=True)
 
 
-def spring_rows(key: str, value: ArrayLike, springs: int) -> FloatArray:
+def spring_rows(key: str, value: ArrayLike, springs: int, most: float = math.inf) -> FloatArray:
     """One row of spring values a case, checked, shape (1 or n, springs).
 
     Args:
         key: Name of the parameter, which begins with stiffness or preload.
         value: One number for all, shape (n,) with one spring or (springs,) with more, or
             (n, springs).
+        most: Most cases.
     """
     low = 0.0 if key.startswith("stiffness") else -LARGEST
     allowed = f"finite numbers from {low:g} to {LARGEST:g}, one for each of {springs} springs"
@@ -100,7 +91,7 @@ def spring_rows(key: str, value: ArrayLike, springs: int) -> FloatArray:
         found = np.full((1, springs), float(found))
     elif found.ndim == 1:
         found = found[:, None] if springs == 1 else found[None]
-    if found.ndim != 2 or found.shape[1] != springs:
+    if found.ndim != 2 or found.shape[1] != springs or len(found) > most:
         refuse(key, value, allowed)
     return found
 

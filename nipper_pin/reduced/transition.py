@@ -12,8 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..arrays import FloatArray
 from ..errors import InputError, NipperError, SimulationError
 from ..extras import require
-from ..given import column, number
-from .inputs import cases_of, checked_run, one_case
+from .inputs import cases_of, checked_run
 from .kernels import layout
 from .kernels.layout import Cases, Job, Settings
 from .model import ReducedModel
@@ -62,11 +61,9 @@ def transition(
             tables do not determine how the machine arrives at the transition of the turn.
     """
     settings = checked_run(rest_rate, tolerance, max_collisions)
-    restitutions = model.restitutions.copy()
-    if restitution is not None:
-        e_N = number("restitution", restitution, 0.0, 1.0)
-        restitutions[model.charts.stops[0, layout.OWN]] = e_N
-    cases = one_case(model, speed_rpm, restitutions, stiffness, preload)
+    stop = int(model.charts.stops[0, layout.OWN])
+    e_N = {} if restitution is None else {stop: ("restitution", restitution)}
+    cases = cases_of(model, speed_rpm, e_N, stiffness, preload, one=True)
     # Few transitions need the room for all collisions, which takes time to clear.
     for most in (_USUAL, max_collisions) if max_collisions > _USUAL else (max_collisions,):
         table, told, tell = _solved(model, cases, settings, assumed, most)
@@ -109,11 +106,9 @@ def transitions(
     Raises:
         InputError: A parameter is out of range, or numba is not installed.
     """
-    restitutions = list(model.restitutions[:, None])
-    if restitution is not None:
-        e_N = column("restitution", restitution, 0.0, 1.0)
-        restitutions[model.charts.stops[0, layout.OWN]] = e_N
-    cases = cases_of(model, speed_rpm, restitutions, stiffness, preload)
+    stop = int(model.charts.stops[0, layout.OWN])
+    e_N = {} if restitution is None else {stop: ("restitution", restitution)}
+    cases = cases_of(model, speed_rpm, e_N, stiffness, preload)
     settings = checked_run(rest_rate, tolerance, max_collisions)
     table, told, tell = _solved(model, cases, settings, assumed, max_collisions)
     status, counts, _ = told.T.copy()

@@ -99,8 +99,10 @@ def test_numbers_of_a_case(model: ReducedModel, key: str, good: Any, bad: Any) -
 
 
 def test_one_case_a_call(model: ReducedModel) -> None:
-    with pytest.raises(InputError, match="speed_rpm"):
-        transition(model, speed_rpm=[500.0, 600.0])  # type: ignore[arg-type]
+    several: Any = {"speed_rpm": [500.0, 600.0]}, {"speed_rpm": RPM, "stiffness": [9e3, 8e3]}
+    for given in several:
+        with pytest.raises(InputError, match=[*given][-1]):
+            transition(model, **given)
 
 
 def test_cases_of_a_batch_go_together(model: ReducedModel) -> None:

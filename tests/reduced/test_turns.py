@@ -247,7 +247,7 @@ def test_a_run_ends_before_its_table_of_events_is_full(e62: Mechanism) -> None:
     """Whatever its length is: what lies beside it stays as it was."""
     model = turn_model(e62)
     run, told = module.run_of("turns", 1, None, 1e-10, 64), np.zeros((1, 4), dtype=np.int64)
-    cases = module.one_turn_case(model, 650.0, None, None, None)
+    cases = module.turn_cases(model, 650.0, None, None, None)
     for most in range(1, 26):
         beside = np.full((1, most + 4, layout.COLUMNS), 7.0)
         module.follow(run, beside[:, :most], model, 1.0, cases, told, np.empty((1, 0, 0)))

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 
 from ...arrays import FloatArray
 from ...errors import InputError, UnknownNameError
-from ...given import column, number, whole
-from ..inputs import cases_of, checked_run, one_case
+from ...given import number, whole
+from ..inputs import cases_of, checked_run
 from ..kernels.layout import COLUMNS, TURNS, Cases, Job, Settings
 from .model import TurnModel
 
@@ -69,44 +69,21 @@ def room_for(cases: int, last: int | None, columns: int) -> FloatArray:
     return np.empty((cases, last or 1, columns))
 
 
-def _by_stop(
-    model: TurnModel, restitution: ArrayLike | Mapping[str, ArrayLike] | None
-) -> Mapping[str, ArrayLike]:
-    """Restitutions that are given by the names of stops; one is that of the transition stop."""
-    if restitution is None:
-        return {}
-    if not isinstance(restitution, Mapping):
-        return {model.transition_stop: restitution}
-    for name in restitution:
-        if name not in model.stops:
-            raise UnknownNameError(kind="stop", name=name, known=model.stops)
-    return restitution
-
-
-def one_turn_case(
-    model: TurnModel, speed_rpm: float, restitution: float | Mapping[str, float] | None,
-    stiffness: ArrayLike | None, preload: ArrayLike | None,
-) -> Cases:  # fmt: skip
-    """Numbers of a single case, as of :func:`turn_cases`."""
-    e_N = model.restitutions.copy()
-    for name, value in _by_stop(model, restitution).items():
-        e_N[model.stops.index(name)] = number(f"restitution of {name}", value, 0.0, 1.0)
-    return one_case(model, speed_rpm, e_N, stiffness, preload)
-
-
 def turn_cases(
     model: TurnModel, speed_rpm: ArrayLike,
     restitution: ArrayLike | Mapping[str, ArrayLike] | None, stiffness: ArrayLike | None,
-    preload: ArrayLike | None,
+    preload: ArrayLike | None, *, one: bool = False,
 ) -> Cases:  # fmt: skip
     """Numbers of n cases, as of :func:`~..inputs.cases_of`.
 
     Args:
         restitution: e_N of the transition stop, or of stops by name; None: the mechanism's.
     """
-    given = _by_stop(model, restitution)
-    columns = [
-        column(f"restitution of {name}", given.get(name, own), 0.0, 1.0)
-        for name, own in zip(model.stops, model.restitutions, strict=True)
-    ]
-    return cases_of(model, speed_rpm, columns, stiffness, preload)
+    if not isinstance(restitution, Mapping):
+        restitution = {} if restitution is None else {model.transition_stop: restitution}
+    given = {}
+    for name, value in restitution.items():
+        if name not in model.stops:
+            raise UnknownNameError(kind="stop", name=name, known=model.stops)
+        given[model.stops.index(name)] = f"restitution of {name}", value
+    return cases_of(model, speed_rpm, given, stiffness, preload, one=one)

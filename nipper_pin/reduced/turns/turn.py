@@ -17,7 +17,7 @@ from ...mechanism import Mechanism
 from ..kernels.layout import LEFT_GAP, Cases
 from ..results import TURN_REASONS, ReducedTurns, TurnStatus
 from ..transition import kernel
-from .cases import Run, one_turn_case, run_of
+from .cases import Run, run_of, turn_cases
 from .model import TurnModel, build_turns
 
 GAP_SCALES = (1.0, 2.0, 4.0, 8.0, 32.0, 128.0)
@@ -104,9 +104,8 @@ def turns(
     run = run_of("cycles", cycles, rest_rate, tolerance, max_collisions)
     start_index = number("start_index", start_index)
     told, nothing = np.zeros((1, 4), dtype=np.int64), np.empty((1, 0, 0))
-    cases = one_turn_case(
-        turn_model(mechanism, start_index), speed_rpm, restitution, stiffness, preload
-    )
+    model = turn_model(mechanism, start_index)
+    cases = turn_cases(model, speed_rpm, restitution, stiffness, preload, one=True)
     events = run.events()
     widening(mechanism, start_index, cases, told, nothing, partial(follow, run, events))
     status, done, again, count = told[0].tolist()
