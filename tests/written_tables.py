@@ -237,7 +237,7 @@ def bounce(
     left: float = 0.0,
 ) -> Flown:  # fmt: skip
     """A flight that ends at its own stop, as of :class:`Flown`."""
-    return Flown(int(layout.AT_REST), T, v, 0.0, peak, a, fastest, changed, left, 0.0, -1)
+    return Flown(int(layout.AT_REST), T, v, 0.0, peak, a, fastest, changed, left, 0.0, -1, False)
 
 
 def solver_of(charts: Charts, one: Case, *, most: int = 8) -> Solver:

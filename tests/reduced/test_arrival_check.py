@@ -10,7 +10,6 @@ import pytest
 from numpy.polynomial import chebyshev
 from written_tables import (
     ABOVE,
-    BOUNDS,
     BY_TRAVEL,
     HALF,
     bounce,
@@ -25,12 +24,9 @@ from written_tables import (
 from nipper_pin.reduced.kernels import (
     closed,
     flight_errors,
-    layout,
     series,
 )
-from nipper_pin.reduced.kernels import turn_events as events
 from nipper_pin.reduced.kernels.layout import FAILS, HOLDS, UNKNOWN, Cases, Charts, Motion, Settings
-from nipper_pin.tolerances.mechanics import EPS
 
 pytestmark = pytest.mark.usefixtures("plain")
 
@@ -244,37 +240,6 @@ def test_motion_at_the_touch(part: float, wrong: float) -> None:
     expected = HALF * dy_t + abs(slope) * (3e-6 + HALF * bent)
     expected += SPEED * (5e-6 + abs(BY_TRAVEL) * bent)
     assert dv == pytest.approx(expected, rel=1e-4)
-
-
-@pytest.mark.parametrize("given", [(0.0, 0.0), (1e-5, 0.0), (0.0, 1e-5), (1e-6, 1e-6)])
-@pytest.mark.parametrize("solver", [(0.0, 0.0), (1e-5, 0.0), (0.0, 1e-4)])
-@pytest.mark.parametrize("late", [0.0, 1e-6])
-def test_errors_of_a_short_flight_that_starts_above_its_stop(
-    given: tuple[float, float], solver: tuple[float, float], late: float
-) -> None:
-    """Gronwall's lemma for errors of place, rate and time at its start."""
-    random = np.random.default_rng(9)
-    bounds = random.uniform(0.1, 0.5, (6, 4))
-    sizes, one = np.zeros(12), case(SPEED, [], [])
-    flight_errors.sizes_of(bounds, sizes, one)
-    T, v, a, fastest = 0.3, -1.4, -9.0, 1.6
-    (dx, dw), (changed, left) = given, solver
-
-    def bound(name: str) -> float:
-        f = bounds[:, BOUNDS[name]]
-        return float(SPEED**2 * f[0] + f[3] + SPEED * f[1] * fastest + f[2] * fastest**2)
-
-    largest = bounds[:, BOUNDS["largest"]]
-    by_rate = SPEED * largest[1] + 2.0 * largest[2] * fastest
-    F = by_rate * T + 0.5 * bound("steepest_x") * T**2
-    e = F * changed + bound("residual") + left + SPEED * bound("steepest_u") * late
-    off = math.exp(F) * (dx + dw * T + 0.5 * e * T**2)
-    rate = math.exp(F) * (dw + (e + bound("steepest_x") * dx) * T) + abs(a / v) * off
-    nodes = np.full((layout.SCRATCH_ROWS, 6), np.nan)
-    flown = bounce(T, v, a, 0.5 * T, fastest, changed, left)
-    at = Motion(0, 0.0, 0.0, 0.0, 0.0, late, dx, dw)
-    found = events.errors_after(nodes, sizes, SPEED, flown, at, a / v)
-    assert found == pytest.approx((off, rate + 4.0 * EPS * fastest), rel=1e-12)
 
 
 def first_cell(u: Any) -> Any:

@@ -121,7 +121,7 @@ def test_every_number_of_a_flight(name: str, tolerance: float) -> None:
     tables, u, x, v = FLIGHTS[name]
     tables = bounded(tables)
     found, work = flown(tables, u, x, v, tolerance)
-    status, T, rate, top, peak, a, fastest, changed, left, last, hit = found
+    status, T, rate, top, peak, a, fastest, changed, left, last, hit, _ = found
     assert hit == -1.0
     motion, end, back = solved(tables, u, x, v)
     assert status == (AT_REST if back else LEFT_TRAVEL)
@@ -156,7 +156,7 @@ def test_every_number_of_a_flight(name: str, tolerance: float) -> None:
 def test_a_flight_above_its_tables() -> None:
     """Too high: its other numbers are zero."""
     low = tables_of(level(-1.0), low=LOW, high=0.3, travel=TRAVEL)
-    assert flown(low, 0.5, 0.0, 3.0, 1e-9)[0] == (LEFT_GAP, *[0.0] * 9, -1.0)
+    assert flown(low, 0.5, 0.0, 3.0, 1e-9)[0] == (LEFT_GAP, *[0.0] * 9, -1, False)
 
 
 @pytest.mark.parametrize(("jump", "expected"), [(-1e9, UNRESOLVED), (1e9, LEFT_GAP)])
@@ -165,7 +165,7 @@ def test_a_motion_that_no_panel_follows(jump: float, expected: int) -> None:
     equation = level(-1.0, cells=2)
     equation[0, 1, 0, 0] = jump
     tables = tables_of(equation, low=LOW, high=HIGH, travel=TRAVEL)
-    assert flown(tables, 2.9999, 0.0, 3.0, 1e-12)[0] == (expected, *[0.0] * 9, -1.0)
+    assert flown(tables, 2.9999, 0.0, 3.0, 1e-12)[0] == (expected, *[0.0] * 9, -1, False)
 
 
 def test_accelerations_without_a_bound_are_no_flight() -> None:
@@ -174,7 +174,7 @@ def test_accelerations_without_a_bound_are_no_flight() -> None:
     equation[0, :, 0, 0], equation[3, :, 0, 0], equation[4, :, 0, 0] = -0.8, -1.0, -1.0
     equation[5, :, 0] -= linear(0.3, LOW, HIGH)
     tables = bounded(tables_of(equation, low=LOW, high=HIGH, travel=TRAVEL))
-    assert flown(tables, 0.0, 0.0, 3.0, 1e-6)[0] == (UNRESOLVED, *[0.0] * 9, -1.0)
+    assert flown(tables, 0.0, 0.0, 3.0, 1e-6)[0] == (UNRESOLVED, *[0.0] * 9, -1, False)
 
 
 def sizes() -> Any:

@@ -11,7 +11,7 @@ solver adds to that of x'', and the rate with which bounces begin that are not c
 
 from __future__ import annotations
 
-from math import nan, sqrt
+from math import sqrt
 
 from ...tolerances.reduced import NEWTON_STEP, TRAVEL_END, ZERO_RESOLUTION
 from . import layout as rows
@@ -166,7 +166,7 @@ def _ballistic(solver: Solver, c: int, u: float, x: float, v: float, a0: float) 
 @part
 def _lost(status: int) -> Flown:
     """A flight that cannot be followed."""
-    return Flown(status, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, _NONE)
+    return Flown(status, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, _NONE, False)
 
 
 @inlined
@@ -180,13 +180,14 @@ def flight(solver: Solver, at: Motion, tolerance: float) -> Flown:
     travel, high = number[rows.TRAVEL_MOST], number[rows.HIGH]
     t, x, v, a = 0.0, x0, at.v, 0.0
     top = peak = fastest = changed = left = 0.0
-    nodes[rows.GROWTH, 0] = nan
+    g, traced = nodes[rows.GROWTH], False
+    g[0], g[1], g[2], g[3], g[4], g[5] = 1.0, 0.0, 0.0, 0.0, 1.0, 0.0
     for panel in range(_MOST_PANELS):
         u = u0 + speed * t
         longest = (travel - u) / speed
         if longest <= TRAVEL_END * travel / speed:
             status = rows.LEFT_TRAVEL
-            return Flown(status, t, v, top, peak, a, fastest, changed, left, x, _NONE)
+            return Flown(status, t, v, top, peak, a, fastest, changed, left, x, _NONE, True)
         if panel > 0:
             reach(solver, c, u, u)
             contract(solver, c, rows.ZERO, u)
@@ -224,7 +225,8 @@ def flight(solver: Solver, at: Motion, tolerance: float) -> Flown:
         if hit >= 0:
             until = place
         # The usual bounce ends on its first panel, and its errors are known by a formula.
-        if panel > 0 or end < 0.0 or x0 > 0.0:
+        traced = panel > 0 or end < 0.0 or x0 > 0.0 or hit >= 0
+        if traced:
             grow(solved, until)
         keep(solved, count, until)
         highest, place = _highest(solved, until)
@@ -238,7 +240,8 @@ def flight(solver: Solver, at: Motion, tolerance: float) -> Flown:
             gap = position(nodes, count, h, x, v, until) if hit >= 0 else 0.0
             status = rows.OTHER_STOP if hit >= 0 else rows.AT_REST
             t += h * until
-            return Flown(status, t, rate, max(top, gap), peak, a, fastest, changed, left, gap, hit)
+            return Flown(status, t, rate, max(top, gap), peak, a, fastest, changed, left, gap, hit,
+                         traced)  # fmt: skip
         t += h
         x, v = nodes[rows.NODE_X, count - 1], nodes[rows.NODE_V, count - 1]
         a = nodes[rows.NODE_A, count - 1]

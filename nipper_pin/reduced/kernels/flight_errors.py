@@ -33,8 +33,6 @@ from __future__ import annotations
 
 from math import exp
 
-import numpy as np
-
 from ...arrays import FloatArray
 from ...tolerances.mechanics import EPS
 from . import layout as rows
@@ -52,11 +50,9 @@ def grow(solved: SolvedPanel, end: float) -> None:
     """Carry the growth of errors over a panel up to ``end``.
 
     The row GROWTH holds what becomes of dx = 1 and dv = 1 at the start of the flight and of e = 1:
-    three errors of x, then three of x'. NaN: no panel has been traced yet.
+    three errors of x, then three of x'.
     """
     g = solved.solver.work.nodes[rows.GROWTH]
-    if np.isnan(g[0]):
-        g[0], g[1], g[2], g[3], g[4], g[5] = 1.0, 0.0, 0.0, 0.0, 1.0, 0.0
     xx, xv, vx, vv, rx, rv = 1.0, 0.0, 0.0, 1.0, 0.0, 0.0
     h = solved.h * end / _STEPS
     for step in range(_STEPS):

@@ -253,6 +253,7 @@ class Flown(NamedTuple):
         left: Largest steady error of x'' of a panel.
         x: Gap at its end.
         hit: Number of the other stop, -1 without one.
+        traced: Whether the growth of errors along it is known.
     """
 
     status: int
@@ -266,6 +267,7 @@ class Flown(NamedTuple):
     left: float
     x: float
     hit: int
+    traced: bool
 
 
 class Records(NamedTuple):

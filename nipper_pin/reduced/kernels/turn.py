@@ -198,7 +198,7 @@ def _fly(solver: Solver, settings: Settings, bounced: bool,
         return rows.OFF_ROWS, FLYING, at
     if status == rows.AT_REST:
         late, dv, wrong = flight_errors(sizes, speed, flown, at.dt, at.dv)
-        if not np.isnan(nodes[rows.GROWTH, 0]):
+        if flown.traced:
             wrong, dv = errors_after(nodes, sizes, speed, flown, at, a / rate)
             late = wrong / abs(rate) + 4.0 * EPS * T
         dx_most, dv_most = max(at.dx, wrong, abs(rate) * late), max(at.dv, dv + abs(a) * late)

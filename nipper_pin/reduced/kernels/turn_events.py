@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import exp, inf, pi
+from math import inf, pi
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from ...tolerances.mechanics import EPS
 from ...tolerances.reduced import GROWTH_SAFETY, SAME_TURN
 from . import layout as rows
 from .compiled import part
-from .flight_errors import exponent, of_solver, size
+from .flight_errors import of_solver, size
 from .layout import Charts, Flown, Motion, Records, Solver
 from .panel import along
 
@@ -23,23 +23,16 @@ _MOST_PERIOD = 64
 @part
 def errors_after(nodes: FloatArray, sizes: FloatArray, speed: float, flown: Flown, at: Motion,
                  bend: float) -> tuple[float, float]:  # fmt: skip
-    """Errors of x and x' after a flight, from those at its start.
+    """Errors of x and x' after a flight along which they were traced, from those at its start.
 
-    A long flight has told how errors grow along it; of a short one Gronwall's lemma does. With
-    ``bend`` = x'' / x' at the end the second error is that of x' where x is zero.
+    With ``bend`` = x'' / x' at the end the second error is that of x' where x is zero.
     """
-    T, fastest, dx, dw = flown.T, flown.fastest, at.dx, at.dv
+    fastest, dx, dw, g = flown.fastest, at.dx, at.dv, nodes[rows.GROWTH]
     late = speed * size(sizes, rows.BY_U, fastest) * at.dt
     e = of_solver(sizes, flown) + size(sizes, rows.RESIDUAL, fastest) + late
-    g = nodes[rows.GROWTH]
-    if not np.isnan(g[0]):
-        x = GROWTH_SAFETY * (abs(g[0]) * dx + abs(g[1]) * dw + g[2] * e)
-        v = abs(g[3] - bend * g[0]) * dx + abs(g[4] - bend * g[1]) * dw
-        v = GROWTH_SAFETY * (v + (g[5] + abs(bend) * g[2]) * e)
-    else:
-        K = exp(exponent(sizes, fastest, T))
-        x = K * (dx + dw * T + 0.5 * e * T * T)
-        v = K * (dw + (e + size(sizes, rows.BY_X, fastest) * dx) * T) + abs(bend) * x
+    x = GROWTH_SAFETY * (abs(g[0]) * dx + abs(g[1]) * dw + g[2] * e)
+    v = abs(g[3] - bend * g[0]) * dx + abs(g[4] - bend * g[1]) * dw
+    v = GROWTH_SAFETY * (v + (g[5] + abs(bend) * g[2]) * e)
     return x, v + 4.0 * EPS * fastest
 
 
