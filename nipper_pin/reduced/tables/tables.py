@@ -22,7 +22,8 @@ from . import series2d
 from .functions import Samples
 
 CELL_RAD = 0.5
-_COUNT_U = 16
+# Nodes of a cell along u, and in x to start with.
+_COUNT_U, _COUNT_X = 16, 8
 _MOST_CELLS = 64
 _MOST_X = 40
 _CHECKS = 96
@@ -42,13 +43,11 @@ class Domain:
         travel: Length of the domain [rad].
         low: Least coordinate.
         high: Largest coordinate.
-        count_x: Nodes in x to start with.
     """
 
     travel: float
     low: float
     high: float
-    count_x: int = 12
 
     def coordinates(self, places: FloatArray) -> FloatArray:
         """Places in [-1, 1] to x."""
@@ -85,7 +84,7 @@ def resolved(grid: Grid, at: At, domain: Domain, weights: FloatArray, tolerance:
         weights: Weight of an error of each of the first rows, as a rule those of the equation.
         tolerance: Largest weighted tail.
     """
-    cells, count_x = max(1, math.ceil(domain.travel / CELL_RAD)), domain.count_x
+    cells, count_x = max(1, math.ceil(domain.travel / CELL_RAD)), _COUNT_X
     sampled, tails, refine = 0, np.full(2, np.inf), np.zeros(2, dtype=bool)
     while cells <= _MOST_CELLS and count_x <= _MOST_X:
         tables = _sampled(grid, at, domain, cells, count_x)
@@ -108,39 +107,17 @@ def resolved(grid: Grid, at: At, domain: Domain, weights: FloatArray, tolerance:
     )
 
 
-@dataclass(frozen=True)
-class Checks:
-    """Functions at random points of a domain, off the grid.
+def misfit(
+    at: At, domain: Domain, tables: Tables, series: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Bound the errors of series from their functions at random points off the grid.
 
-    Attributes:
-        u: Travels, shape (N,).
-        x: Coordinates, shape (N,).
-        true: The rows of ``Samples`` there, shape (rows, N).
+    Args:
+        series: Those of the tables, or lower orders of them.
+
+    Returns:
+        Bounds on the error of every row, and the least size of its function, shape (rows,) each.
     """
-
-    domain: Domain
-    u: FloatArray
-    x: FloatArray
-    true: FloatArray
-
-    def misfit(self, series: FloatArray) -> FloatArray:
-        """Bound the errors of series, shape (rows, cells, Nu, Nx), from points off the grid.
-
-        Returns:
-            Bounds on the error of every row, shape (rows,).
-        """
-        _, cells, count_u, count_x = series.shape
-        along = cells / self.domain.travel * self.u
-        cell = np.minimum(along.astype(int), cells - 1)
-        by_u = chebyshev.chebvander(2.0 * (along - cell) - 1.0, count_u - 1)
-        by_x = chebyshev.chebvander(self.domain.places(self.x), count_x - 1)
-        found = np.einsum("fnij,ni,nj->fn", series[:, cell], by_u, by_x)
-        error, scale = np.abs(found - self.true).max(axis=1), np.abs(self.true).max(axis=1)
-        return np.asarray(TABLE_ERROR_SAFETY * error + 4.0 * EPS * scale)
-
-
-def checks(at: At, domain: Domain, tables: Tables) -> Checks:
-    """Evaluate the functions at random points off the grid of the tables."""
     # The points do not depend on the run: a model is built the same way every time.
     random = np.random.default_rng(20)
     u = random.uniform(0.0, domain.travel, _CHECKS)
@@ -149,7 +126,15 @@ def checks(at: At, domain: Domain, tables: Tables) -> Checks:
     u[:4], x[4:8] = (0.0, 0.0, domain.travel, domain.travel), (0.0, 0.0, 0.0, domain.high)
     row = np.minimum(np.searchsorted(tables.u, u), len(tables.u) - 1)
     column = np.minimum(np.searchsorted(tables.x, x), len(tables.x) - 1)
-    return Checks(domain, u, x, at(u, x, tables.q[row, column]).rows)
+    true = at(u, x, tables.q[row, column]).rows
+    _, cells, count_u, count_x = series.shape
+    along = cells / domain.travel * u
+    cell = np.minimum(along.astype(int), cells - 1)
+    by_u = chebyshev.chebvander(2.0 * (along - cell) - 1.0, count_u - 1)
+    by_x = chebyshev.chebvander(domain.places(x), count_x - 1)
+    found = np.einsum("fnij,ni,nj->fn", series[:, cell], by_u, by_x)
+    error, size = np.abs(found - true).max(axis=1), np.abs(true)
+    return TABLE_ERROR_SAFETY * error + 4.0 * EPS * size.max(axis=1), size.min(axis=1)
 
 
 def _sampled(grid: Grid, at: At, domain: Domain, cells: int, count_x: int) -> Tables:
@@ -217,8 +202,7 @@ def chart_over(
     kept[: len(weights)], kept[-1] = weights / (TRIMMED_SHARE * tolerance), 0.0
     count_u, count_x = series2d.needed(tables.series, kept, 1.0)
     series = tables.series[:, :, :count_u, :count_x]
-    points = checks(at, domain, tables)
-    wrong = points.misfit(series)
+    wrong, least = misfit(at, domain, tables, series)
     largest, steep_u, steep_x = series2d.largest(series)
     steep_u *= 2.0 * series.shape[1] / domain.travel
     steep_x *= 2.0 / (domain.high - domain.low)
@@ -227,7 +211,7 @@ def chart_over(
         series=series,
         functions=tables.functions,
         bounds=np.array([wrong, steep_x, steep_u, largest]),
-        inertia_error=float(wrong[-1] / np.abs(points.true[-1]).min()),
+        inertia_error=float(wrong[-1] / least[-1]),
     )
 
 

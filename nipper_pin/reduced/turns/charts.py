@@ -20,8 +20,6 @@ from ..tables.tables import Chart, Domain, chart_over
 from .arcs import TURN, ContactArc, system_at
 
 _PLACES = 9
-# Nodes across the gap to start with.
-NODES_X = 8
 # Least assumed share of a spring's preload in x''.
 _LEAST_SHARE = 0.01
 # Travel over which the change of a rate is taken [rad].
@@ -86,24 +84,13 @@ class ChartSampler:
         return float(abs(rate) + 2.0 * abs(change / (arc.travels[-1] - before)))
 
     @property
-    def width(self) -> float:
-        """Largest gap of the nearest other stop along the arc."""
-        gaps = self._gaps()[0].min(axis=0, initial=np.inf)
-        return float(gaps.max()) if np.isfinite(gaps).all() else 0.0
-
-    @property
     def room(self) -> float:
         """Largest gap of the arc's own stop at which the nearest other one may close."""
-        gaps, slopes, _ = self._gaps()
-        slopes = np.abs(slopes)
+        gaps = self.along.gaps.reshape(3, -1, len(self.places[0]))
+        gaps, slopes, _ = np.abs(gaps[:, : len(self.mechanism.stops) - 1])
         rooms = np.where(slopes > 0.0, gaps / np.where(slopes > 0.0, slopes, 1.0), np.inf)
         room = float(rooms.min(axis=0, initial=np.inf).max())
         return room if math.isfinite(room) else 0.0
-
-    def _gaps(self) -> FloatArray:
-        """Gaps of other stops along the arc, and their derivatives, shape (3, K - 1, places)."""
-        gaps = self.along.gaps.reshape(3, -1, len(self.places[0]))
-        return gaps[:, : len(self.mechanism.stops) - 1]
 
     def terms(self, w: float) -> FloatArray:
         """Terms of x'' at the begin of the arc with a rate w, at a lively speed."""
@@ -149,7 +136,7 @@ def chart_of(
     halvings: int = _HALVINGS,
 ) -> Chart:  # fmt: skip
     """Sample the tables of one arc, up to a gap or a part of it that can be reached."""
-    domain = Domain(float(around.arc.travels[-1]), -MARGIN * gap, gap, count_x=NODES_X)
+    domain = Domain(float(around.arc.travels[-1]), -MARGIN * gap, gap)
     try:
         return around.over(domain, w, tolerance, of_gaps)
     except SimulationError:

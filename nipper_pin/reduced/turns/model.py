@@ -49,10 +49,8 @@ def unfit_turns(mechanism: Mechanism, drive: DriveMode | str = DriveMode.HELD) -
 
 # Of a turn: chart, gap, its rate by time and by the cylinder, and whether its stop is closed.
 Begin = tuple[int, float, float, float, bool]
-# Gap of a chart that no other meets, by the width of the flight between its stops.
-_SHARE_OF_WIDTH = 0.25
-# Least gap of a chart, by that at which another stop closes.
-_LEAST_SHARE = 1.0 / 16.0
+# Gap of a chart that no other meets, and least gap of any, by that at which another stop closes.
+_USUAL_SHARE, _LEAST_SHARE = 0.25, 1.0 / 16.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -191,7 +189,7 @@ def _reach(around: list[ChartSampler]) -> list[tuple[float, float]]:
             rates[number], rates[to] = fastest, fastest / throw
     for number, item in enumerate(around):
         if gaps[number] == 0.0:
-            gaps[number] = _SHARE_OF_WIDTH * item.width
+            gaps[number] = _USUAL_SHARE * item.room
             rates[number] = math.sqrt(2.0 * abs(item.terms(0.0).sum()) * gaps[number])
         if not gaps[number] > 0.0:
             message = (

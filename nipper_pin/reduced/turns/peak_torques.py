@@ -25,7 +25,7 @@ from ..tables.functions import Samples
 from ..tables.tables import Chart, Domain, chart_over, stacked
 from ..transition import kernel
 from .cases import BESIDE, Run, room_for
-from .charts import NODES_X, ChartSampler, shares
+from .charts import ChartSampler, shares
 from .model import TurnModel, surroundings
 from .turn import turn_model, widening
 
@@ -45,7 +45,7 @@ def torque_model(mechanism: Mechanism, start_index: float, gap_scale: float) -> 
     found = []
     for place, item in enumerate(around):
         low, high = charts.numbers[place, [LOW, HIGH]].tolist()
-        domain = Domain(float(item.arc.travels[-1]), low, high, count_x=NODES_X)
+        domain = Domain(float(item.arc.travels[-1]), low, high)
         for drive in range(len(mechanism.drives)):
             found.append(_chart(item, drive, domain))
     # Of the function of x'' the bound on its error, and its largest value.
