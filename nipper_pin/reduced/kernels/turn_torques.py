@@ -72,36 +72,28 @@ def _extreme(torques: Solver, i: int, block: FloatArray, bracket: tuple[float, f
 
 
 @part
-def _panel(torques: Solver, i: int, block: FloatArray, beaten: float) -> tuple[float, float]:
-    """Largest torque of a panel and a bound on its error; less may be returned than ``beaten``."""
+def _panel(torques: Solver, i: int, block: FloatArray, beaten: float) -> float:
+    """Largest torque of a panel; less may be returned than ``beaten``."""
     numbers = block[rows.KEPT]
     order, end = int(numbers[panels.NODES]), numbers[panels.COVERED]
     count = _PER_NODE * order
     if order == 0:
         cells = torques.one.speed * numbers[panels.LENGTH] * torques.charts.numbers[i, rows.PER_RAD]
         count = max(_LEAST, int(_PER_CELL * cells) + 1)
-    most, older = 0.0, 0.0
-    old = first = _value(torques, i, block, 0.0)
-    slope = 0.0
+    older, old = 0.0, _value(torques, i, block, 0.0)
+    most = abs(old)
     for j in range(1, count + 1):
         value = _value(torques, i, block, end * j / count)
         most = max(most, abs(value))
-        if j == 1:
-            slope = abs(value - first)
-        elif (old - older) * (value - old) <= 0.0:
+        if j > 1 and (old - older) * (value - old) <= 0.0:
             # Between places it goes beyond them by less than it changes beside them.
             reach = abs(old) + max(abs(old - older), abs(value - old))
             if reach > max(most, beaten):
                 sign = 1.0 if old > 0.0 else -1.0
                 bracket = end * (j - 2) / count, end * j / count
                 most = max(most, _extreme(torques, i, block, bracket, sign))
-        if j == count:
-            slope = max(slope, abs(value - old))
         older, old = old, value
-    most = max(most, abs(first))
-    length = numbers[panels.LENGTH]
-    rate_of_change = slope * count / (end * length) if length > 0.0 else 0.0
-    return most, rate_of_change * numbers[panels.T_WRONG]
+    return most
 
 
 @part
@@ -134,7 +126,10 @@ def _wrong(solver: Solver, torques: Solver, i: int, at: Motion, fastest: float, 
 
 @part
 def _along(solver: Solver, torques: Solver, c: int, i: int, block: FloatArray) -> float:
-    """Bound on the error of the torque along a panel."""
+    """Bound on the error of the torque along a panel.
+
+    The motion reaches each of its places late, so its travel, too, is off.
+    """
     numbers = block[rows.KEPT]
     late, dx, dv = numbers[panels.T_WRONG], numbers[panels.X_WRONG], numbers[panels.V_WRONG]
     order, h = int(numbers[panels.NODES]), numbers[panels.LENGTH]
@@ -180,13 +175,12 @@ def largest_torques(solver: Solver, torques: Solver, most: FloatArray, wrong: Fl
             c = int(block[rows.KEPT, panels.CHART])
             i = c * drives + d
             reach(torques, i, 0.0, torques.charts.numbers[i, rows.TRAVEL_MOST])
-            value, late = _panel(torques, i, block, largest)
+            largest = max(largest, _panel(torques, i, block, largest))
             # An extreme that is just beaten may be the larger one by its error.
-            beside = max(beside, late + _along(solver, torques, c, i, block))
-            largest = max(largest, value)
+            beside = max(beside, _along(solver, torques, c, i, block))
             if block[rows.KEPT, panels.BOUNCED] > 0.0:
-                value, late = _after_bounces(solver, torques, c, i, block)
-                largest, bounced = max(largest, value), max(bounced, value + late)
+                value, off = _after_bounces(solver, torques, c, i, block)
+                largest, bounced = max(largest, value), max(bounced, value + off)
         most[d], wrong[d] = largest, max(beside, bounced - largest)
 
 
