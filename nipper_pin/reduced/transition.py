@@ -22,6 +22,7 @@ _AT_REST, _TOO_MANY = int(Status.AT_REST), int(Status.TOO_MANY_COLLISIONS)
 _TRANSITIONS, _ARRIVALS = int(layout.TRANSITIONS), int(layout.ARRIVALS)
 # What the job of a transition has between its collisions and the touch.
 _NO_TURNS = Job(0, 0)[2:-2]
+_NOTHING_TOLD = np.array([layout.GOES_ON, 0, layout.NOT_ASKED])
 # Bounces of the waiting stop that are followed on the way to the touch.
 _MOST_BOUNCES = 64
 # Collisions that nearly all transitions have less of.
@@ -61,7 +62,7 @@ def transition(
             tables do not determine how the machine arrives at the transition of the turn.
     """
     settings = checked_run(rest_rate, tolerance, max_collisions)
-    stop = int(model.charts.stops[0, layout.OWN])
+    stop = model.charts.stops[0, layout.OWN]
     e_N = {} if restitution is None else {stop: ("restitution", restitution)}
     cases = cases_of(model, speed_rpm, e_N, stiffness, preload, one=True)
     # Few transitions need the room for all collisions, which takes time to clear.
@@ -106,7 +107,7 @@ def transitions(
     Raises:
         InputError: A parameter is out of range, or numba is not installed.
     """
-    stop = int(model.charts.stops[0, layout.OWN])
+    stop = model.charts.stops[0, layout.OWN]
     e_N = {} if restitution is None else {stop: ("restitution", restitution)}
     cases = cases_of(model, speed_rpm, e_N, stiffness, preload)
     settings = checked_run(rest_rate, tolerance, max_collisions)
@@ -158,7 +159,7 @@ def _solved(
     n = len(cases.speed)
     table = np.empty((n, most + layout.BESIDE, layout.COLUMNS))
     told = np.empty((n, 3), dtype=np.int64)
-    told[:, 0], told[:, 2] = layout.GOES_ON, layout.NOT_ASKED
+    told[:] = _NOTHING_TOLD
     found = partial(_run, model, cases, settings, table, told)
     if assumed:
         found(_TRANSITIONS)
