@@ -5,7 +5,8 @@ from __future__ import annotations
 import copy
 from dataclasses import replace
 from itertools import groupby
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -26,7 +27,7 @@ from nipper_pin import (
 from nipper_pin.mechanism import from_sources
 from nipper_pin.mechanism.gallery import GALLERY, drawn
 from nipper_pin.reduced.kernels import layout
-from nipper_pin.reduced.turns import ReducedTurns, TurnStatus, build_turns, turn_model, turns
+from nipper_pin.reduced.turns import ReducedTurns, TurnStatus, arcs, build_turns, turn_model, turns
 from nipper_pin.reduced.turns import turn as module
 
 PERIOD = {"450": 60.0 / 450.0, "650": 60.0 / 650.0}
@@ -296,3 +297,14 @@ def test_charts_cover_the_turn_without_gaps(e62: Mechanism) -> None:
     for chart, name in ((1, "jaw"), (2, "steeve")):
         met = first[name].t * 450.0 * 2.0 * np.pi / 60.0
         assert begin[chart] == pytest.approx(met, rel=1e-13)
+
+
+@pytest.mark.parametrize("depth", [1e-6, 1e-12, 1e-20, 0.0, -1e-12])
+def test_gaps_that_dip_between_two_steps(depth: float) -> None:
+    """The first zero of (t - 0.31)^2 - depth, from places where it falls and rises above zero."""
+    sampler = SimpleNamespace(closed=lambda travel, _: (travel, travel))
+    stop = SimpleNamespace(gap=lambda t: (t - 0.31) ** 2 - depth, rate=lambda t: 2.0 * (t - 0.31))
+    found = arcs._corner(cast("Any", sampler), cast("Any", stop), 0.28, 0.33, np.zeros(1))
+    assert (found is not None) is (depth > 0.0)
+    if found is not None:
+        assert found[0] == pytest.approx(0.31 - depth**0.5, abs=1e-12)

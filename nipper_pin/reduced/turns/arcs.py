@@ -108,68 +108,53 @@ class ContactContinuation:
         for travel in np.linspace(0.0, end - begin, count + 1)[1:].tolist():
             low, before = travels[-1], path[-1]
             row, new = sampler.closed(travel, before)
-            # Where each stop has closed, or the lowest place of its gap is beyond it.
-            beyond = [(other, travel) for other in others if other.gap(row) < 0.0]
-            for other in others:
-                if other.rate(old) < 0.0 <= other.rate(new) and other.gap(row) >= 0.0:
-                    place = _dip(sampler, other, low, travel, before)
-                    beyond += [] if place is None else [(other, place)]
-            if any(other.name not in opened and low == 0.0 for other, _ in beyond):
-                names = ", ".join(repr(other.name) for other, _ in beyond)
+            # Where each stop has closed, or the lowest place of its gap may be beyond it.
+            corners = [
+                (*found, other)
+                for other in others
+                if (other.gap(row) < 0.0 or other.rate(old) < 0.0 <= other.rate(new))
+                and (found := _corner(sampler, other, low, travel, before)) is not None
+            ]
+            if any(other.name not in opened and low == 0.0 for *_, other in corners):
+                names = ", ".join(repr(other.name) for *_, other in corners)
                 message = f"stop {stop.name!r} cannot stay closed beside {names}: they jam"
                 raise SimulationError(message, stop=stop.name)
-            if beyond:
-                corners = [
-                    (*_corner(sampler, other, low, high, before), other) for other, high in beyond
-                ]
+            if corners:
                 travel, row, after = min(corners, key=lambda corner: corner[0])
                 row[after.index] = after.at
                 end = begin + travel
             travels.append(travel)
             path.append(row)
             old = new
-            if beyond:
+            if corners:
                 break
         return ContactArc(stop, begin, end, after, np.array(travels), np.array(path))
 
 
 def _corner(
     sampler: Sampler, other: Stop, low: float, high: float, before: FloatArray
-) -> tuple[float, FloatArray]:
+) -> tuple[float, FloatArray] | None:
     """Where the gap of another stop falls through zero between two travels, by Newton's method.
 
     Args:
         before: Configuration at ``low``, shape (nv,).
 
     Returns:
-        The travel, and the configuration there, shape (nv,).
+        The travel, and the configuration there, shape (nv,); None if the gap is above zero at
+        ``high`` and, between, where it is least.
     """
-    travel = high
+    travel, below = high, False
     for _ in range(_ROOT_STEPS):
         row, m = sampler.closed(travel, before)
         gap, rate = other.gap(row), other.rate(m)
-        low, high = (travel, high) if gap > 0.0 else (low, travel)
+        below |= gap <= -4.0 * EPS * travel * rate
+        # Ahead of a place at or below zero, or of the lowest one.
+        ahead = gap > 0.0 and (below or rate < 0.0)
+        low, high = (travel, high) if ahead else (low, travel)
         new = travel - gap / rate if rate < 0.0 else math.nan
         if not low <= new <= high:
             new = 0.5 * (low + high)
         if abs(new - travel) <= 4.0 * EPS * travel or gap == 0.0:
             break
         travel = new
-    return travel, row
-
-
-def _dip(
-    sampler: Sampler, other: Stop, low: float, high: float, before: FloatArray
-) -> float | None:
-    """A travel between two at which the gap of another stop is below zero, if it falls so far.
-
-    Args:
-        before: Configuration at ``low``, shape (nv,); the gap falls there, and rises at ``high``.
-    """
-    for _ in range(_ROOT_STEPS):
-        middle = 0.5 * (low + high)
-        row, m = sampler.closed(middle, before)
-        if other.gap(row) < 0.0:
-            return middle
-        low, high = (middle, high) if other.rate(m) < 0.0 else (low, middle)
-    return None
+    return (travel, row) if below else None
