@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..arrays import FloatArray
-from ..errors import InputError, NipperError, SimulationError
+from ..errors import InputError, SimulationError
 from ..extras import require
 from .inputs import cases_of, checked_run
 from .kernels import layout
@@ -72,7 +72,17 @@ def transition(
         if status != _TOO_MANY:
             break
     if status != _AT_REST:
-        raise _refusal(model, Status(status), count, speed_rpm, max_collisions)
+        name = Status(status).name
+        reason = REASONS[Status(status)].format(
+            travel=model.travel_rad,
+            gap=model.gap_max,
+            most=max_collisions,
+            why=model.arrival.why or "its flight before the touch leaves them",
+        )
+        message = f"{model.name} at {speed_rpm:g} r/min, after {count} collisions: {reason}"
+        outside = status in (Status.LEFT_TRAVEL, Status.LEFT_GAP)
+        kind = InputError if outside else SimulationError
+        raise kind(message, status=name, collisions=count, speed_rpm=speed_rpm)
     return ReducedTransition(model.name, table[0, -1], table[0, :count].T, tell, count)
 
 
@@ -168,19 +178,3 @@ def _solved(
     lost = (premise == layout.UNKNOWN) & (told[:, 0] == _AT_REST)
     told[lost, :2], table[lost] = (int(Status.UNTOLD), 0), math.nan
     return table, told, found
-
-
-def _refusal(
-    model: ReducedModel, status: Status, count: int, speed_rpm: float, most: int
-) -> NipperError:
-    """The error of a transition that did not come to rest."""
-    reason = REASONS[status].format(
-        travel=model.travel_rad,
-        gap=model.gap_max,
-        most=most,
-        why=model.arrival.why or "its flight before the touch leaves them",
-    )
-    outside = status in (Status.LEFT_TRAVEL, Status.LEFT_GAP)
-    kind = InputError if outside else SimulationError
-    message = f"{model.name} at {speed_rpm:g} r/min, after {count} collisions: {reason}"
-    return kind(message, status=status.name, collisions=count, speed_rpm=speed_rpm)

@@ -64,16 +64,6 @@ def _arrival(solver: Solver, settings: Settings, vague: float) -> tuple[int, Mot
 
 
 @part
-def _clamps(solver: Solver, rest: float) -> bool:
-    """Whether the clamping stop is pressed shut from a travel up to its opening."""
-    work, number = solver.work, solver.charts.numbers[_CLAMPING]
-    opening = number[rows.TRAVEL_MOST]
-    if not rest < opening:
-        return False
-    return bool(released(solver, _CLAMPING, work.line[_CLAMPING], rest, opening) > opening)
-
-
-@part
 def _transition(solver: Solver, settings: Settings, job: Job, told: NDArray[np.int64]) -> None:
     """One transition: from the touch, from the flight over it, or from what is not known."""
     events = solver.records.events
@@ -109,6 +99,7 @@ def _transition(solver: Solver, settings: Settings, job: Job, told: NDArray[np.i
 def _premise(solver: Solver, settings: Settings, found: FloatArray,
              told: NDArray[np.int64]) -> None:  # fmt: skip
     """Find how one machine arrives, and how its transition begins, or whether that ends so."""
+    opening = solver.charts.numbers[_CLAMPING, rows.TRAVEL_MOST]
     if told[2] == rows.NOT_ASKED:
         rough = Settings(settings.rest_rate, PHASE_TOLERANCE, True)
         told[2], _ = _arrival(solver, rough, 1.0)
@@ -117,9 +108,12 @@ def _premise(solver: Solver, settings: Settings, found: FloatArray,
             fine = Settings(settings.rest_rate, finer, False)
             told[2], at = _arrival(solver, fine, FLIGHT_UNRESOLVED)
             found[0, 0], found[0, 1], found[0, 2], found[0, 3] = at.x, at.v, at.dx, at.dv
-    known = told[0] == rows.AT_REST and _clamps(solver, found[len(found) - 1, rows.TRAVEL])
-    if told[0] != rows.GOES_ON and not known:
-        told[2] = rows.UNKNOWN
+    if told[0] != rows.GOES_ON:
+        # Whether the clamping stop rests and is pressed shut from there up to its opening.
+        rest, line = found[len(found) - 1, rows.TRAVEL], solver.work.line[_CLAMPING]
+        rests = told[0] == rows.AT_REST and rest < opening
+        if not rests or released(solver, _CLAMPING, line, rest, opening) <= opening:
+            told[2] = rows.UNKNOWN
 
 
 @compiled
