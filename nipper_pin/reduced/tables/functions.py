@@ -170,7 +170,12 @@ class Sampler:
 
     def rates(self, u: FloatArray, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Rates of all coordinates by that of x, and by that of the travel with x held: n and m."""
-        return self._rates(self._system.shaft.driven(u)[1], q, self._system.body.closures(q)[1])
+        n, m = np.zeros_like(q), np.zeros_like(q)
+        n[:, self._stop.index] = self._stop.sense
+        m[:, self._system.driven] = self._system.shaft.driven(u)[1]
+        jacobian = self._system.body.closures(q)[1]
+        n, m = (close_velocities(v, jacobian, self._split) for v in (n, m))
+        return n, m
 
     def closed(self, travel: float, near: FloatArray) -> tuple[FloatArray, FloatArray]:
         """The configuration at a travel with x at zero, and the rates by the travel there.
@@ -194,36 +199,33 @@ class Sampler:
             inertia,
         )
 
-    def torques(self, u: FloatArray, x: FloatArray, guess: FloatArray) -> FloatArray:
-        """Evaluate the functions of the drives' torques, which are linear in x'', too.
+    def torque(self, drive: int, u: FloatArray, x: FloatArray, guess: FloatArray) -> Samples:
+        """Evaluate the functions of the torque of a drive, which is linear in x'', too.
 
         The direction k of one drive alone, with the stop and all others held and G k = 0, does no
         work against closures, stops and other drives: T = k' (M a + h - tau).
 
         Returns:
-            By drive the functions as of the equation of motion, and last the factor of x'', shape
-            (drives, functions + 1, N).
+            Those of the equation of motion, and in the place of a gap the factor of x''.
         """
         motion = self._motion(u, x, guess)
         # M n; the weight is taken off again, so the rates are those of inertial forces.
         scale, zero = self._fast**2, np.zeros_like(motion.q)
         pushed = self._system.body.inverse_dynamics(motion.q, zero, scale * motion.n)
         pushed = (pushed - motion.weight) / scale
-        found = []
-        for index in self._system.driven:
-            k = zero.copy()
-            k[:, index] = 1.0
-            k = close_velocities(k, motion.jacobian, self._split)
-            by_acceleration = np.einsum("ni,ni->n", k, pushed)
-            found.append([*self._resisted(k, motion), by_acceleration])
-        return np.array(found)
+        k = zero.copy()
+        k[:, self._system.driven[drive]] = 1.0
+        k = close_velocities(k, motion.jacobian, self._split)
+        gaps = np.zeros((3, len(u)))
+        gaps[0] = np.einsum("ni,ni->n", k, pushed)
+        return Samples(self._resisted(k, motion), gaps, np.ones(len(u)))
 
     def _motion(self, u: FloatArray, x: FloatArray, guess: FloatArray) -> _Motion:
         """Closed configurations with their rates and forces."""
         body, driven, fast = self._system.body, self._system.driven, self._fast
-        _, rates, accelerations = self._system.shaft.driven(u)
+        accelerations = self._system.shaft.driven(u)[2]
         q, jacobian = close_positions(body, self._set(guess, u, x), self._split)
-        n, m = self._rates(rates, q, jacobian)
+        n, m = self.rates(u, q)
         zero = np.zeros_like(q)
         weight = body.inverse_dynamics(q, zero, zero)
 
@@ -260,15 +262,6 @@ class Sampler:
             rates = (system.applied_forces(q, v) - all_still for v in (motion.m, motion.n))
             terms += [-of(force) for force in (still, *rates)]
         return np.array(terms)
-
-    def _rates(
-        self, driven: FloatArray, q: FloatArray, jacobian: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
-        n, m = np.zeros_like(q), np.zeros_like(q)
-        n[:, self._stop.index] = self._stop.sense
-        m[:, self._system.driven] = driven
-        n, m = (close_velocities(v, jacobian, self._split) for v in (n, m))
-        return n, m
 
     def _set(self, q: FloatArray, u: FloatArray, x: FloatArray) -> FloatArray:
         """Configurations with the drives and the stop at new points; the others are kept."""

@@ -12,6 +12,8 @@ sampled on the charts of the turns.
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,7 +23,6 @@ from ...mechanism import Mechanism
 from ...tolerances.reduced import TURN_TABLES
 from ..kernels.layout import HIGH, LOW, Cases, Charts
 from ..model import factors
-from ..tables.functions import Samples
 from ..tables.tables import Chart, Domain, chart_over, stacked
 from ..transition import kernel
 from .cases import BESIDE, Run, room_for
@@ -55,12 +56,7 @@ def torque_model(mechanism: Mechanism, start_index: float, gap_scale: float) -> 
 
 def _chart(around: ChartSampler, drive: int, domain: Domain) -> Chart:
     """Tables of the torque of one drive around one arc."""
-
-    def at(u: FloatArray, x: FloatArray, guess: FloatArray) -> Samples:
-        *functions, by_a = around.sampler.torques(u, x, guess)[drive]
-        none = np.zeros(len(u))
-        return Samples(np.array(functions), np.array([by_a, none, none]), none + 1.0)
-
+    at = partial(around.sampler.torque, drive)
     # The size of the torque at usual rates.
     rate = float(np.sqrt(np.abs(around.terms(0.0).sum()) * domain.high))
     functions = at(*around.places).rows[:-3]
