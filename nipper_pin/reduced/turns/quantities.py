@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...arrays import FloatArray
-from ...given import number
 from ...hybrid import START_INDEX
 from ...mechanism import Mechanism
 from ..kernels import layout as rows
@@ -160,7 +159,6 @@ def turn_quantities(
         SimulationError: A point of the turn cannot be reached or is singular.
     """
     run = run_of("turns", turns, rest_rate, tolerance, max_collisions, least_force)
-    start_index = number("start_index", start_index)
     model = turn_model(mechanism, start_index)
     cases = turn_cases(model, speed_rpm, restitution, stiffness, preload)
     n = len(cases.speed)
@@ -171,7 +169,7 @@ def turn_quantities(
     drives = tuple(item.name for item in mechanism.drives) if torques else ()
     largest = np.empty((n, last or 1, 2, 0))
     if torques:
-        of_torques, largest = peak_torques(mechanism, start_index, run, cases, last)
+        of_torques, largest = peak_torques(mechanism, model.start_index, run, cases, last)
         status = np.where(status == TurnStatus.FOLLOWED, of_torques, status)
     if last is None:
         table, largest = table[:, 0], largest[:, 0]

@@ -34,10 +34,10 @@ def turn_model(
         gap_scale: Factor on the gaps that the tables cover.
 
     Raises:
-        InputError: The mechanism cannot be reduced.
+        InputError: The mechanism cannot be reduced, or the index is no finite number.
         SimulationError: A point of the turn cannot be reached or is singular.
     """
-    return _model(mechanism, start_index, gap_scale)
+    return _model(mechanism, number("start_index", start_index), gap_scale)
 
 
 def widening(
@@ -55,24 +55,18 @@ def widening(
         found: Written by it, shape (n, ...).
         run: Follows some of the cases on the tables of a scale of gaps.
     """
-    left: NDArray[np.intp] | None = None
-    for gap_scale in GAP_SCALES:
-        try:
-            model = turn_model(mechanism, start_index, gap_scale)
-            if left is None:
-                run(model, gap_scale, cases, told, found)
-            else:
-                here = told[left], found[left]
-                run(model, gap_scale, Cases(*(item[left] for item in cases)), *here)
-                told[left], found[left] = here
-        except SimulationError:
-            # There are no tables that wide, or none of what is asked for beside them.
-            if left is None:
-                raise
-            return
+    run(turn_model(mechanism, start_index), GAP_SCALES[0], cases, told, found)
+    for gap_scale in GAP_SCALES[1:]:
         left = np.flatnonzero(told[:, 0] == LEFT_GAP)
         if not len(left):
             return
+        some, here = Cases(*(item[left] for item in cases)), (told[left], found[left])
+        try:
+            run(turn_model(mechanism, start_index, gap_scale), gap_scale, some, *here)
+        except SimulationError:
+            # There are no tables that wide, or none of what is asked for beside them.
+            return
+        told[left], found[left] = here
 
 
 def turns(
@@ -102,7 +96,6 @@ def turns(
         SimulationError: The turns cannot be followed; the reason says why.
     """
     run = run_of("cycles", cycles, rest_rate, tolerance, max_collisions)
-    start_index = number("start_index", start_index)
     told, nothing = np.zeros((1, 4), dtype=np.int64), np.empty((1, 0, 0))
     model = turn_model(mechanism, start_index)
     cases = turn_cases(model, speed_rpm, restitution, stiffness, preload, one=True)
@@ -114,8 +107,7 @@ def turns(
         reason = TURN_REASONS[TurnStatus(status)]
         message = f"{mechanism.name} at {speed_rpm:g} r/min: {reason}; use the direct engine"
         raise SimulationError(message, status=name, speed_rpm=speed_rpm)
-    stops = tuple(stop.name for stop in mechanism.stops)
-    return ReducedTurns(mechanism.name, stops, done, again, events[0, :count].T.copy())
+    return ReducedTurns(model.name, model.stops, done, again, events[0, :count].T.copy())
 
 
 def follow(
