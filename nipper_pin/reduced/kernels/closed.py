@@ -129,12 +129,12 @@ def released(solver: Solver, c: int, line: FloatArray, begin: float, end: float)
             value, after = series_at(line, per_rad, new)
             top, highest = new, value
             if slope > 0.0 >= after:
-                top = extreme(at, u, new, False)
+                top = extreme(at, u, new, rows.NO)
                 highest = series_at(line, per_rad, top)[0]
                 if abs(highest) <= beside:
                     return -1.0
             if highest > 0.0:
-                return passage(at, u, top, False)
+                return passage(at, u, top, rows.NO)
             u, slope = new, after
     return -1.0 if value > -beside else end + 1.0
 

@@ -82,7 +82,7 @@ def _zero(solved: SolvedPanel, of_rate: bool, low: float, high: float, start: fl
     for _ in range(60):
         f = v = rate_at(nodes, count, h, v0, sigma)
         if of_rate:
-            slope = h * chebyshev(nodes, rows.SERIES, 0, count, 2.0 * sigma - 1.0)
+            slope = h * chebyshev(nodes, rows.SERIES, rows.ZERO, count, 2.0 * sigma - 1.0)
         else:
             f, slope = position(nodes, count, h, x0, v0, sigma), h * v
             if x0 == 0.0:
@@ -116,7 +116,7 @@ def _first_zero(solved: SolvedPanel) -> float:
             start, v = high, nodes[rows.NODE_V, j]
             if v < 0.0:
                 start = max(high - x / (h * v), 0.5 * (before + high))
-            return _zero(solved, False, before, high, start)
+            return _zero(solved, rows.NO, before, high, start)
         if nodes[rows.NODE_V, j - 1] < 0.0 <= nodes[rows.NODE_V, j]:
             # A minimum between two positive nodes may be below zero.
             low, high = before, grids[rows.SIGMA, level, 0, j]
@@ -127,7 +127,7 @@ def _first_zero(solved: SolvedPanel) -> float:
                 else:
                     high = middle
             if position(nodes, count, h, x0, v0, high) <= 0.0:
-                return _zero(solved, False, before, high, high)
+                return _zero(solved, rows.NO, before, high, high)
     return -1.0
 
 
@@ -146,7 +146,7 @@ def _highest(solved: SolvedPanel, end: float) -> tuple[float, float]:
     falling = rate_at(nodes, count, h, v0, high)
     if rising <= 0.0 or falling >= 0.0:
         return best, place
-    peak = _zero(solved, True, low, high, low + (high - low) * rising / (rising - falling))
+    peak = _zero(solved, rows.YES, low, high, low + (high - low) * rising / (rising - falling))
     return max(best, position(nodes, count, h, x0, v0, peak)), peak
 
 
@@ -236,7 +236,7 @@ def flight(solver: Solver, at: Motion, tolerance: float) -> Flown:
             top, peak = highest, t + h * place
         if hit >= 0 or end >= 0.0:
             rate = rate_at(nodes, count, h, v, until)
-            a = chebyshev(nodes, rows.SERIES, 0, count, 2.0 * until - 1.0)
+            a = chebyshev(nodes, rows.SERIES, rows.ZERO, count, 2.0 * until - 1.0)
             gap = position(nodes, count, h, x, v, until) if hit >= 0 else 0.0
             status = rows.OTHER_STOP if hit >= 0 else rows.AT_REST
             t += h * until

@@ -107,7 +107,7 @@ def sizes_of(bounds: FloatArray, sizes: FloatArray, one: Case) -> None:
         bounds: Those of a chart, shape (functions, SIZES).
         sizes: Shape (3 SIZES,).
     """
-    combine(bounds, one, True, sizes)
+    combine(bounds, one, rows.YES, sizes)
     # b x' + c x'^2 changes with x' by b + 2 c x'.
     by_v, with_v, squared = rows.BY_V, rows.SIZES + rows.BY_V, 2 * rows.SIZES + rows.BY_V
     sizes[by_v], sizes[with_v], sizes[squared] = sizes[with_v], 2.0 * sizes[squared], 0.0

@@ -46,6 +46,7 @@ def numbered(count: int, first: int = 0) -> Any:
 
 
 ZERO: int = numbered(1)[0]
+NO, YES = numbered(2) > ZERO
 # What is asked of the cases of a call.
 TRANSITIONS, ARRIVALS, TURNS = numbered(3)
 # Status of a case; GOES_ON while it is followed.

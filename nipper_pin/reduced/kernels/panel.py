@@ -43,7 +43,7 @@ def _mix(solver: Solver, c: int, cell: int) -> None:
     _, _, count_u, count_x = gaps.shape
     for i in range(count_u):
         row = solver.work.mixed[c, cell, i]
-        combine(solver.charts.equation[c, cell, i], solver.one, False, row)
+        combine(solver.charts.equation[c, cell, i], solver.one, rows.NO, row)
         for stop in range(len(gaps) // 3):
             for m in range(count_x):
                 row[(3 + stop) * count_x + m] = gaps[stop, cell, i, m]
@@ -128,7 +128,7 @@ def chebyshev(table: FloatArray, row: int, first: int, count: int, place: float)
 def along(line: FloatArray, per_rad: float, u: float) -> float:
     """Value of a series of the travel, one row a cell."""
     cell, place = cell_at(per_rad, line.shape[0], u)
-    return chebyshev(line, cell, 0, line.shape[1], place)
+    return chebyshev(line, cell, rows.ZERO, line.shape[1], place)
 
 
 @part
@@ -147,7 +147,7 @@ def range_along(line: FloatArray, per_rad: float, u: float, until: float) -> tup
 def range_in(line: FloatArray, cell: int, left: float, right: float) -> tuple[float, float]:
     """The same between two places of one cell, by its length."""
     count = line.shape[1]
-    middle, beside = chebyshev(line, cell, 0, count, left + right - 1.0), 0.0
+    middle, beside = chebyshev(line, cell, rows.ZERO, count, left + right - 1.0), 0.0
     for i in range(1, count):
         # T_i' is no larger than i^2, and T_i is between -1 and 1.
         beside += min((right - left) * i * i, 2.0) * abs(line[cell, i])
@@ -165,7 +165,7 @@ def acceleration(solver: Solver, c: int, row: int, x: float, v: float) -> float:
     """Acceleration at the travel that was contracted into a row."""
     poly, degree = solver.work.poly, solver.charts.equation.shape[4]
     place = place_of(solver.charts.numbers[c], x)
-    p0 = chebyshev(poly, row, 0, degree, place)
+    p0 = chebyshev(poly, row, rows.ZERO, degree, place)
     p1 = chebyshev(poly, row, degree, degree, place)
     p2 = chebyshev(poly, row, 2 * degree, degree, place)
     return p0 + v * (p1 + v * p2)
@@ -363,14 +363,14 @@ def _integrate(nodes: FloatArray, row: int, to: int, count: int) -> None:
 @part
 def position(nodes: FloatArray, count: int, h: float, x0: float, v0: float, sigma: float) -> float:
     """Coordinate x at a place sigma of the panel."""
-    twice = chebyshev(nodes, rows.SERIES_TWICE, 0, count + 2, 2.0 * sigma - 1.0)
+    twice = chebyshev(nodes, rows.SERIES_TWICE, rows.ZERO, count + 2, 2.0 * sigma - 1.0)
     return x0 + h * (sigma * v0 + h * twice)
 
 
 @part
 def rate_at(nodes: FloatArray, count: int, h: float, v0: float, sigma: float) -> float:
     """Rate x' at a place sigma of the panel."""
-    return v0 + h * chebyshev(nodes, rows.SERIES_ONCE, 0, count + 1, 2.0 * sigma - 1.0)
+    return v0 + h * chebyshev(nodes, rows.SERIES_ONCE, rows.ZERO, count + 1, 2.0 * sigma - 1.0)
 
 
 @cache

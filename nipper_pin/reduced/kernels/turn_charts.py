@@ -53,7 +53,7 @@ def prepare(solver: Solver) -> None:
     for c in range(len(charts.along)):
         sizes_of(charts.bounds[c], work.sizes[c], solver.one)
         for cell in range(charts.along.shape[1]):
-            combine(charts.along[c, cell], solver.one, False, work.line[c, cell])
+            combine(charts.along[c, cell], solver.one, rows.NO, work.line[c, cell])
 
 
 @part

@@ -47,7 +47,7 @@ def _value(torques: Solver, i: int, block: FloatArray, sigma: float) -> float:
         return torque_at(torques, i, u, 0.0, 0.0, 0.0)
     x = position(block, order, h, numbers[panels.X_BEGIN], numbers[panels.V_BEGIN], sigma)
     v = rate_at(block, order, h, numbers[panels.V_BEGIN], sigma)
-    a = chebyshev(block, rows.SERIES, 0, order, 2.0 * sigma - 1.0)
+    a = chebyshev(block, rows.SERIES, rows.ZERO, order, 2.0 * sigma - 1.0)
     return torque_at(torques, i, u, x, v, a)
 
 
@@ -137,7 +137,8 @@ def _along(solver: Solver, torques: Solver, c: int, i: int, block: FloatArray) -
     for j in range(order + 1 if order > 0 else 0):
         sigma = numbers[panels.COVERED] * j / order
         fastest = max(fastest, abs(rate_at(block, order, h, numbers[panels.V_BEGIN], sigma)))
-        steepest = max(steepest, abs(chebyshev(block, rows.SERIES, 0, order, 2.0 * sigma - 1.0)))
+        a = chebyshev(block, rows.SERIES, rows.ZERO, order, 2.0 * sigma - 1.0)
+        steepest = max(steepest, abs(a))
     at = Motion(c, 0.0, 0.0, 0.0, 0.0, late, dx, dv)
     return _wrong(solver, torques, i, at, fastest, steepest, numbers[panels.A_WRONG])
 
