@@ -174,7 +174,7 @@ class TransitionRows(CollisionRows):
 
     Attributes:
         model: Name of the model.
-        rest: Row of the rest, NaN without one, shape (n, rows).
+        rest: Row of the rest, with its travel for the angle, NaN without one, shape (n, rows).
         table: All rows of the collisions, shape (n, rows, most).
         tell: Computes the premise.
         duration: Time from the first collision to rest [s], NaN without rest, shape (n,).
@@ -254,8 +254,7 @@ class ReducedTransition(TransitionRows):
 
         None where that is not known. Computed when it is first read.
         """
-        told = int(self.tell()[0])
-        return None if told == layout.UNKNOWN else bool(told == layout.HOLDS)
+        return {layout.HOLDS: True, layout.FAILS: False}.get(self.tell()[0])
 
 
 @dataclass(frozen=True, eq=False)

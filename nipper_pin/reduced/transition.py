@@ -141,12 +141,12 @@ def _run(
     model: ReducedModel, cases: Cases, settings: Settings, table: FloatArray,
     told: NDArray[np.int64], *tasks: int,
 ) -> NDArray[np.int64]:  # fmt: skip
-    """Solve cases, or find their premise where it is not known yet; returns what is known of it.
+    """Do what is asked, in its order; returns what is known of the premise.
 
     Args:
-        table: Written: collisions, and the rest in the last row, shape (n, most + BESIDE, COLUMNS).
-        told: Written: status, collisions, premise, shape (n, 3).
-        tasks: What is asked, in its order.
+        table: Written: the events of transitions, as of :func:`~.kernels.kernel.run`.
+        told: Written, likewise.
+        tasks: TRANSITIONS, and ARRIVALS where the premise is not known yet.
     """
     run, grids = kernel()
     for task in tasks:

@@ -29,13 +29,8 @@ def turn_model(
 ) -> TurnModel:
     """Return the model of a mechanism's turns, sampled at the first call.
 
-    Args:
-        start_index: Index at which turns start.
-        gap_scale: Factor on the gaps that the tables cover.
-
-    Raises:
-        InputError: The mechanism cannot be reduced, or the index is no finite number.
-        SimulationError: A point of the turn cannot be reached or is singular.
+    Arguments and errors are those of :func:`~.model.build_turns`; an index that is no finite number
+    is refused, too.
     """
     return _model(mechanism, number("start_index", start_index), gap_scale)
 
