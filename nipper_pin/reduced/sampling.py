@@ -168,9 +168,9 @@ def _arrival(
     try:
         around = [ChartSampler(mechanism, arc, angle, 1 - place) for place, arc in enumerate(arcs)]
         charts = charts_of(around, rough, of_gaps=TRIMMED_SHARE * rough, first=first)
+        return Arrival(charts=charts)
     except NipperError as error:
         return Arrival(why=error.message)
-    return Arrival(charts=stacked(mechanism, charts))
 
 
 def _approach_rate(touch: ChartSampler) -> tuple[float, float]:

@@ -49,10 +49,6 @@ class Domain:
     low: float
     high: float
 
-    def coordinates(self, places: FloatArray) -> FloatArray:
-        """Places in [-1, 1] to x."""
-        return np.asarray(0.5 * (self.low + self.high) + 0.5 * (self.high - self.low) * places)
-
     def places(self, x: FloatArray) -> FloatArray:
         """Coordinates x to places in [-1, 1]."""
         return np.asarray((2.0 * x - self.low - self.high) / (self.high - self.low))
@@ -141,7 +137,7 @@ def _sampled(grid: Grid, at: At, domain: Domain, cells: int, count_x: int) -> Ta
     width = domain.travel / cells
     inner = 0.5 * width * (series2d.gauss_nodes(_COUNT_U) + 1.0)
     u = (width * np.arange(cells)[:, None] + inner).ravel()
-    x = domain.coordinates(series2d.gauss_nodes(count_x))
+    x = domain.low + 0.5 * (domain.high - domain.low) * (series2d.gauss_nodes(count_x) + 1.0)
     q = grid(u, x)
     found = at(np.repeat(u, count_x), np.tile(x, len(u)), q.reshape(len(u) * count_x, -1))
     values = found.rows.reshape(-1, cells, _COUNT_U, count_x)

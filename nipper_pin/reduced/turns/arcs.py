@@ -81,7 +81,7 @@ class ContactContinuation:
     def opposite(self, stop: Stop, home: FloatArray) -> tuple[Stop, FloatArray] | None:
         """The stop that ends a flight from another one at the start of a turn, closed."""
         sampler = Sampler(self._system, stop, home)
-        kind = next(item.kind for item in self._mechanism.joints if item.index == stop.index)
+        kind = self._mechanism.joints[stop.index].kind
         x = np.linspace(0.0, _WIDEST[kind], _ACROSS + 1)[1:, None]
         with suppress(SimulationError):
             for (q,) in sampler.along(np.zeros(1), x, home[None]):

@@ -50,20 +50,23 @@ class ChartSampler:
     @cached_property
     def meets(self) -> tuple[float, float, float, float]:
         """As of :class:`Chart`."""
-        arc = self.arc
+        arc, end, q = self.arc, float(self.arc.travels[-1]), self.arc.path[-1]
         if arc.after.name == arc.stop.name:
             return 0.0, 0.0, 0.0, 0.0
-        end = arc.travels[-1:]
-        n, m = self.sampler.rates(end, arc.path[-1:])
-        closed = frozenset({arc.stop.name})
-        state = State.at(self.system, float(end[0]), arc.path[-1], m[0], closed)
-        rounded = of_rates(self.system, state)
-        rate = arc.after.rate(m[0])
-        kind = next(j.kind for j in self.mechanism.joints if j.index == arc.after.index)
+        (n,), (m,) = self.sampler.rates(np.array([end]), q[None])
+        rounded = of_rates(
+            self.system, State.at(self.system, end, q, m, frozenset({arc.stop.name}))
+        )
+        rate = arc.after.rate(m)
+        kind = self.mechanism.joints[arc.after.index].kind
         extent = 1.0 if kind == "revolute" else self.mechanism.reach_m
         wrong = CORNER_ROUND_OFF * (TURN + extent / abs(rate))
-        size = rounded.size(len(m[0]) + arc.after.index) + self._bend(rate) * wrong
-        return rate, size, 1.0 / arc.after.rate(n[0]), wrong
+        # Bound on the change of the rate in a radian, from that a little before the end.
+        beside = min(_BESIDE, 0.5 * end)
+        change = rate - arc.after.rate(self.sampler.closed(end - beside, q)[1])
+        bend = abs(rate) + 2.0 * abs(change) / beside
+        size = rounded.size(len(m) + arc.after.index) + bend * wrong
+        return rate, size, 1.0 / arc.after.rate(n), wrong
 
     def placed(self, chart: Chart) -> Chart:
         """A chart around the arc, with its place in the turn."""
@@ -74,14 +77,6 @@ class ChartSampler:
             begin=self.arc.begin,
             meets=self.meets,
         )
-
-    def _bend(self, rate: float) -> float:
-        """Bound on the change of the rate of the gap ahead in a radian, near the end of the arc."""
-        arc = self.arc
-        before = float(arc.travels[-1] - min(_BESIDE, 0.5 * arc.travels[-1]))
-        _, m = self.sampler.closed(before, arc.path[-1])
-        change = rate - arc.after.rate(m)
-        return float(abs(rate) + 2.0 * abs(change / (arc.travels[-1] - before)))
 
     @property
     def room(self) -> float:

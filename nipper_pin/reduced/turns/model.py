@@ -13,6 +13,7 @@ from ...errors import InputError
 from ...hybrid import START_INDEX, comes_back, initial_state
 from ...mechanism import Mechanism, Stop
 from ...tolerances.reduced import GAP_SHARE, TURN_TABLES
+from ..kernels.layout import Charts
 from ..model import LIVELY, Tabulated, lively_speed, numbers_of
 from ..tables.tables import Chart, stacked
 from .arcs import ContactContinuation, system_at
@@ -89,13 +90,12 @@ def build_turns(
         SimulationError: A point cannot be reached or is singular.
     """
     around, begin = surroundings(mechanism, start_index)
-    charts = charts_of(around, TURN_TABLES, gap_scale=gap_scale)
     return TurnModel(
         **numbers_of(mechanism),
         stops=tuple(item.name for item in mechanism.stops),
         transition_stop=mechanism.transition_stop,
         start_index=start_index,
-        charts=stacked(mechanism, charts),
+        charts=charts_of(around, TURN_TABLES, gap_scale=gap_scale),
         begin=begin,
     )
 
@@ -153,7 +153,7 @@ def _standing(
 def charts_of(
     around: list[ChartSampler], tolerance: float, *, gap_scale: float = 1.0,
     of_gaps: float = GAP_SHARE, first: Chart | None = None,
-) -> list[Chart]:  # fmt: skip
+) -> Charts:  # fmt: skip
     """Sample the tables around the arcs of a turn.
 
     Args:
@@ -164,7 +164,7 @@ def charts_of(
     found = [] if first is None else [around[0].placed(first)]
     asked = list(zip(around, _reach(around), strict=True))[len(found) :]
     found += [chart_of(item, gap_scale * gap, w, tolerance, of_gaps) for item, (gap, w) in asked]
-    return found
+    return stacked(around[0].mechanism, found)
 
 
 def _reach(around: list[ChartSampler]) -> list[tuple[float, float]]:

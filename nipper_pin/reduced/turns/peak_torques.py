@@ -23,10 +23,10 @@ from ...mechanism import Mechanism
 from ...tolerances.reduced import TURN_TABLES
 from ..kernels.layout import HIGH, LOW, Cases, Charts
 from ..model import factors
-from ..tables.tables import Chart, Domain, chart_over, stacked
+from ..tables.tables import Domain, chart_over, stacked
 from ..transition import kernel
 from .cases import BESIDE, Run, room_for
-from .charts import ChartSampler, shares
+from .charts import shares
 from .model import TurnModel, surroundings
 from .turn import turn_model, widening
 
@@ -47,23 +47,17 @@ def torque_model(mechanism: Mechanism, start_index: float, gap_scale: float) -> 
     for place, item in enumerate(around):
         low, high = charts.numbers[place, [LOW, HIGH]].tolist()
         domain = Domain(float(item.arc.travels[-1]), low, high)
+        # The size of the torques at usual rates.
+        rate = float(np.sqrt(np.abs(item.terms(0.0).sum()) * high))
+        fastest = np.abs(item.terms(rate)).sum()
+        usual = np.append(factors(mechanism, len(item.along.equation), rate), fastest)
         for drive in range(len(mechanism.drives)):
-            found.append(_chart(item, drive, domain))
+            at = partial(item.sampler.torque, drive)
+            weights = shares(usual, at(*item.places).rows[: len(usual)])
+            found.append(chart_over(item.sampler.grid, at, domain, weights, TURN_TABLES))
     # Of the function of x'' the bound on its error, and its largest value.
     by_a = np.array([chart.bounds[[0, -1], chart.functions] for chart in found])
     return stacked(mechanism, found)._replace(gap_bounds=by_a)
-
-
-def _chart(around: ChartSampler, drive: int, domain: Domain) -> Chart:
-    """Tables of the torque of one drive around one arc."""
-    at = partial(around.sampler.torque, drive)
-    # The size of the torque at usual rates.
-    rate = float(np.sqrt(np.abs(around.terms(0.0).sum()) * domain.high))
-    functions = at(*around.places).rows[:-3]
-    fastest = np.abs(around.terms(rate)).sum()
-    weights = np.append(factors(around.mechanism, len(functions) - 1, rate), fastest)
-    weights = shares(weights, functions)
-    return chart_over(around.sampler.grid, at, domain, weights, TURN_TABLES)
 
 
 # Panels of a turn that there is room for, by its collisions and other events.
