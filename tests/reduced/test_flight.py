@@ -12,13 +12,27 @@ from numpy.polynomial import Chebyshev, chebyshev
 from scipy.integrate import quad, solve_ivp
 from written_tables import bounce, bounded, case, level, linear, solver_of, tables_of, x_dd
 
-from nipper_pin.reduced.kernels import flight, flight_errors, panel
+from nipper_pin import Mechanism
+from nipper_pin.arrays import FloatArray
+from nipper_pin.mechanism import rad_s_from_rpm
+from nipper_pin.reduced.kernels import (
+    flight,
+    flight_errors,
+    layout,
+    panel,
+    turn,
+    turn_charts,
+    turn_events,
+    turn_quantities,
+    turn_torques,
+)
 from nipper_pin.reduced.kernels.hits import SolvedPanel
 from nipper_pin.reduced.kernels.layout import (
     AT_REST,
     BY_U,
     BY_V,
     BY_X,
+    GROWTH,
     LEFT_GAP,
     LEFT_TRAVEL,
     LEVELS,
@@ -28,13 +42,18 @@ from nipper_pin.reduced.kernels.layout import (
     OTHER_STOP,
     PROBES,
     RESIDUAL,
+    SCRATCH_ROWS,
     SERIES_ONCE,
     SIGMA,
     UNRESOLVED,
+    Case,
     Charts,
     Motion,
+    Settings,
+    Solver,
 )
 from nipper_pin.reduced.kernels.panel import grids
+from nipper_pin.reduced.turns import turn_model
 from nipper_pin.tolerances.mechanics import EPS
 
 pytestmark = pytest.mark.usefixtures("plain")
@@ -204,6 +223,72 @@ def sizes() -> Any:
     return found, bound, by_rate
 
 
+def test_errors_that_were_traced() -> None:
+    """They grow as told, twice; of the rate where x is zero by the time of that, too."""
+    found, bound, by_rate = sizes()
+    g = np.random.default_rng(3).normal(size=6)
+    nodes = np.full((SCRATCH_ROWS, 8), np.nan)
+    nodes[GROWTH, :6] = g
+    T, fastest, dt, dx, dv = 0.01, 1.6, 1e-4, 2e-5, 3e-5
+    felt = by_rate(fastest) * T + 0.5 * bound("steepest_x", fastest) * T**2
+    e = felt * 1e-3 + 2e-3 + bound("residual", fastest) + SPEED * bound("steepest_u", fastest) * dt
+    end, at = bounce(T, -1.4, -9.0, 0.005, fastest, 1e-3, 2e-3), Motion(0, 0, 0, 0, 0, dt, dx, dv)
+    for bend in (0.0, 6.4):
+        x = abs(g[0]) * dx + abs(g[1]) * dv + g[2] * e
+        v = abs(g[3] - bend * g[0]) * dx + abs(g[4] - bend * g[1]) * dv + (g[5] + bend * g[2]) * e
+        true = 2.0 * x, 2.0 * v + 4.0 * EPS * fastest
+        off = turn_events.errors_after(nodes, found, SPEED, end, at, bend)
+        assert off == pytest.approx(true, rel=1e-12)
+
+
+def test_the_error_of_a_torque() -> None:
+    """By those of its functions and of the motion; at rest x'' is zero, and surely so."""
+    found, bound, by_rate = sizes()
+    solver = solver_of(tables_of(level(-1.0)), case(SPEED, [40.0], [-0.05]))
+    solver.work.sizes[0] = found
+    torques = solver._replace(charts=solver.charts._replace(gap_bounds=np.array([[0.3, 0.7, 0.0]])))
+    fastest, dt, dx, dv, da = 1.6, 1e-4, 2e-5, 3e-5, 5e-3
+    off = bound("residual", fastest) + SPEED * dt * bound("steepest_u", fastest)
+    off += dx * bound("steepest_x", fastest) + dv * by_rate(fastest)
+    at = Motion(0, 0.0, 0.0, 0.0, 0.0, dt, dx, dv)
+    for steepest, true in ((0.0, off), (9.0, off + 0.3 * 9.0 + 0.7 * (da + off))):
+        wrong = turn_torques._wrong(solver, torques, 0, at, fastest, steepest, da)
+        assert wrong == pytest.approx(true, rel=1e-12)
+
+
+def kept_panels(e62: Mechanism, speed: float, tolerance: float) -> FloatArray:
+    """Numbers of the panels of a turn, shape (panels, numbers)."""
+    model = turn_model(e62, gap_scale=4.0)
+    work, events = turn_charts.scratch(model.charts, 256), np.empty((320, layout.COLUMNS))
+    records = turn_charts.records_in(events, 1, 320)
+    one = Case(speed, model.restitutions, model.stiffness, model.preload)
+    solver = Solver(grids(), model.charts, work, one, records)
+    turn_charts.prepare(solver)
+    phase, at = turn_quantities.begun(model.begin, speed)
+    turn.follow(solver, Settings(0.0, tolerance), 1, phase, at, model.clamp)
+    return records.panels[: records.counts[layout.PANELS], layout.KEPT]
+
+
+@pytest.mark.parametrize("speed_rpm", [650.0, 1100.0])
+def test_panels_that_are_kept(e62: Mechanism, speed_rpm: float) -> None:
+    """The first flights and rests begin where those of a much finer turn do, but for errors."""
+    speed = rad_s_from_rpm(speed_rpm)
+    rough, fine = (kept_panels(e62, speed, tolerance) for tolerance in (1e-5, 1e-13))
+    kinds = {(chart, nodes > 0.0) for chart, nodes in rough[:, [flight.CHART, flight.NODES]]}
+    assert len(kinds) >= 4
+    for chart, flies in kinds:
+        one, other = (
+            found[(found[:, flight.CHART] == chart) & ((found[:, flight.NODES] > 0.0) == flies)][:2]
+            for found in (rough, fine)
+        )
+        other = other[: len(one)]
+        errors = (one + other)[:, [flight.T_WRONG, flight.X_WRONG, flight.V_WRONG]]
+        off = np.abs(one - other)[:, [flight.FROM, flight.X_BEGIN, flight.V_BEGIN]]
+        assert (off <= errors * (speed, 1.0, 1.0)).all()
+        # Those of a flight hold all along it.
+        assert not flies or (errors > 0.0).all()
+
+
 def test_bounds_of_a_case() -> None:
     """Of x'' itself, its slopes by coordinate and travel, and its derivative by the rate."""
     found, bound, by_rate = sizes()
@@ -329,7 +414,7 @@ def test_time_place_and_rate_of_a_hit(share: float) -> None:
     assert found[2] == pytest.approx(THROWN - 9.0 * t, rel=1e-10, abs=1e-10)
     assert found[5] == pytest.approx(-9.0, rel=1e-10)
     assert found[9] == pytest.approx(THROWN * t - 4.5 * t**2, rel=1e-10)
-    assert found[10] == 1.0
+    assert found[10:] == (1.0, True)
     # The amplitude is what has been reached until then.
     assert found[3] == pytest.approx(found[9] if share < 0.5 else 0.5, rel=1e-9)
 

@@ -266,6 +266,15 @@ def test_the_torque_in_bounces_that_are_not_computed(restitution: float) -> None
     np.testing.assert_allclose(few.largest_torque, many.largest_torque, rtol=restitution)
 
 
+def test_torques_of_a_rough_motion(e62: Mechanism) -> None:
+    """Those of a much finer one within the stated errors, also where few nodes hold a panel."""
+    speeds = np.linspace(300.0, 1900.0, 33)
+    rough, fine = (turn_quantities(e62, torques=True, speed_rpm=speeds, tolerance=tolerance)
+                   for tolerance in (1e-6, 1e-13))  # fmt: skip
+    off = np.abs(rough.largest_torque - fine.largest_torque)
+    assert (off <= rough.largest_torque_error + fine.largest_torque_error).all()
+
+
 def test_numbers_of_a_case_change_the_torque(e62: Mechanism) -> None:
     """A stiffer spring and another preload, as if the mechanism had them."""
     changed = load(

@@ -80,19 +80,20 @@ def _panel(torques: Solver, i: int, block: FloatArray, beaten: float) -> float:
     if order == 0:
         cells = torques.one.speed * numbers[panels.LENGTH] * torques.charts.numbers[i, rows.PER_RAD]
         count = max(_LEAST, int(_PER_CELL * cells) + 1)
-    older, old = 0.0, _value(torques, i, block, 0.0)
-    most = abs(old)
-    for j in range(1, count + 1):
-        value = _value(torques, i, block, end * j / count)
-        most = max(most, abs(value))
-        if j > 1 and (old - older) * (value - old) <= 0.0:
+    most, old = 0.0, _value(torques, i, block, 0.0)
+    older = new = _value(torques, i, block, end / count)
+    for j in range(count + 1):
+        most = max(most, abs(old))
+        # Beyond both ends it is taken as mirrored.
+        if (old - older) * (new - old) <= 0.0:
             # Between places it goes beyond them by less than it changes beside them.
-            reach = abs(old) + max(abs(old - older), abs(value - old))
+            reach = abs(old) + max(abs(old - older), abs(new - old))
             if reach > max(most, beaten):
                 sign = 1.0 if old > 0.0 else -1.0
-                bracket = end * (j - 2) / count, end * j / count
+                bracket = end * max(j - 1, 0) / count, end * min(j + 1, count) / count
                 most = max(most, _extreme(torques, i, block, bracket, sign))
-        older, old = old, value
+        older, old = old, new
+        new = _value(torques, i, block, end * (j + 2) / count) if j + 2 <= count else older
     return most
 
 
