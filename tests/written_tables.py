@@ -11,7 +11,7 @@ from numpy.polynomial import chebyshev
 
 from nipper_pin.arrays import FloatArray
 from nipper_pin.reduced.kernels import kernel, layout, panel, turn_charts
-from nipper_pin.reduced.kernels.layout import Case, Cases, Charts, Flown, Settings, Solver
+from nipper_pin.reduced.kernels.layout import Case, Charts, Flown, Settings, Solver
 from nipper_pin.reduced.model import Arrival
 
 # Bounces of the waiting stop that are followed on the way to the touch.
@@ -111,7 +111,7 @@ def rest_of_turn(
 
 
 def solve(
-    charts: Charts, cases: Cases, settings: Settings, most: int, *, ask: bool = False,
+    charts: Charts, cases: FloatArray, settings: Settings, most: int, *, ask: bool = False,
     angle: tuple[float, float] = (0.0, 1.0), before: Any = None,
 ) -> tuple[Any, Any]:  # fmt: skip
     """What is written of cases, of their transitions or of what is asked of the turn before.
@@ -119,7 +119,7 @@ def solve(
     Args:
         before: What was written of them before.
     """
-    n = len(cases.speed)
+    n = len(cases)
     table = np.full((n, most + layout.BESIDE, layout.COLUMNS), np.nan)
     told = np.array([[layout.GOES_ON, 0, layout.NOT_ASKED]] * n)
     if before is not None:
@@ -131,7 +131,7 @@ def solve(
         job = layout.Job(int(layout.ARRIVALS), _BOUNCES)
         events = np.empty((1, 2 * _BOUNCES, layout.COLUMNS))
     kernel.run(
-        panel.grids(), tuple(charts), tuple(cases), tuple(settings), tuple(job), events, told, table
+        panel.grids(), tuple(charts), cases, tuple(settings), tuple(job), events, told, table
     )
     return table, told
 

@@ -15,7 +15,7 @@ from ..given import LARGEST, column, number, numbers, refuse, whole
 from ..hybrid import FASTEST_RPM
 from ..tolerances.reduced import COARSEST_TOLERANCE, FINEST_TOLERANCE
 from ..units import S_PER_MIN
-from .kernels.layout import Cases, Settings
+from .kernels.layout import Settings
 from .model import Tabulated
 
 _RAD_S = math.tau / S_PER_MIN
@@ -42,8 +42,8 @@ def check_tolerance(tolerance: float, where: str = "") -> None:
 def cases_of(
     model: Tabulated, speed_rpm: ArrayLike, restitution: Mapping[int, tuple[str, ArrayLike]],
     stiffness: ArrayLike | None, preload: ArrayLike | None, *, one: bool = False,
-) -> Cases:  # fmt: skip
-    """Numbers of n cases; a single number stands for all of them.
+) -> FloatArray:  # fmt: skip
+    """Numbers of n cases in the order of a model's, shape (n, numbers).
 
     Args:
         restitution: e_N of stops by their places, with names of the parameters; of all others those
@@ -53,21 +53,26 @@ def cases_of(
         one: Whether there is a single case, whose springs have numbers or shape (springs,).
     """
     take: Callable[..., Any] = number if one else column
-    speed = take("speed_rpm", speed_rpm, 0.0, FASTEST_RPM, open_low=True) * _RAD_S
-    columns = [take(key, value, 0.0, 1.0) for key, value in restitution.values()]
-    e_N, most = model.restitutions[None].copy(), 1.0 if one else math.inf
-    rates, lengths = model.stiffness[None], model.preload[None]
+    given: list[tuple[int | slice, Any]] = []
+    given.append((0, take("speed_rpm", speed_rpm, 0.0, FASTEST_RPM, open_low=True) * _RAD_S))
+    for place, (key, value) in restitution.items():
+        given.append((1 + place, take(key, value, 0.0, 1.0)))
+    cases, springs, most = model.numbers[None], len(model.springs), 1.0 if one else math.inf
+    first = cases.shape[1] - springs
     if stiffness is not None:
-        rates = spring_rows("stiffness", stiffness, len(model.stiffness), most)
+        rates = spring_rows("stiffness", stiffness, springs, most)
+        given.append((slice(first - springs, first), rates))
     if preload is not None:
-        lengths = spring_rows("preload", preload, len(model.preload), most)
+        given.append((slice(first, None), spring_rows("preload", preload, springs, most)))
     if one:
-        speed = np.array([speed])
+        cases = cases.copy()
     else:
-        speed, e_N, rates, lengths, *columns = of_all_cases(speed, e_N, rates, lengths, *columns)
-    for place, values in zip(restitution, columns, strict=True):
-        e_N[:, place] = values
-    return Cases(speed, e_N, rates, lengths)
+        columns = of_all_cases(*(values for _, values in given))
+        given = [(place, values) for (place, _), values in zip(given, columns, strict=True)]
+        cases = cases.repeat(len(columns[0]), axis=0)
+    for where, values in given:
+        cases[:, where] = values
+    return cases
 
 
 def speeds_of(value: ArrayLike) -> FloatArray:

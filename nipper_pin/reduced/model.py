@@ -62,17 +62,14 @@ class Tabulated:
         name: Its model name.
         springs: Names of the springs.
         charts: Its functions.
-        restitutions: e_N of all stops in its file, shape (K,).
-        stiffness: Spring rates likewise, shape (springs,) [N/m or N m/rad].
-        preload: Deflections in the springs at zero likewise, shape (springs,) [m or rad].
+        numbers: Those of a case: speed of the cylinder (0), and from its file e_N of all stops,
+            stiffnesses of springs and preloads, shape (1 + K + 2 springs,).
     """
 
     name: str
     springs: tuple[str, ...]
     charts: Charts = field(repr=False, compare=False)
-    restitutions: FloatArray = field(repr=False, compare=False)
-    stiffness: FloatArray = field(repr=False, compare=False)
-    preload: FloatArray = field(repr=False, compare=False)
+    numbers: FloatArray = field(repr=False, compare=False)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,10 +108,8 @@ class ReducedModel(Tabulated):
 
 def numbers_of(mechanism: Mechanism) -> dict[str, Any]:
     """Return what tables keep of a mechanism, but for its functions."""
-    return {
-        "name": mechanism.name,
-        "springs": tuple(spring.name for spring in mechanism.springs),
-        "restitutions": np.array([item.restitution for item in mechanism.stops]),
-        "stiffness": np.array([spring.stiffness for spring in mechanism.springs]),
-        "preload": np.array([spring.preload for spring in mechanism.springs]),
-    }
+    springs = mechanism.springs
+    numbers = [0.0, *(item.restitution for item in mechanism.stops)]
+    numbers += [*(item.stiffness for item in springs), *(item.preload for item in springs)]
+    names = tuple(item.name for item in springs)
+    return {"name": mechanism.name, "springs": names, "numbers": np.array(numbers)}

@@ -14,7 +14,7 @@ from ..errors import InputError, SimulationError
 from ..extras import require
 from .inputs import cases_of, checked_run
 from .kernels import layout
-from .kernels.layout import Cases, Job, Settings
+from .kernels.layout import Job, Settings
 from .model import ReducedModel
 from .results import REASONS, ReducedTransition, Status, TransitionBatch
 
@@ -138,7 +138,7 @@ def kernel() -> tuple[Callable[..., None], FloatArray]:
 
 
 def _run(
-    model: ReducedModel, cases: Cases, settings: Settings, table: FloatArray,
+    model: ReducedModel, cases: FloatArray, settings: Settings, table: FloatArray,
     told: NDArray[np.int64], *tasks: int,
 ) -> NDArray[np.int64]:  # fmt: skip
     """Do what is asked, in its order; returns what is known of the premise.
@@ -158,15 +158,15 @@ def _run(
             charts, most = model.arrival.charts, _MOST_BOUNCES
             events = np.empty((1, 2 * most, layout.COLUMNS))
         job = task, most, *_NO_TURNS, model.touch_angle_rad, float(model.sense)
-        run(grids, (*charts,), (*cases,), (*settings,), job, events, told, table)
+        run(grids, (*charts,), cases, (*settings,), job, events, told, table)
     return told[:, 2]
 
 
 def _solved(
-    model: ReducedModel, cases: Cases, settings: Settings, assumed: bool, most: int
+    model: ReducedModel, cases: FloatArray, settings: Settings, assumed: bool, most: int
 ) -> tuple[FloatArray, NDArray[np.int64], partial[NDArray[np.int64]]]:
     """Transitions of checked cases: what is written by :func:`_run`, and what tells the premise."""
-    n = len(cases.speed)
+    n = len(cases)
     table = np.empty((n, most + layout.BESIDE, layout.COLUMNS))
     told = np.empty((n, 3), dtype=np.int64)
     told[:] = _NOTHING_TOLD

@@ -26,7 +26,7 @@ from nipper_pin.reduced.kernels import (
     flight_errors,
     series,
 )
-from nipper_pin.reduced.kernels.layout import FAILS, HOLDS, UNKNOWN, Cases, Charts, Motion, Settings
+from nipper_pin.reduced.kernels.layout import FAILS, HOLDS, UNKNOWN, Charts, Motion, Settings
 
 pytestmark = pytest.mark.usefixtures("plain")
 
@@ -55,8 +55,7 @@ def arrival(
 ) -> Any:  # fmt: skip
     """The premise, and x, x' and their errors at the touch."""
     turn = turning(travel, push, **more) if turn is None else turn
-    none = np.empty((1, 0))
-    cases = Cases(np.array([SPEED]), np.array([[0.3, e]]), none, none)
+    cases = np.array([[SPEED, 0.3, e]])
     settings = Settings(rest_rate, tolerance)
     table, told = solve(turn, cases, settings, 0, ask=True)
     return int(told[0, 2]), *table[0, 0, :4]

@@ -46,7 +46,6 @@ from nipper_pin.reduced.kernels.layout import (
     SERIES_ONCE,
     SIGMA,
     UNRESOLVED,
-    Case,
     Charts,
     Motion,
     Settings,
@@ -261,7 +260,7 @@ def kept_panels(e62: Mechanism, speed: float, tolerance: float) -> FloatArray:
     model = turn_model(e62, gap_scale=4.0)
     work, events = turn_charts.scratch(model.charts, 256), np.empty((320, layout.COLUMNS))
     records = turn_charts.records_in(events, 1, 320)
-    one = Case(speed, model.restitutions, model.stiffness, model.preload)
+    one = turn_charts.case_of(model.charts, np.array([speed, *model.numbers[1:]]))
     solver = Solver(grids(), model.charts, work, one, records)
     turn_charts.prepare(solver)
     phase, at = turn_quantities.begun(model.begin, speed)

@@ -31,7 +31,8 @@ def parallel(model: ReducedModel) -> ReducedModel:
     charts = model.charts
     both = [*range(6), 4, 5]
     return replace(
-        model, springs=("one", "two"), stiffness=model.stiffness[0] * SHARES, preload=PRELOADS,
+        model, springs=("one", "two"),
+        numbers=np.concatenate([model.numbers[:-2], model.numbers[-2] * SHARES, PRELOADS]),
         arrival=Arrival(why="not of two springs"),
         charts=charts._replace(
             # Code is compiled anew for arrays of another order.

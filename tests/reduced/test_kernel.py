@@ -51,7 +51,6 @@ from nipper_pin.reduced.kernels.layout import (
     TRAVEL,
     UNKNOWN,
     UNTOLD,
-    Cases,
     Settings,
 )
 
@@ -81,8 +80,10 @@ def run(
     """One transition: its status, its summary, its premise and its table."""
     if charts is None:
         charts = tables_of(EQUATION, **TABLES)
-    stops = np.array([[e, WAITING_E_N]])
-    cases = Cases(np.array([SPEED]), stops, K[None], P[None])
+    if charts.stops.shape[1] == 2:
+        # A second stop that closes nowhere.
+        charts = charts._replace(stops=np.array([[0, 0, 1]]))
+    cases = np.concatenate([[SPEED, e, WAITING_E_N], K, P])[None]
     settings = Settings(rest_rate, 1e-9)
     asked = None if assumed else solve(turn, cases, settings, 0, ask=True)
     found = solve(charts, cases, settings, most, angle=ANGLE, before=asked)

@@ -76,9 +76,8 @@ def test_every_number_of_a_model(model: ReducedModel, e62: Mechanism, turn: Solu
     assert model.touch_angle_rad == e62.cylinder.angle_at_touch_rad
     assert model.sense == -1
     assert model.charts.lever.tolist() == [stop.lever for stop in e62.stops]
-    assert model.restitutions.tolist() == [stop.restitution for stop in e62.stops]
-    assert model.stiffness.tolist() == [9000.0]
-    assert model.preload == pytest.approx([0.011])
+    e_N = [stop.restitution for stop in e62.stops]
+    assert model.numbers == pytest.approx([0.0, *e_N, 9000.0, 0.011], rel=1e-15)
     assert model.tolerance == 1e-11
     first = hits(turn, "jaw")
     assert approach * SPEED == pytest.approx(first.approach_rate, rel=1e-9)

@@ -19,7 +19,7 @@ from . import layout as rows
 from .closed import released
 from .compiled import compiled, part
 from .in_memory import in_memory
-from .layout import Cases, Charts, Job, Motion, Plain, Records, Settings, Solver, Work
+from .layout import Charts, Job, Motion, Plain, Records, Settings, Solver, Work
 from .turn import FLYING, STRIKING, follow
 from .turn_charts import case_of, prepare, records_in, scratch
 from .turn_quantities import turns_of
@@ -117,7 +117,7 @@ def _premise(solver: Solver, settings: Settings, found: FloatArray,
 
 
 @compiled
-def run(grids: FloatArray, charts: Plain, cases: Plain, settings: Plain, job: Plain,
+def run(grids: FloatArray, charts: Plain, cases: FloatArray, settings: Plain, job: Plain,
         events: FloatArray, told: NDArray[np.int64], found: FloatArray) -> None:  # fmt: skip
     """Do for each case of a batch what is asked.
 
@@ -140,21 +140,22 @@ def run(grids: FloatArray, charts: Plain, cases: Plain, settings: Plain, job: Pl
             over the touch: gap, rate, and bounds on the errors of both. Or, written, quantities of
             turns, the last one first, NaN before the first one, shape (n, last, quantities).
     """
-    machine, given, shared, asked = Charts(*charts), Cases(*cases), Settings(*settings), Job(*job)
+    machine, shared, asked = Charts(*charts), Settings(*settings), Job(*job)
     work, room = scratch(machine, asked.bounces), records_in(events[0], asked.turns, 0)
-    _all(grids, machine, work, given, shared, asked, room, events, told, found)
+    _all(grids, machine, work, cases, shared, asked, room, events, told, found)
 
 
 @part
-def _all(grids: FloatArray, machine: Charts, scratches: Work, cases: Cases, settings: Settings,
+def _all(grids: FloatArray, machine: Charts, scratches: Work, cases: FloatArray, settings: Settings,
          job: Job, room: Records, events: FloatArray, told: NDArray[np.int64], found: FloatArray,
          ) -> None:  # fmt: skip
     """All cases, one after the other."""
     charts, work = in_memory(machine), in_memory(scratches)
-    for i in range(len(cases.speed)):
+    for i in range(len(cases)):
         own = events[min(i, len(events) - 1)]
         records = in_memory(Records(own, room.holds, room.ends, room.counts, room.panels))
-        solver = in_memory(Solver(grids, charts, work, in_memory(case_of(cases, i)), records))
+        one = in_memory(case_of(machine, cases[i]))
+        solver = in_memory(Solver(grids, charts, work, one, records))
         prepare(solver)
         if job.task == rows.TRANSITIONS:
             _transition(solver, settings, job, told[i])

@@ -150,24 +150,15 @@ class Charts(NamedTuple):
     lever: FloatArray
 
 
-class Cases(NamedTuple):
-    """Numbers of n cases.
+class Case(NamedTuple):
+    """Numbers of a case; those of many are rows with one after the other.
 
     Attributes:
-        speed: Cylinder speeds, shape (n,) [rad/s].
-        restitution: e_N of all stops, shape (n, K).
-        stiffness: Spring rates, shape (n, springs).
+        speed: Cylinder speed [rad/s].
+        restitution: e_N of all stops, shape (K,).
+        stiffness: Spring rates, shape (springs,).
         preload: Deflections in the springs at zero, likewise.
     """
-
-    speed: FloatArray
-    restitution: FloatArray
-    stiffness: FloatArray
-    preload: FloatArray
-
-
-class Case(NamedTuple):
-    """Numbers of one of them."""
 
     speed: float
     restitution: FloatArray

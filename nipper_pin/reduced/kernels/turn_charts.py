@@ -8,7 +8,7 @@ from ...arrays import FloatArray
 from . import layout as rows
 from .compiled import allocating, part
 from .flight_errors import sizes_of
-from .layout import Case, Cases, Charts, Motion, Records, Solver, Work
+from .layout import Case, Charts, Motion, Records, Solver, Work
 from .panel import cell_at, combine, place_of
 
 
@@ -38,11 +38,11 @@ def records_in(events: FloatArray, turns: int, panels: int) -> Records:
 
 
 @part
-def case_of(cases: Cases, i: int) -> Case:
-    """One of the cases."""
-    return Case(
-        cases.speed[i], cases.restitution[i], cases.stiffness[i], cases.preload[i],
-    )  # fmt: skip
+def case_of(charts: Charts, numbers: FloatArray) -> Case:
+    """A case by its numbers."""
+    first = charts.stops.shape[1]
+    preload = (first + len(numbers)) // 2
+    return Case(numbers[0], numbers[1:first], numbers[first:preload], numbers[preload:])
 
 
 @part

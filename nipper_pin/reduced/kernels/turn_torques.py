@@ -12,7 +12,7 @@ from . import layout as rows
 from .compiled import compiled, part
 from .flight_errors import size
 from .in_memory import in_memory
-from .layout import Cases, Charts, Job, Motion, Records, Settings, Solver, Work
+from .layout import Charts, Job, Motion, Records, Settings, Solver, Work
 from .panel import acceleration, along, chebyshev, contract, place_of, position, rate_at, reach
 from .turn import FLYING, RESTING, follow
 from .turn_charts import case_of, prepare, records_in, scratch
@@ -187,7 +187,7 @@ def largest_torques(solver: Solver, torques: Solver, most: FloatArray, wrong: Fl
 
 
 @compiled
-def run_torques(grids: FloatArray, charts: Charts, torques: Charts, cases: Cases,
+def run_torques(grids: FloatArray, charts: Charts, torques: Charts, cases: FloatArray,
                 settings: Settings, job: Job, panels: int, events: FloatArray,
                 told: NDArray[np.int64], found: FloatArray) -> None:  # fmt: skip
     """Largest torques of the last turns of many cases.
@@ -210,14 +210,14 @@ def run_torques(grids: FloatArray, charts: Charts, torques: Charts, cases: Cases
 
 @part
 def _all(grids: FloatArray, charts: Charts, torques: Charts, works: tuple[Work, Work],
-         cases: Cases, settings: Settings, job: Job, records: tuple[Records, Records],
+         cases: FloatArray, settings: Settings, job: Job, records: tuple[Records, Records],
          told: NDArray[np.int64], found: FloatArray) -> None:  # fmt: skip
     """All cases, one after the other."""
     machine, drives = in_memory(charts), in_memory(torques)
     work, mixed = in_memory(works[0]), in_memory(works[1])
     first, again = in_memory(records[0]), in_memory(records[1])
-    for i in range(len(cases.speed)):
-        one = in_memory(case_of(cases, i))
+    for i in range(len(cases)):
+        one = in_memory(case_of(charts, cases[i]))
         solver = in_memory(Solver(grids, machine, work, one, first))
         keeper = in_memory(Solver(grids, machine, work, one, again))
         torques_of = in_memory(Solver(grids, drives, mixed, one, again))

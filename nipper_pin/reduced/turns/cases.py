@@ -12,7 +12,7 @@ from ...arrays import FloatArray
 from ...errors import InputError, UnknownNameError
 from ...given import number, whole
 from ..inputs import cases_of, checked_run
-from ..kernels.layout import COLUMNS, TURNS, Cases, Job, Settings
+from ..kernels.layout import COLUMNS, TURNS, Job, Settings
 from .model import TurnModel
 
 # Events of a turn that there is room for beyond its collisions.
@@ -73,7 +73,7 @@ def turn_cases(
     model: TurnModel, speed_rpm: ArrayLike,
     restitution: ArrayLike | Mapping[str, ArrayLike] | None, stiffness: ArrayLike | None,
     preload: ArrayLike | None, *, one: bool = False,
-) -> Cases:  # fmt: skip
+) -> FloatArray:  # fmt: skip
     """Numbers of n cases, as of :func:`~..inputs.cases_of`.
 
     Args:

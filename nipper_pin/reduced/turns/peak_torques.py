@@ -21,7 +21,7 @@ from ...arrays import FloatArray
 from ...made_once import made_once
 from ...mechanism import Mechanism
 from ...tolerances.reduced import TURN_TABLES
-from ..kernels.layout import HIGH, LOW, Cases, Charts
+from ..kernels.layout import HIGH, LOW, Charts
 from ..model import factors
 from ..tables.tables import Domain, chart_over, stacked
 from ..transition import kernel
@@ -65,7 +65,7 @@ _PANELS = 2
 
 
 def peak_torques(
-    mechanism: Mechanism, start_index: float, run: Run, cases: Cases, last: int | None
+    mechanism: Mechanism, start_index: float, run: Run, cases: FloatArray, last: int | None
 ) -> tuple[NDArray[np.int64], FloatArray]:
     """Status of each case, shape (n,), and largest torques.
 
@@ -76,11 +76,11 @@ def peak_torques(
     _, grids = kernel()
     from ..kernels.turn_torques import run_torques
 
-    n, drives = len(cases.speed), len(mechanism.drives)
+    n, drives = len(cases), len(mechanism.drives)
     status = np.zeros((n, 1), dtype=np.int64)
     largest = room_for(n, last, 2 * drives).reshape(n, -1, 2, drives)
 
-    def follow(model: TurnModel, gap_scale: float, cases: Cases, told: NDArray[np.int64],
+    def follow(model: TurnModel, gap_scale: float, cases: FloatArray, told: NDArray[np.int64],
                found: FloatArray) -> None:  # fmt: skip
         torques = torque_model(mechanism, start_index, gap_scale)
         panels = _PANELS * (run.most + BESIDE)

@@ -161,7 +161,7 @@ def turn_quantities(
     run = run_of("turns", turns, rest_rate, tolerance, max_collisions, least_force)
     model = turn_model(mechanism, start_index)
     cases = turn_cases(model, speed_rpm, restitution, stiffness, preload)
-    n = len(cases.speed)
+    n = len(cases)
     told = np.zeros((n, 4), dtype=np.int64)
     table = room_for(n, last, rows.TURN_NUMBERS + rows.PER_STOP * len(model.stops))
     widening(mechanism, start_index, cases, told, table, partial(follow, run, run.events()))
@@ -174,5 +174,5 @@ def turn_quantities(
     if last is None:
         table, largest = table[:, 0], largest[:, 0]
     return TurnQuantities(
-        model.name, model.stops, status, followed, again, cases.speed, table, drives, largest
+        model.name, model.stops, status, followed, again, cases[:, 0].copy(), table, drives, largest
     )

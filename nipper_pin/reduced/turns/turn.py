@@ -14,7 +14,7 @@ from ...given import number
 from ...hybrid import START_INDEX
 from ...made_once import made_once
 from ...mechanism import Mechanism
-from ..kernels.layout import LEFT_GAP, Cases
+from ..kernels.layout import LEFT_GAP
 from ..results import TURN_REASONS, ReducedTurns, TurnStatus
 from ..transition import kernel
 from .cases import Run, run_of, turn_cases
@@ -38,10 +38,10 @@ def turn_model(
 def widening(
     mechanism: Mechanism,
     start_index: float,
-    cases: Cases,
+    cases: FloatArray,
     told: NDArray[np.int64],
     found: FloatArray,
-    run: Callable[[TurnModel, float, Cases, NDArray[np.int64], FloatArray], None],
+    run: Callable[[TurnModel, float, FloatArray, NDArray[np.int64], FloatArray], None],
 ) -> None:
     """Run cases, those that leave the tables of a model on the next wider one, if there is one.
 
@@ -55,7 +55,7 @@ def widening(
         left = np.flatnonzero(told[:, 0] == LEFT_GAP)
         if not len(left):
             return
-        some, here = Cases(*(item[left] for item in cases)), (told[left], found[left])
+        some, here = cases[left], (told[left], found[left])
         try:
             run(turn_model(mechanism, start_index, gap_scale), gap_scale, some, *here)
         except SimulationError:
@@ -106,10 +106,10 @@ def turns(
 
 
 def follow(
-    run: Run, events: FloatArray, model: TurnModel, _gap_scale: float, cases: Cases,
+    run: Run, events: FloatArray, model: TurnModel, _gap_scale: float, cases: FloatArray,
     told: NDArray[np.int64], found: FloatArray,
 ) -> None:  # fmt: skip
     """Follow turns of cases on one model."""
     solve, grids = kernel()
     job = (*run.of(model),)
-    solve(grids, (*model.charts,), (*cases,), (*run.settings,), job, events, told, found)
+    solve(grids, (*model.charts,), cases, (*run.settings,), job, events, told, found)
