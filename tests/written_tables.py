@@ -250,6 +250,6 @@ def solver_of(charts: Charts, one: Case, *, most: int = 8) -> Solver:
         array.fill(np.nan)
     records = turn_charts.records_in(np.full((most, layout.COLUMNS), np.nan), 1, 0)
     solver = Solver(panel.grids(), charts, work, one, records)
-    turn_charts.prepare(solver)
+    turn_charts.prepare(solver, True)
     panel.reach(solver, 0, 0.0, charts.numbers[0, layout.TRAVEL_MOST])
     return solver

@@ -262,7 +262,7 @@ def kept_panels(e62: Mechanism, speed: float, tolerance: float) -> FloatArray:
     records = turn_charts.records_in(events, 1, 320)
     one = turn_charts.case_of(model.charts, np.array([speed, *model.numbers[1:]]))
     solver = Solver(grids(), model.charts, work, one, records)
-    turn_charts.prepare(solver)
+    turn_charts.prepare(solver, True)
     phase, at = turn_quantities.begun(model.begin, speed)
     turn.follow(solver, Settings(0.0, tolerance), 1, phase, at, model.clamp)
     return records.panels[: records.counts[layout.PANELS], layout.KEPT]

@@ -156,7 +156,7 @@ def _all(grids: FloatArray, machine: Charts, scratches: Work, cases: FloatArray,
         records = in_memory(Records(own, room.holds, room.ends, room.counts, room.panels))
         one = in_memory(case_of(machine, cases[i]))
         solver = in_memory(Solver(grids, charts, work, one, records))
-        prepare(solver)
+        prepare(solver, job.task != rows.TRANSITIONS)
         if job.task == rows.TRANSITIONS:
             _transition(solver, settings, job, told[i])
         elif job.task == rows.ARRIVALS:

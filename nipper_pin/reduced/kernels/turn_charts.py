@@ -46,13 +46,17 @@ def case_of(charts: Charts, numbers: FloatArray) -> Case:
 
 
 @part
-def prepare(solver: Solver) -> None:
-    """Combine for a case what is known of its charts before their cells: see ``reach``."""
+def prepare(solver: Solver, rests: bool) -> None:
+    """Combine for a case what is known of its charts before their cells: see ``reach``.
+
+    Args:
+        rests: Whether stops stay closed, so that x'' along them is asked for.
+    """
     charts, work = solver.charts, solver.work
     work.ready[:] = False
     for c in range(len(charts.along)):
         sizes_of(charts.bounds[c], work.sizes[c], solver.one)
-        for cell in range(charts.along.shape[1]):
+        for cell in range(charts.along.shape[1] if rests else 0):
             combine(charts.along[c, cell], solver.one, rows.NO, work.line[c, cell])
 
 

@@ -221,8 +221,8 @@ def _all(grids: FloatArray, charts: Charts, torques: Charts, works: tuple[Work, 
         solver = in_memory(Solver(grids, machine, work, one, first))
         keeper = in_memory(Solver(grids, machine, work, one, again))
         torques_of = in_memory(Solver(grids, drives, mixed, one, again))
-        prepare(solver)
-        prepare(torques_of)
+        prepare(solver, rows.YES)
+        prepare(torques_of, rows.NO)
         told[i] = _torques(solver, keeper, torques_of, settings, job, found[i])
         if told[i] != rows.AT_REST:
             found[i] = np.nan
