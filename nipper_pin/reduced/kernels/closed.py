@@ -18,6 +18,8 @@ from .panel import cell_at, range_in
 # Places of a cell between which a force has at most one extreme.
 PLACES = 16
 _STEPS = 60
+# A force is flat at its extreme: half of the digits of the place give all of its value.
+_HALVINGS = 27
 
 
 class Stretch(NamedTuple):
@@ -68,10 +70,8 @@ def force_at(at: Stretch, u: float) -> tuple[float, float]:
 @part
 def extreme(at: Stretch, low: float, high: float, rises: bool) -> float:
     """Place between two others where the slope of the force changes its sign."""
-    for _ in range(_STEPS):
+    for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
-        if not low < middle < high:
-            break
         if (force_at(at, middle)[1] > 0.0) == rises:
             low = middle
         else:
@@ -89,12 +89,10 @@ def passage(at: Stretch, low: float, high: float, rises: bool) -> float:
             high = u
         else:
             low = u
-        new = u - (force - at.level) / slope if slope != 0.0 else low
-        if not low < new < high:
-            new = 0.5 * (low + high)
+        new = u - (force - at.level) / slope if slope != 0.0 else np.nan
         if abs(new - u) <= 2.0 * EPS * high:
             return new
-        u = new
+        u = new if low < new < high else 0.5 * (low + high)
     return u
 
 
