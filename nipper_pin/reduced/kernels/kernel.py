@@ -126,6 +126,7 @@ def run(grids: FloatArray, charts: Plain, cases: FloatArray, settings: Plain, jo
     Args:
         charts: Of transitions the domain of the reduced model, of arrivals those of the rest of
             the turn, of turns those of the machine.
+        cases: A row a case, as of :class:`~.layout.Case`.
         job: As of :class:`~.layout.Job`.
         events: Written: of each transition, shape (n, most + BESIDE, COLUMNS), NaN beyond the last
             collision, but the last row is its rest, whose travel is told; of all others scratch,

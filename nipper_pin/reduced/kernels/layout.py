@@ -151,7 +151,7 @@ class Charts(NamedTuple):
 
 
 class Case(NamedTuple):
-    """Numbers of a case; those of many are rows with one after the other.
+    """Numbers of a case. Of many cases they are rows of one array, in this order.
 
     Attributes:
         speed: Cylinder speed [rad/s].
