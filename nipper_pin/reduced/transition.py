@@ -27,6 +27,7 @@ _NOTHING_TOLD = np.array([layout.GOES_ON, 0, layout.NOT_ASKED])
 _MOST_BOUNCES = 64
 # Collisions that nearly all transitions have less of.
 _USUAL = 32
+_ENGINE = "the reduced engine"
 
 
 def transition(
@@ -120,6 +121,7 @@ def transitions(
     stop = model.charts.stops[0, layout.OWN]
     e_N = {} if restitution is None else {stop: ("restitution", restitution)}
     cases = cases_of(model, speed_rpm, e_N, stiffness, preload)
+    require("study", "numba", what=_ENGINE)
     settings = checked_run(rest_rate, tolerance, max_collisions)
     table, told, tell = _solved(model, cases, settings, assumed, max_collisions)
     status, counts, _ = told.T.copy()
@@ -130,7 +132,7 @@ def transitions(
 @cache
 def kernel() -> tuple[Callable[..., None], FloatArray]:
     """The compiled function and its grids; numba is loaded here."""
-    require("study", "numba", what="the reduced engine")
+    require("study", "numba", what=_ENGINE)
     from .kernels.kernel import run
     from .kernels.panel import grids
 
