@@ -60,12 +60,12 @@ MEDIANS = {
     ("direct", "turn", "approach rate"): 0.0165,
     ("direct", "turn", "impulse"): 0.016,
     ("direct", "turn", "time of a rest"): 0.02,
-    ("reduced", "transition", "time of a collision"): 0.0204,
+    ("reduced", "transition", "time of a collision"): 0.021,
     ("reduced", "transition", "approach rate"): 0.0104,
-    ("reduced", "transition", "impulse"): 0.0115,
-    ("reduced", "transition", "amplitude"): 0.0088,
-    ("reduced", "transition", "time of a rebound"): 0.0114,
-    ("reduced", "transition", "time of a rest"): 0.0135,
+    ("reduced", "transition", "impulse"): 0.026,
+    ("reduced", "transition", "amplitude"): 0.0145,
+    ("reduced", "transition", "time of a rebound"): 0.013,
+    ("reduced", "transition", "time of a rest"): 0.022,
 }
 _WITHIN = 2.5
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import copy
 from dataclasses import replace
 from itertools import groupby
-from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from benchmarks.run_time.certified import certified_cycle
 from nipper_pin import (
@@ -24,11 +24,13 @@ from nipper_pin import (
     load,
     simulate,
 )
-from nipper_pin.mechanism import from_sources
+from nipper_pin.mechanism import Stop, from_sources
 from nipper_pin.mechanism.gallery import GALLERY, drawn
 from nipper_pin.reduced.kernels import layout
+from nipper_pin.reduced.tables.functions import Sampler
 from nipper_pin.reduced.turns import ReducedTurns, TurnStatus, arcs, build_turns, turn_model, turns
 from nipper_pin.reduced.turns import turn as module
+from nipper_pin.tolerances.mechanics import EPS
 
 PERIOD = {"450": 60.0 / 450.0, "650": 60.0 / 650.0}
 KINDS = {EventKind.COLLISION: "collision", EventKind.REST: "rest", EventKind.RELEASE: "release"}
@@ -299,12 +301,24 @@ def test_charts_cover_the_turn_without_gaps(e62: Mechanism) -> None:
         assert begin[chart] == pytest.approx(met, rel=1e-13)
 
 
-@pytest.mark.parametrize("depth", [1e-6, 1e-12, 1e-20, 0.0, -1e-12])
-def test_gaps_that_dip_between_two_steps(depth: float) -> None:
-    """The first zero of (t - 0.31)^2 - depth, from places where it falls and rises above zero."""
-    sampler = SimpleNamespace(closed=lambda travel, _: (travel, travel))
-    stop = SimpleNamespace(gap=lambda t: (t - 0.31) ** 2 - depth, rate=lambda t: 2.0 * (t - 0.31))
-    found = arcs._corner(cast("Any", sampler), cast("Any", stop), 0.28, 0.33, np.zeros(1))
+@pytest.mark.parametrize("depth", [1e-6, 1e-9, 1e-12, -1e-12, -1e-6])
+def test_gaps_that_dip_between_two_steps(e62: Mechanism, depth: float) -> None:
+    """A stop that the nipper passes by a little where it turns back, while the jaw is closed."""
+    system = arcs.system_at(e62, 0.0, e62.cylinder.angle_at_touch_rad)
+    sampler = Sampler(system, e62.stop("jaw"), np.zeros(len(e62.joints)))
+    nipper = next(joint.index for joint in e62.joints if joint.name == "nipper_pivot")
+    before = sampler.closed(0.85, np.zeros(len(e62.joints)))[0]
+
+    def along(travel: float) -> tuple[float, float]:
+        q, rates = sampler.closed(travel, before)
+        return q[nipper], rates[nipper]
+
+    lowest = brentq(lambda travel: along(travel)[1], 0.85, 0.9, xtol=1e-15)
+    at = along(lowest)[0] + depth
+    stop = Stop(name="beside", index=nipper, restitution=0.0, contact=None, sense=1.0, at=at)
+    found = arcs._corner(sampler, stop, 0.85, 0.9, before)
     assert (found is not None) is (depth > 0.0)
     if found is not None:
-        assert found[0] == pytest.approx(0.31 - depth**0.5, abs=1e-12)
+        true = brentq(lambda travel: along(travel)[0] - at, 0.85, lowest, xtol=1e-15)
+        # A round-off of the gap moves the place by that over its slope.
+        assert abs(found[0] - true) * abs(along(true)[1]) <= 64.0 * EPS

@@ -128,7 +128,7 @@ class Sampler:
         """Close the loops on a grid, from neighbour to neighbour, so that the branch is kept.
 
         Args:
-            u: Travels from zero on, to either side, shape (U,).
+            u: Travels, increasing, the first one near zero, shape (U,).
             x: Coordinates in any order, shape (X,).
 
         Returns:
